@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench cases check any-cpu report test slow mutants simulators lint types format clean
+.PHONY: help poisson bench cases check any-cpu report test floors slow mutants simulators lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -51,6 +51,15 @@ report: $(VENV)/runs
 # As many workers as cores, so a thread each.
 test: $(VENV)/develops
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow" $(ARGS)
+
+# make floors    the tests with the oldest versions that pyproject.toml allows (PYTHON=python3.11)
+OLDEST := import re, tomllib; \
+  project = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+  print(*(re.sub(">=([^,]*).*", r"==\1", each) for each in project["dependencies"]), sep="\n")
+floors:
+	$(PYTHON) -m venv --clear .venv-floors
+	.venv-floors/bin/python -c '$(OLDEST)' > .venv-floors/oldest.txt
+	PIP_CONSTRAINT=.venv-floors/oldest.txt $(MAKE) test VENV=.venv-floors
 
 # make slow      the tests that take minutes: nightly, not at each change
 slow: $(VENV)/develops

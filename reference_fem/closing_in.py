@@ -123,5 +123,5 @@ def _order(values: list[Array]) -> float:
         np.linalg.norm(first) / np.linalg.norm(last),
         np.abs(first).max() / np.abs(last).max(),
     ]
-    order = float(np.log2(min(ratios)))
-    return order if order >= LOWEST_ORDER else float("nan")
+    ratio = float(min(ratios))
+    return float(np.log2(ratio)) if ratio >= 2**LOWEST_ORDER else float("nan")

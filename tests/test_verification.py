@@ -7,6 +7,7 @@ import runpy
 import shutil
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -15,6 +16,10 @@ MADE = runpy.run_path(str(ROOT / "docs" / "write_verification.py"))
 MOST_ROWS = 60
 
 
+@pytest.mark.skipif(
+    tuple(map(int, pd.__version__.split(".")[:2])) < (3, 1),
+    reason="older pandas reads the last digit of some numbers otherwise",
+)
 def test_it_is_made_of_the_baseline():
     assert MADE["page"]() == PAGE, "python docs/write_verification.py"
 

@@ -83,10 +83,13 @@ def _places() -> Iterator[Path]:
 def _writable(place: Path) -> bool:
     """Whether files can be written in a folder, or the folder made."""
     try:
-        there = next(p for p in (place, *place.parents) if p.exists() or p.is_symlink())
-    except OSError:  # a name too long
+        place.stat()
+    except FileNotFoundError:
+        above = place.parent
+        return above != place and not place.is_symlink() and _writable(above)
+    except OSError:  # a name too long, links in a circle, a file above it
         return False
-    return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    return place.is_dir() and os.access(place, os.W_OK | os.X_OK)
 
 
 class KernelCache(_Cache):

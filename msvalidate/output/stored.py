@@ -179,7 +179,7 @@ def known_files(folder: Path) -> set[str]:
     """Names of the files that a run left in a study's folder; none if it is no such folder."""
     try:
         return set(msgspec.json.decode((folder / ABOUT).read_bytes(), type=Written).files)
-    except (OSError, ValueError, RecursionError):
+    except (OSError, ValueError, msgspec.MsgspecError, RecursionError):
         return set()
 
 
@@ -243,7 +243,7 @@ def _content(path: Path) -> bytes:
 def _about(folder: Path) -> About:
     try:
         return msgspec.json.decode((folder / ABOUT).read_bytes(), type=About)
-    except (ValueError, RecursionError) as error:
+    except (ValueError, msgspec.MsgspecError, RecursionError) as error:
         raise ValueError(f"{ABOUT}: {error}") from error
 
 
@@ -261,7 +261,7 @@ def _verdict(path: Path) -> pd.DataFrame:
         row |= {name: row[name] or "nan" for name in NUMBERS if name in row}
     try:
         found = msgspec.convert(rows, list[Row], strict=False)
-    except ValueError as error:
+    except msgspec.ValidationError as error:
         raise ValueError(f"{path.name}: {error}") from error
     return _read_rows(found)
 

@@ -22,7 +22,6 @@ from msvalidate.problem import (
     Zone,
 )
 from reference_fem import box_discretisation, mesh_discretisation
-from reference_fem.closing_in import close_in
 from reference_fem.converged import MOST_MIXED, converge, first_mesh
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import subdivide
@@ -163,20 +162,6 @@ def test_what_is_not_reached_is_said():
     assert np.isinf(one.error)
     with pytest.raises(ProblemError, match="must lie in the body"):
         converge(problem, np.array([[9.0, 9.0]]))
-
-
-def test_sequences():
-    exact = close_in([np.ones(2)] * 3)
-    assert 0 < exact.uncertainty < 1e-9
-    known = close_in([np.array([1 + 4.0**-n]) for n in range(3)])
-    assert known.order == pytest.approx(2)
-    assert known.uncertainty >= 4.0**-2
-    # One component closes in more slowly than the large ones that rule the order.
-    slow = [np.array([5 + 20 * 4.0**-n, 3 - 8 * 4.0**-n, 1 + 2.0 ** (-0.7 * n)]) for n in range(4)]
-    assert close_in(slow).uncertainty >= 2.0 ** (-0.7 * 3)
-    astray = close_in([np.array([value]) for value in (1.0, 1.1, 1.0)])
-    assert np.isnan(astray.order)
-    assert astray.uncertainty > 0.2
 
 
 def test_forces_of_mixed_elements_balance():

@@ -98,7 +98,9 @@ def test_extrapolation_finds_the_limit_of_two_powers():
 @pytest.mark.parametrize("power", [1.75, 2.5, 3.0, 4.0])
 def test_extrapolation_owns_to_what_it_leaves_out(power):
     found = extrapolate(lambda n: 1 + n**-1.5 + n**-2.0 + n**-power, 2, (2.0, 1.5))
-    assert 0 < abs(found.value[0] - 1) <= found.uncertainty[0]
+    true = abs(found.value[0] - 1)
+    assert found.uncertainty[0] == pytest.approx(true * (2**power - 1) / (2**1.5 - 1), rel=1e-9)
+    assert 0 < true <= found.uncertainty[0]
 
 
 @pytest.mark.parametrize("orders", [(2.0, 2.0), (0.0, 2.0), (1.0,), (1.0, np.nan)])

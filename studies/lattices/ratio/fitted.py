@@ -115,7 +115,7 @@ def run(setting: Setting) -> Evidence:
     table = rows.groupby(["nu_fitted", "fitted", "spacings"], sort=False).mean().reset_index()
     table.insert(3, "draws", len(draws))
     table["stood"] = (table["stood"] * len(draws)).round().astype(int)
-    table["residual_unseen"] = table["residual_unseen"].astype(object).fillna("none")
+    table["residual_unseen"] = table["residual_unseen"].astype(object).replace(np.nan, "none")
     finest = table[table["spacings"] == max(sizes)]
     both = finest[finest["fitted"] == WAYS[1]]
     third = finest[(finest["nu_fitted"] == RATIOS[1]) & (finest["fitted"] == WAYS[0])]

@@ -150,7 +150,7 @@ def test_another_processor_has_a_file_of_its_own(home, monkeypatch):
     kept = cache.KernelCache(doubled, {})
     signature = (types.int64,)
     seen = {kept._path(signature, codegen)}
-    monkeypatch.setattr(config, "CPU_NAME", "generic")
+    monkeypatch.setattr(config, "CPU_NAME", "another")
     seen.add(kept._path(signature, codegen))
     features = codegen.magic_tuple()[:2]
     seen.add(kept._path(signature, SimpleNamespace(magic_tuple=lambda: (*features, ""))))
