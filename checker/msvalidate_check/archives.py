@@ -60,13 +60,13 @@ def _read(packed: zipfile.ZipFile, member: zipfile.ZipInfo, name: str, most_poin
     _refuse_large(name, member.file_size, most_points)
     if member.compress_type not in PACKED:
         raise CheckError(f"{name}: not packed as NumPy does; write it again")
-    with packed.open(member) as file:
+    with packed.open(member, mode="r") as file:
         head = np.lib.format.read_array_header_1_0
         if np.lib.format.read_magic(file) != (1, 0):
             head = np.lib.format.read_array_header_2_0
         shape, _, kind = head(file)
         _refuse_large(name, math.prod(shape) * kind.itemsize, most_points)
-    with packed.open(member) as file:
+    with packed.open(member, mode="r") as file:
         return np.lib.format.read_array(file, allow_pickle=False)
 
 
