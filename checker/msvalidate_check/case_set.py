@@ -121,7 +121,16 @@ class ElasticCase:
         known = float(np.interp(nu, grid, _data(VERSION)[f"{self.name}/uncertainty"]))
         i = int(np.clip(np.searchsorted(grid, nu) - 1, 0, len(grid) - 2))
         t = (nu - grid[i]) / (grid[i + 1] - grid[i])
-        return known + CUBIC * (4 * t * (1 - t)) ** 2
+        return float(known + CUBIC * (4 * t * (1 - t)) ** 2)
+
+    def in_other_state(self, order: Array) -> tuple[str, Array] | None:
+        """The other plane state, and elasticity (m, d) in it at points; None if it is not known."""
+        states = {"plane_stress": "plane_strain", "plane_strain": "plane_stress"}
+        state = states.get(self.state, "")
+        name = f"{self.name.removesuffix(f'_{self.state}')}_{state}"
+        if name not in _facts(VERSION):
+            return None
+        return state.replace("_", " "), elastic_case(name, self.nu).wanted[order]
 
     @property
     def ratios(self) -> tuple[float, float]:

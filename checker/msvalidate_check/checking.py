@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate_check.beside import longest
-from msvalidate_check.case_set import ElasticCase, case_facts, case_names, elastic_case
+from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
 from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
@@ -291,18 +291,8 @@ def _field(
         lambda nu: wanted + case.at_ratio(nu)[order] - own,
         elsewhere,
         _coarse(case, order),
-        partial(_other_state, case, order),
+        lambda: case.in_other_state(order),
     )
-
-
-def _other_state(case: ElasticCase, order: Array) -> tuple[str, Array] | None:
-    """The other plane state and elasticity (m, d) in it, where the set has it."""
-    states = {"plane_stress": "plane_strain", "plane_strain": "plane_stress"}
-    state = states.get(case.state, "")
-    name = f"{case.name.removesuffix(f'_{case.state}')}_{state}"
-    if name not in case_names():
-        return None
-    return state.replace("_", " "), elastic_case(name, case.nu).wanted[order]
 
 
 def _coarse(case: ElasticCase, order: Array) -> dict[str, Callable[[float], Array]]:

@@ -142,11 +142,11 @@ def _read_content(file: Path, said: str) -> Any:
 class _Growing(bytearray):
     """Bytes that grow in place: meshio adds block to block, which would copy all each time."""
 
-    def __iadd__(self, more: Any) -> _Growing:
+    def __iadd__(self, more: Any) -> _Growing:  # type: ignore[misc]
         self.extend(more)
         return self
 
-    def __radd__(self, before: bytes) -> bytearray:
+    def __radd__(self, before: bytes) -> bytearray:  # type: ignore[misc]
         return bytearray(before) + bytes(self) if before else self
 
 

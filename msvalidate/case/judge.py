@@ -136,30 +136,7 @@ def _field(
     problem: Problem, matched: Matched, reference: Reference, doubt: float, known: Known
 ) -> Field:
     """The field with what it takes to ask for other ratios, states, meshes and places."""
-    solution = reference.finest
-    wanted = reference.displacement.value
-    law = problem.material
-    # Changes with the ratio need no finer mesh than this: they are small themselves.
-    meshes = [each for each in reference.solutions if len(each.body.points) <= RATIO_NODES]
-    plain = meshes[-1] if meshes else reference.solutions[0]
-    own = plain.at(matched.places)
-    mixed = plain.pressure is not None
-
-    def with_law(other: Isotropic, *, mixed: bool) -> Array:
-        found = solve_problem(replace(problem, material=other), plain.body, mixed=mixed)
-        return np.asarray(wanted + found.at(matched.places) - own)
-
-    @cache
-    def by_ratio(nu: float) -> Array:
-        return with_law(replace(law, nu=nu), mixed=mixed)
-
-    @cache
-    def other_state() -> tuple[str, Array] | None:
-        if law.state == "solid":
-            return None
-        state = "plane_stress" if law.state == "plane_strain" else "plane_strain"
-        needed = state == "plane_strain" and law.nu >= NEARLY_INCOMPRESSIBLE
-        return state.replace("_", " "), with_law(replace(law, state=state), mixed=needed)
+    solution, law = reference.finest, problem.material
 
     def elsewhere(places: Array) -> Array | None:
         try:
@@ -170,7 +147,7 @@ def _field(
     found = Field(
         matched.places,
         matched.displacement,
-        wanted,
+        reference.displacement.value,
         doubt,
         driven_by(problem),
         problem.domain.span,
@@ -179,15 +156,39 @@ def _field(
     )
     if not isinstance(law, Isotropic) or problem.zones:
         return found
+    asked = {name: _at(matched, each) for name, each in known.items()}
+    return replace(_with_other_laws(found, problem, law, reference), known=asked)
+
+
+def _with_other_laws(field: Field, problem: Problem, law: Isotropic, reference: Reference) -> Field:
+    """The field with elasticity of other ratios and in the other plane state."""
+    # Changes with the ratio need no finer mesh than this: they are small themselves.
+    meshes = [each for each in reference.solutions if len(each.body.points) <= RATIO_NODES]
+    plain = meshes[-1] if meshes else reference.solutions[0]
+    own = plain.at(field.places)
+    mixed = plain.pressure is not None
+
+    def of(other: Isotropic, *, mixed: bool) -> Array:
+        found = solve_problem(replace(problem, material=other), plain.body, mixed=mixed)
+        return np.asarray(field.wanted + found.at(field.places) - own)
+
+    @cache
+    def by_ratio(nu: float) -> Array:
+        return of(replace(law, nu=nu), mixed=mixed)
+
+    @cache
+    def other_state() -> tuple[str, Array] | None:
+        if law.state == "solid":
+            return None
+        if law.state == "plane_strain":
+            return "plane stress", of(replace(law, state="plane_stress"), mixed=False)
+        needed = law.nu >= NEARLY_INCOMPRESSIBLE
+        return "plane strain", of(replace(law, state="plane_strain"), mixed=needed)
+
     # Where elements of each kind exist: mixed ones need a pressure that grows with volume.
-    ratios = (LEAST_MIXED, MOST_MIXED) if mixed else (0.0, MOST_RATIO)
-    return replace(
-        found,
-        ratios=(min(law.nu, ratios[0]), max(law.nu, ratios[1])),
-        by_ratio=by_ratio,
-        known={name: _at(matched, each) for name, each in known.items()},
-        other_state=other_state,
-    )
+    low, high = (LEAST_MIXED, MOST_MIXED) if mixed else (0.0, MOST_RATIO)
+    ratios = (min(law.nu, low), max(law.nu, high))
+    return replace(field, ratios=ratios, by_ratio=by_ratio, other_state=other_state)
 
 
 def _at(matched: Matched, by_ratio: Callable[[float], Array]) -> Callable[[float], Array]:
