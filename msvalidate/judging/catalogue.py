@@ -231,7 +231,7 @@ def _first(place: Path) -> Path:
 def _parse(name: str, source: Path) -> ast.Module:
     """The syntax of a study's source."""
     try:
-        # `ast.parse` drops docstrings under -OO itself from Python 3.14 on.
+        # Parsing drops docstrings under -OO itself from Python 3.14 on.
         tree = compile(_text(source), source.name, "exec", ast.PyCF_ONLY_AST, optimize=0)
         return cast("ast.Module", tree)
     except (SyntaxError, ValueError) as error:
