@@ -57,6 +57,7 @@ def format_value(value: object) -> str:
     Letters beyond ASCII are spelt out: a Cyrillic "а" in a name looks like a Latin one.
     """
     described = type(value).__str__ is not object.__str__ and not isinstance(value, str)
+    described |= isinstance(value, int)  # reprlib of Python 3.14 tells where a long one is kept
     try:
         text = str(value) if described else _SHORT.repr(value)
     except ValueError:  # an integer of thousands of digits has no decimal form

@@ -57,6 +57,12 @@ def test_few_meshes():
     assert close_in(values).uncertainty == pytest.approx(2 * 0.2)
     assert close_in(values, 0.25).uncertainty == pytest.approx(2 * 0.2 / (2**0.25 - 1))
     assert np.isinf(close_in(values[:1]).uncertainty)
+    for meshes in (2, 3):
+        none = close_in([np.zeros(2)] * meshes)
+        assert none.uncertainty == none.doubt == 0
+    for array in (none.value, none.added):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
 
 
 @pytest.mark.parametrize("meshes", [2, 3])

@@ -93,6 +93,10 @@ def test_extrapolation_finds_the_limit_of_two_powers():
     assert found.value == pytest.approx([1.0, 2.0], abs=1e-12)
     assert found.uncertainty == pytest.approx([0.0, 0.0], abs=1e-12)
     assert found.cells == 24
+    # From one cell on, orders below one and near each other.
+    assert extrapolate(lambda n: 1 + n**-0.9, 1, (1.0, 0.9)).value == pytest.approx(1, abs=1e-12)
+    with pytest.raises(ValueError, match="read-only"):
+        found.uncertainty[0] = 0.0
 
 
 @pytest.mark.parametrize("power", [1.75, 2.5, 3.0, 4.0])
@@ -103,7 +107,9 @@ def test_extrapolation_owns_to_what_it_leaves_out(power):
     assert 0 < true <= found.uncertainty[0]
 
 
-@pytest.mark.parametrize("orders", [(2.0, 2.0), (0.0, 2.0), (1.0,), (1.0, np.nan)])
+@pytest.mark.parametrize(
+    "orders", [(2.0, 2.0), (2.0, 1.96), (0.0, 2.0), (-0.5, 2.0), (1.0,), (1.0, np.nan)]
+)
 def test_orders_that_tell_nothing(orders):
     with pytest.raises(ProblemError, match="orders"):
         extrapolate(lambda n: 1 / n, 2, orders)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import re
+import struct
 
 import meshio
 import numpy as np
@@ -116,6 +118,29 @@ def test_every_format_gives_the_mesh_back(element, form, tmp_path, capfd):
         assert np.array_equal(found.corners(again.span), mesh.side(side).corners(mesh.span))
         assert found.measure(again.span) == pytest.approx(mesh.side(side).measure(mesh.span))
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("head", ["<I", "<Q"])
+def test_arrays_whose_length_is_packed_apart(head, tmp_path):
+    """As some programs write .vtu: base64 of the length, padded, and then that of the numbers."""
+    corners = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], dtype=float)
+    arrays = [corners, np.arange(4), np.array([4]), np.array([9])]
+
+    def data(array):
+        raw = array.tobytes()
+        packed = b"".join(map(base64.b64encode, (struct.pack(head, len(raw)), raw))).decode()
+        return packed.join((">", "</DataArray>"))
+
+    points, nodes, ends, kinds = map(data, arrays)
+    tag = '<DataArray type="Int64" format="binary" Name='
+    (tmp_path / "a.vtu").write_text(
+        f'<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" header_type="'
+        f'{"UInt32" if head == "<I" else "UInt64"}"><UnstructuredGrid>'
+        '<Piece NumberOfPoints="4" NumberOfCells="1"><Points><DataArray type="Float64" '
+        f'format="binary" NumberOfComponents="3"{points}</Points><Cells>{tag}"connectivity"{nodes}'
+        f'{tag}"offsets"{ends}{tag}"types"{kinds}</Cells></Piece></UnstructuredGrid></VTKFile>'
+    )
+    np.testing.assert_array_equal(read_mesh(tmp_path / "a.vtu").points, corners[:, :2])
 
 
 @pytest.mark.parametrize("form", ["gmsh22", "vtu", "vtk", "vtk42"])
