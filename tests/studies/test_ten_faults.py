@@ -91,7 +91,9 @@ def springs_take_the_ratio_without_its_sign(patch):
 
 def millimetres_read_as_metres(patch):
     true = mesh_file._coordinates
-    patch.setattr(mesh_file, "_coordinates", lambda points, dim, _, *hint: true(points, dim, 1.0, *hint))
+    patch.setattr(
+        mesh_file, "_coordinates", lambda points, dim, _, *hint: true(points, dim, 1.0, *hint)
+    )
 
 
 def permittivity_dropped(patch):
