@@ -15,6 +15,7 @@ from msvalidate.case.comparison import Row, largest
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.beside import MOST_RATIO
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
@@ -101,6 +102,8 @@ def judge_result(
     SolverError
         If there is no trustworthy reference.
     """
+    require_type("case", case, Case)
+    require_type("result", result, Result)
     refuse_extreme("displacement", result.displacement)
     progress("points")
     body = first_mesh(case.problem)

@@ -15,7 +15,14 @@ import pandas as pd
 
 from msvalidate.bodies.mesh_file import read_points
 from msvalidate.problem import AXES, Array, Index, ProblemError
-from msvalidate.problem.checks import finite_number, format_value, integers, numbers, shaped
+from msvalidate.problem.checks import (
+    finite_number,
+    format_value,
+    integers,
+    numbers,
+    require_type,
+    shaped,
+)
 from msvalidate.problem.records import dataclass
 from msvalidate_check.archives import read_arrays
 from msvalidate_check.errors import CheckError
@@ -86,6 +93,7 @@ def read_result(path: str | Path, dim: int, field: str | None = None) -> Result:
     ProblemError
         If there is no such file, it holds no such field, or a value is no number.
     """
+    require_type("result file", path, str | Path)
     file = Path(path)
     said = f"result {format_value(file.name)}"
     readers = {".csv": _read_csv, ".npz": _read_npz, ".vtu": _read_vtu}

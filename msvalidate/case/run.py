@@ -11,7 +11,6 @@ from msvalidate.case.case import Case
 from msvalidate.case.figures import figures, judged_figures
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
-from msvalidate.problem.checks import require_type
 from reference_fem.converged import Reference
 
 
@@ -82,8 +81,6 @@ def judged_files(
     SolverError
         If there is no trustworthy reference.
     """
-    require_type("case", case, Case)
-    require_type("result", result, Result)
     started, began = datetime.now(UTC), perf_counter()
     found = judge.judge_result(case, result, unit=unit, unrest=unrest, progress=progress)
     tables = judge.tables(found)

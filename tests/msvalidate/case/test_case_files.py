@@ -15,6 +15,7 @@ from msvalidate.case.case import Case, make_lattice, spacing_of
 from msvalidate.case.comparison import compare_case
 from msvalidate.case.lines import key_lines, line_of
 from msvalidate.case.reading import CaseError
+from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
 from msvalidate.case.schema import json_schema
 from msvalidate.case.springs import make_network, solve_finer
@@ -204,7 +205,8 @@ def test_a_mesh_may_be_a_link_beside_the_case(tmp_path):
 
 @pytest.mark.parametrize("given", [5, None, b"beam.toml", [1]])
 def test_what_is_no_case_is_told_in_one_line(given):
-    for act in (read_case, compare_case, case_files, lambda case: judged_files(case, case)):
+    acts = (read_case, compare_case, case_files, lambda case: judged_files(case, case))
+    for act in (*acts, lambda path: read_result(path, 2)):
         with pytest.raises(ProblemError, match=r"; give a"):
             act(given)
 
