@@ -22,11 +22,11 @@ from scipy.sparse import bsr_array
 from msvalidate.lattice import Constants
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError
 from msvalidate.linear_algebra.refine import LARGEST_ERROR
-from msvalidate.network import Network, tangent_blocks
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.statics.linear_solution import LinearSolution, solve_linear
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import Cycles, NotConvergedError
 from msvalidate.tangent.inverse import Solver
 
@@ -200,12 +200,12 @@ def _correct_constants(
     return p, max(float(np.abs(step).max()), rounding)
 
 
-def _refined_equilibrium(network: Network, p: Array, kind: Index) -> LinearSolution:
+def _refined_equilibrium(network: Network, p: Array, kind: Index) -> Equilibrium:
     """The equilibrium with constants p, refined to the last digit."""
     volumes = network.volumes
     if volumes is not None:
         volumes = replace(volumes, stiffness=float(p[-1]) * volumes.stiffness)
-    return solve_linear(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
+    return equilibrium(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
 
 
 def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
@@ -215,8 +215,6 @@ def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
     for network in networks:
         require_type("network", network, Network)
         refuse_free_motions("network", network.points, network.held)
-        if network.shear is not None:
-            raise ProblemError("fitted constants: shear springs are not fitted; leave them out")
         length = np.linalg.norm(network.vector, axis=1)
         if np.abs(network.rest_length / length - 1).max() > 1e-9:
             raise ProblemError("fitted constants: a spring is stressed at rest; give none that is")
@@ -262,11 +260,10 @@ def _load_cases(
                 "points of weight above 0"
             )
         plain = replace(network, volumes=None)
-        parts = [
-            tangent_blocks(plain.scaled(1.0 * (kind == j)), network.points) for j in range(number)
-        ]
+        single = [plain.scaled(1.0 * (kind == j)) for j in range(number)]
         if network.volumes is not None:
-            parts.append(tangent_blocks(network.scaled(0.0), network.points))
+            single.append(network.scaled(0.0))
+        parts = [Configuration(each).tangent() for each in single]
         prescribed, force = network.displacement.ravel(), network.force.ravel()
         given = prescribed, force, u.ravel()[free], root / size
         cases.append(_Case(network, Solver(network), tuple(parts), free, *given))
@@ -322,11 +319,10 @@ def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:
 def _weighted_response(case: _Case, p: Array) -> tuple[Array, Array]:
     """Weighted displacement (f,) and its slopes (f, p); infinite as in `_misfit`."""
     free = case.free
-    network = case.network
     K = bsr_array(sum(part * value for part, value in zip(case.parts, p, strict=True)))
     nowhere = np.full(len(free), np.inf), np.full((len(free), len(p)), np.inf)
     try:
-        inverse = case.solver.inverse(network, network.points, K)
+        inverse = case.solver.inverse(Configuration(case.network), K)
         if isinstance(inverse, Factor) and inverse.negative:
             return nowhere
         return _response_by_inverse(case, K, inverse)

@@ -14,7 +14,7 @@ from msvalidate.dynamics.implicit import ConvergenceError
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.network import Network
+from msvalidate.network import Network, frequency_bound
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
 
@@ -63,7 +63,7 @@ def warn_beyond_limit(run: Stepping) -> None:
 
     Nothing is said of a mechanism under a scheme whose limit depends on the lowest frequency.
     """
-    bound, scheme = run.network.frequency_bound, run.scheme
+    bound, scheme = frequency_bound(run.network), run.scheme
     if not (bound > 0 and math.isfinite(bound)):
         return
     try:
@@ -160,6 +160,6 @@ def _largest_ordinary_step(run: Stepping, start: MotionState) -> float:
     bounds = (
         (far, count * speed),
         (math.sqrt(far), count * math.sqrt(pull)),
-        (LONGEST_STEP, run.network.frequency_bound),
+        (LONGEST_STEP, frequency_bound(run.network)),
     )
     return min((top / each for top, each in bounds if each > 0), default=math.inf)

@@ -23,9 +23,6 @@ DIGITS = 1e-2
 """Part of the largest displacement that rounding may hide: two digits are left, what a plot shows.
 Velocities have more. Runs that a pulse begins with e^-18 of its height have that and are ordinary;
 below, what is found is soon no motion."""
-SPARE = 1e-6
-"""Such a part up to which forces go by positions, each step rounded: a thousand steps add up to
-some 1e-4 of it at most. Beyond, they go by displacements, which have all their digits."""
 AT_REST = 8.0
 """Roundings up to which what nothing loads is at rest: as many springs meet at a lattice's points,
 each rounded by itself."""
@@ -52,20 +49,6 @@ def is_at_rest(network: Network, start: MotionState) -> bool:
     with np.errstate(over="ignore"):
         left = np.abs(np.where(free, start.a, 0.0)) * network.mass[:, None]
         return bool((left <= AT_REST * force_roundoff(network, _body_size(network))).all())
-
-
-def has_position_digits(network: Network, start: Array, velocity: Array) -> bool:
-    """Whether forces by positions have digits to spare for a motion; else by displacements.
-
-    Parameters
-    ----------
-    start, velocity
-        (n, d) in m and m/s.
-    """
-    run = MotionRecord("", *2 * (MotionState(start, velocity, np.zeros_like(start)),), rounded=0.0)
-    far = max(max_abs(start), _expected_displacement(network, run))
-    lengths = (max_abs(network.points + start), max_abs(network.rest_length))
-    return math.isfinite(far) and far * SPARE >= 0.5 * EPS * max(lengths)
 
 
 def refuse_lost_digits(network: Network, run: MotionRecord) -> None:

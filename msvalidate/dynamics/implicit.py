@@ -11,7 +11,6 @@ Source: [Newmark1959]; Newton's iterations as in [Bathe2014], chapter 9.5.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol, TypeGuard
 
 import numpy as np
@@ -20,7 +19,8 @@ from scipy.sparse import csr_array, diags_array
 from msvalidate.dynamics.scheme import Acceleration
 from msvalidate.linear_algebra.factor import Factor, factorise
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.network import Network, tangent
+from msvalidate.network import Configuration, Network
+from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 from msvalidate.tangent.inverse import elimination_order
 
@@ -79,33 +79,20 @@ class ModeAcceleration:
 
 
 class NetworkAcceleration:
-    """Accelerations (n, d) in m/s² of a network's free components, at positions less an origin.
-
-    Parameters
-    ----------
-    network
-        The network: springs, loads, masses.
-    origin
-        (n, d) in m, or a number: what is added to positions.
-    force
-        Positions less the origin (n, d) in m -> internal force (n, d) in N.
-    """
+    """Accelerations (n, d) in m/s² of a network's free components, by displacements (n, d) in m."""
 
     linear = False
 
-    def __init__(
-        self, network: Network, origin: Array | float, force: Callable[[Array], Array]
-    ) -> None:
-        self.network, self.origin, self.force = network, origin, force
+    def __init__(self, network: Network) -> None:
+        self.network = network
         self.free = ~network.held
         self._factor: tuple[Factor, float] | None = None
 
     def __call__(self, x: Array) -> Array:
-        """Acceleration (n, d) in m/s²; zero where the network is held."""
+        """Acceleration (n, d) in m/s² at a displacement; zero where the network is held."""
         if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
             raise SolverError(f"motion: positions beyond {LONGEST:g} m; take smaller steps")
-        network = self.network
-        pull = (self.force(x) + network.force) / network.mass[:, None]
+        pull = out_of_balance_force(self.network, x) / self.network.mass[:, None]
         return np.where(self.free, pull, 0)
 
     def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
@@ -114,7 +101,7 @@ class NetworkAcceleration:
             raise SolverError("implicit step: it is beyond all numbers; take smaller steps")
         mass = np.broadcast_to(self.network.mass[:, None], x.shape)
         if fresh or self._factor is None or self._factor[1] != q:
-            K = tangent(self.network, self.origin + x)
+            K = csr_array(Configuration(self.network, x).tangent())
             A = csr_array(diags_array((p * mass).ravel()) + q * K)
             free = np.flatnonzero(self.free.ravel())
             order = elimination_order(self.network)

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +22,6 @@ from msvalidate.dynamics.divergence import (
 )
 from msvalidate.dynamics.hidden import (
     MotionRecord,
-    has_position_digits,
     is_at_rest,
     refuse_lost_digits,
 )
@@ -33,9 +30,10 @@ from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, st
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.network import Network, internal_force
-from msvalidate.network.displaced import Displaced
+from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.network import Network
 from msvalidate.network.folds import count_folded
+from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
     finite,
@@ -47,7 +45,6 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass
-from msvalidate.statics.polish import centre_points
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +79,7 @@ def motion(
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
     The plain NumPy form, for studies of schemes; `euler_cromer` is the compiled one of its scheme.
-    Where positions have no digits to spare (`hidden`), displacements are advanced.
+    Both advance displacements, which have digits that positions far from the origin lack.
 
     Parameters
     ----------
@@ -113,13 +110,12 @@ def motion(
     run = Stepping(network, integrator, dt, steps, rate)
     if warn:
         warn_beyond_limit(run)
-    free, coordinates = ~network.held, _choose_coordinates(network, state)
-    acceleration = NetworkAcceleration(network, coordinates.origin, coordinates.force)
-    x = np.array(state.position, dtype=float) - coordinates.origin
+    free, acceleration = ~network.held, NetworkAcceleration(network)
+    x = np.array(state.position, dtype=float) - network.points
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
         reach = largest_reach(run, start)
-        at_rest = coordinates.displaced is not None and is_at_rest(network, now)
+        at_rest = is_at_rest(network, now)
         for step in range(1, steps + 1):
             try:
                 now = now if at_rest else integrator.step(acceleration, now, dt, rate[:, None])
@@ -128,34 +124,12 @@ def motion(
                 raise
             refuse_diverged(run, start, now, reach)
             if watch is not None:
-                watch(step, State(coordinates.origin + now.x, now.v))
-    if steps and coordinates.displaced is not None and not at_rest:
-        refuse_lost_digits(
-            network, MotionRecord(integrator.name, start, now, coordinates.displaced.rounded)
-        )
-    end = coordinates.origin + now.x
+                watch(step, State(network.points + now.x, now.v))
+    if steps and not at_rest:
+        rounded = max_abs(network.beyond_rest)
+        refuse_lost_digits(network, MotionRecord(integrator.name, start, now, rounded))
+    end = network.points + now.x
     return State(end, now.v, count_folded(network.simplices, end))
-
-
-class _Coordinates(NamedTuple):
-    """What is advanced: positions less an origin (n, d) in m, and forces by these.
-
-    `displaced` has the forces where the origin is the reference points.
-    """
-
-    origin: Array
-    force: Callable[[Array], Array]
-    displaced: Displaced | None = None
-
-
-def _choose_coordinates(network: Network, state: State) -> _Coordinates:
-    """Positions, where they have digits to spare, or displacements."""
-    u = np.asarray(state.position, dtype=float) - network.points
-    if has_position_digits(network, u, np.where(network.held, 0.0, state.velocity)):
-        return _Coordinates(np.zeros_like(u), partial(internal_force, network))
-    alone = network.volumes is None and network.shear is None
-    displaced = Displaced(network, network if alone else centre_points(network))
-    return _Coordinates(network.points, displaced.internal_force, displaced)
 
 
 def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
@@ -167,9 +141,8 @@ def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLi
     I.1.4.
     """
     rate = _check_arguments(network, state, dt, 0, damping)[:, None]
-    coordinates = _choose_coordinates(network, state)
-    pull = coordinates.force(np.asarray(state.position, dtype=float) - coordinates.origin)
-    a = (pull + network.force) / network.mass[:, None]
+    u = np.asarray(state.position, dtype=float) - network.points
+    a = out_of_balance_force(network, u) / network.mass[:, None]
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))
 

@@ -13,10 +13,8 @@ from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
-from msvalidate.linear_algebra.double_double import as_pair
 from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
-from msvalidate.network import Network, tangent
-from msvalidate.network.accurate import State
+from msvalidate.network import Network, configuration_at, tangent
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -213,19 +211,19 @@ def _separate_rounding(
 def _squares_by_energy(network: Network, position: Array, count: int) -> Array:
     """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
     inside = np.flatnonzero(~network.held.ravel())
-    factor = Solver(network).regular(network, position).inverse
+    at = configuration_at(network, position)
+    factor = Solver(network).regular(at).inverse
     mass = np.repeat(network.mass, network.dim)[inside]
     few = min(count + 4, len(inside))
     modes = np.random.default_rng(0).normal(size=(len(inside), few))
     for _ in range(SWEEPS):
         modes = np.column_stack([factor.solve(mass * mode) for mode in modes.T])
         modes = np.linalg.qr(np.sqrt(mass)[:, None] * modes)[0] / np.sqrt(mass)[:, None]
-    state = State(network, as_pair(position - network.points))
     pushes = []
     for mode in modes.T:
         motion = np.zeros(network.held.size)
         motion[inside] = mode
-        pushes.append(force_against(state, motion, ~network.held)[inside])
+        pushes.append(force_against(at, motion)[inside])
     energies = modes.T @ np.column_stack(pushes)
     return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
 
@@ -331,8 +329,9 @@ def _smallest_by_multigrid(
     tolerance: float,
 ) -> Array:
     """By multigrid; where its making finds the network unstable, how much so."""
-    A = restrained_tangent(network, place)
-    cycle = cycle or make_cycle(A, network, place)
+    at = configuration_at(network, place)
+    A = restrained_tangent(at)
+    cycle = cycle or make_cycle(A, at)
     if cycle.indefinite_motion is None:
         inverse = _cycle_on_free(cycle, network)
         return _smallest_of_many(matrix, inverse, count, highest, tolerance)

@@ -1,19 +1,19 @@
 """Refinement of a solution by the same factor, and what it says of the error left.
 
-A residual that is right to many more digits than the solution (`accurate`) gives a correction, that
-one the next, until no digit moves: with a factor of an assembled, rounded matrix the answer becomes
-that of the exact one [Wilkinson1963, Demmel2006]. Where the factor is wrong along a few motions the
-corrections fall slowly, or grow; a least-squares combination of the last ones takes these motions
-out ([Anderson1965]; for a linear system it is GMRES preconditioned by the factor [WalkerNi2011]).
+A residual from changes of length gives a correction, that one the next, until only its rounding is
+left: with a factor of an assembled, rounded matrix the answer becomes that of the springs
+[Wilkinson1963, Demmel2006]. Where the factor is wrong along a few motions the corrections fall
+slowly; a least-squares combination of the last ones takes these motions out ([Anderson1965]; for a
+linear system it is GMRES preconditioned by the factor [WalkerNi2011]).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
-from msvalidate.linear_algebra.double_double import ROUNDING, Pair, add, as_pair
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass
@@ -21,23 +21,19 @@ from msvalidate.problem.records import dataclass
 LARGEST_ERROR = 1e-6
 """Error of a displacement, over the largest one, above which an answer is refused."""
 EPS = float(np.finfo(float).eps)
-HALF_A_UNIT = 0.5 * EPS
-"""Rounding of an answer to doubles, over its largest displacement."""
-ENOUGH = EPS / 16
-"""Error, over the largest displacement, at which refinement stops: below double precision."""
+ENOUGH = EPS / 2
+"""Error, over the largest displacement, at which refinement stops: rounding to doubles."""
 FACTOR_ROUNDING = 8 * EPS
 """Of what a point meets, that a factor may be wrong by: assembly and elimination, a few units."""
 DOUBTFUL = 1e-3
 """Contraction above which a factor is tried on a motion that is known before it is believed."""
-MEMORY = 10
-"""Corrections that are combined: motions along which a factor may be wrong."""
-MOST_STEPS = 60
-LATEST = 3
-"""Ratios of corrections, the largest of which is taken for what the next one leaves."""
-PATIENCE = 8
-"""Steps without a smaller correction after which refinement stops."""
+STANDING = 0.5
+"""Ratio of two corrections from which they are rounding of residuals, if the factor is believed."""
+SLOWEST = 0.9
+"""Ratio of corrections to which a geometric series of them is summed."""
+MOST_STEPS = 10
 
-Residual = Callable[[Pair], Array]
+Residual = Callable[[Array], Array]
 """Force left (n, d) at a displacement (n, d), 0 where it is held."""
 Solve = Callable[[Array], Array]
 """Displacement (n, d) that a factor gives for a force (n, d)."""
@@ -49,24 +45,14 @@ class InaccurateError(SolverError):
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """A solution, and what is known of its error.
+    """A solution (n, d), its error by the last corrections, and their number.
 
-    Parameters
-    ----------
-    solution
-        (n, d), as a pair.
-    error
-        Largest error of a component over the largest component, by the last corrections.
-    steps
-        Corrections made.
-    converged
-        Whether nothing is left to correct; else corrections had ceased to fall.
+    The error is the largest of a component over the largest component.
     """
 
-    solution: Pair
+    solution: Array
     error: float
     steps: int
-    converged: bool = False
 
 
 def contraction_bound(softness: float) -> float:
@@ -79,84 +65,52 @@ def contraction_bound(softness: float) -> float:
 
 
 def refine_solution(
-    residual: Residual,
-    solve: Solve,
-    start: Pair,
-    rate: float,
-    *,
-    solved: bool = True,
-    patience: int = PATIENCE,
+    residual: Residual, solve: Solve, start: Array, rate: float, *, solved: bool = True
 ) -> Refined:
-    """Correct a solution by iterative refinement until it no longer changes.
+    """Correct a solution (n, d) by iterative refinement until it no longer changes.
+
+    `rate` is the part of an error that a correction leaves at the most, as far as is known
+    (`contraction_bound`); `solved` whether `start` is the factor's own answer, so that the first
+    correction tells how much of it the factor had wrong.
 
     Source: iterative refinement, [Wilkinson1963], [Demmel2006]; steps combined as in
     [Anderson1965].
-
-    Parameters
-    ----------
-    residual, solve
-        What is left over, accurately, and the factor's answer to it.
-    start
-        (n, d).
-    rate
-        Part of an error that a correction leaves at the most, as far as is known:
-        `contraction_bound`.
-    solved
-        Whether `start` is the factor's own answer: then what the first correction changes tells how
-        much of it the factor had wrong. Otherwise it takes a second to tell.
-    patience
-        Steps without a smaller correction after which no more is to be had of this factor.
     """
-    u, ahead = start, _Combined()
-    best, waited, steps, scale = np.inf, 0, 0, 1.0
-    before = size = max_abs(start.hi)
-    rates: list[float] = []
-    while steps < MOST_STEPS and waited < patience:
-        step = ahead.step(solve(residual(u)))
-        size = max_abs(step)
+    u, error = start, np.inf
+    corrections: list[Array] = []
+    steps: list[Array] = []
+    sizes = [max_abs(start)] if solved and start.any() else []
+    while len(steps) < MOST_STEPS:
+        corrections.append(solve(residual(u)))
+        steps.append(_combined_step(corrections, steps))
+        size = max_abs(steps[-1])
         if not np.isfinite(size):
-            return Refined(u, np.inf, steps)
-        u, steps = add(u, as_pair(step)), steps + 1
-        scale = max_abs(u.hi)
-        if size <= ENOUGH * scale:
-            return Refined(u, 2 * size / scale if scale else 0.0, steps, converged=True)
-        if solved or steps > 1:
-            rates.append(size / before if before else 1.0)
+            return Refined(u, np.inf, len(steps))
+        u = u + steps[-1]
+        scale = max_abs(u) or 1.0
+        ratios = [after / before for before, after in pairwise([*sizes, size])]
+        sizes.append(size)
         # One small ratio may be luck, or the end of an error of another kind.
-        left = max([rate, *rates[-LATEST:]])
-        if len(rates) >= (1 if solved else 2) and left * size <= ENOUGH * scale:
-            return Refined(u, left * size / scale, steps, converged=True)
-        waited = 0 if size < 0.7 * best else waited + 1
-        best, before = min(best, size), size
-    return Refined(u, 2 * size / scale if scale else 0.0, steps)
+        part = min(max([rate, *ratios[-2:]]), SLOWEST) if ratios else SLOWEST
+        error = part / (1 - part) * size / scale
+        standing = bool(ratios) and ratios[-1] > STANDING and rate <= DOUBTFUL
+        if not size or standing or error <= ENOUGH:
+            break
+    return Refined(u, error, len(steps))
 
 
-class _Combined:
-    """The step that a correction and those before it make together."""
-
-    def __init__(self) -> None:
-        self.steps: list[Array] = []
-        self.changes: list[Array] = []
-        self.last: Array | None = None
-
-    def step(self, correction: Array) -> Array:
-        g = correction
-        if self.last is not None:
-            self.changes.append((g - self.last).ravel())
-        self.last = g
-        keep = slice(-MEMORY, None)
-        self.steps, self.changes = self.steps[keep], self.changes[keep]
-        step = g
-        if self.changes:
-            # Each column over its size: they shrink from step to step.
-            columns = np.column_stack(self.changes)
-            sizes = np.linalg.norm(columns, axis=0)
-            sizes[sizes == 0] = 1.0
-            part = np.linalg.lstsq(columns / sizes, g.ravel(), rcond=1e-10)[0] / sizes
-            moved = np.column_stack(self.steps) + columns
-            step = g - (moved @ part).reshape(g.shape)
-        self.steps.append(step.ravel())
-        return step
+def _combined_step(corrections: list[Array], steps: list[Array]) -> Array:
+    """The step that the last correction and those before it make together."""
+    last = corrections[-1]
+    if not steps:
+        return last
+    # Each column over its size: they shrink from step to step.
+    changes = np.column_stack([(b - a).ravel() for a, b in pairwise(corrections)])
+    sizes = np.linalg.norm(changes, axis=0)
+    sizes[sizes == 0] = 1.0
+    part = np.linalg.lstsq(changes / sizes, last.ravel(), rcond=1e-10)[0] / sizes
+    moved = np.column_stack([step.ravel() for step in steps]) + changes
+    return np.asarray(last - (moved @ part).reshape(last.shape))
 
 
 def error_amplification(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
@@ -165,27 +119,14 @@ def error_amplification(residual: Residual, solve: Solve, rate: float, known: Ar
     `residual` is that of no load, linear. The factor of a matrix that rounding has spoilt may be
     far too stiff along a motion: then corrections are small and errors are not, and this tells.
     """
-    load = residual(as_pair(-known))
 
-    def left(u: Pair) -> Array:
-        return residual(add(u, as_pair(-known)))
+    def left(u: Array) -> Array:
+        return residual(u - known)
 
-    found = refine_solution(left, solve, as_pair(solve(load)), rate)
-    error = max_abs(add(found.solution, as_pair(-known)).hi) / max_abs(known)
-    return max(1.0, error / max(found.error, ENOUGH))
-
-
-def error_estimate(
-    found: Refined, softness: float, times: float = 1.0, pulled: float = 0.0
-) -> float:
-    """The error to state: corrections, rounding of residuals, and rounding to doubles.
-
-    Residuals are summed from numbers that are right to some 1e-31, and a motion of little stiffness
-    takes up what is wrong of that. `pulled` is the largest of these numbers over the stiffness and
-    the largest displacement: prestress may be far more than the load.
-    """
-    rounded = 8 * ROUNDING * max(1.0, pulled) / max(abs(softness), np.finfo(float).tiny)
-    return float(times * found.error + rounded + HALF_A_UNIT * (1 + EPS))
+    start = solve(left(np.zeros_like(known)))
+    found = refine_solution(left, solve, start, rate)
+    error = max_abs(found.solution - known) / max_abs(known)
+    return max(1.0, error / max(found.error, EPS))
 
 
 def refuse_inaccurate(error: float, title: str, why: str) -> None:
@@ -195,13 +136,4 @@ def refuse_inaccurate(error: float, title: str, why: str) -> None:
         raise InaccurateError(
             f"{title}: the error left is {digits} of the largest displacement, more than "
             f"{LARGEST_ERROR:g}: {why}"
-        )
-
-
-def refuse_underflow(moved: float, title: str) -> None:
-    """Raise `SolverError` where a largest displacement (m) is at the lower end of all doubles."""
-    if 0 < moved < np.finfo(float).tiny:
-        raise SolverError(
-            f"{title}: moves by {moved:.3g} m, where doubles run out of digits; choose units that "
-            "give ordinary displacements, or raise the load"
         )

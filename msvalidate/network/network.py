@@ -1,21 +1,15 @@
-"""A spring network from any list of points and springs: energy, force and tangent.
+"""A spring network from any list of points and springs.
 
-A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
-energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. Beside the springs may stand
-cells that resist a change of volume, `laws.volumes`, and springs that resist shear,
-`laws.local_shear`.
-
-This is the plain NumPy form; `msvalidate.kernels` holds the compiled one of springs and cells.
+Beside the springs may stand cells that resist a change of volume (`laws.volumes`).
+`configuration` has its energy, forces and tangent.
 """
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import bsr_array, csr_array
 
 from msvalidate.linear_algebra.blocks import Blocks, blocks_of
 from msvalidate.network.checks import (
@@ -26,21 +20,22 @@ from msvalidate.network.checks import (
     refuse_tiny,
 )
 from msvalidate.network.folds import Simplices, simplices_of
-from msvalidate.network.laws import local_shear
-from msvalidate.network.laws import volumes as cells
-from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.layout import Layout, make_layout
-from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError, SolverError
+from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     boolean_mask,
     finite,
     finite_coordinates,
-    format_value,
     integers,
     require_type,
 )
 from msvalidate.problem.records import dataclass, replace
+
+AT_REST = 2.0**-50
+"""Stretch up to which a rest length is the distance of a spring's points, rounded to a double: the
+spring is at rest there. Taken as given, that rounding would be a prestress, which bends a slender
+body more than a small load does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +64,6 @@ class Network:
         (n, d) external force (N).
     volumes
         Cells of the same points that resist a change of volume, if there are any.
-    shear
-        Springs between the same points that resist shear, if there are any.
     cells
         (c, corners) points of the cells that a deformed network is looked at for folds by, in VTK
         order; by default those of `volumes`, or the triangles that springs make in the plane.
@@ -90,7 +83,6 @@ class Network:
     displacement: Array
     force: Array
     volumes: Volumes | None = None
-    shear: LocalShear | None = None
     cells: Index | None = None
 
     def __post_init__(self) -> None:
@@ -123,17 +115,15 @@ class Network:
         refuse_tiny("force", self.force, "N")
         refuse_tiny("displacement", moved, "m")
         object.__setattr__(self, "springs", springs)
-        distance = np.linalg.norm(self.vector, axis=1)
+        distance = self.distance
         # Below 1/LONGEST a distance is rounded away when it is squared.
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
         refuse_first_bad("spring length", distance, together, "m; its two points coincide")
         object.__setattr__(self, "held", held)
-        for name, kind in (("volumes", Volumes), ("shear", LocalShear)):
-            part = getattr(self, name)
-            if part is not None:
-                require_type(name, part, kind)
-                if not np.array_equal(part.points, self.points):
-                    raise ProblemError(f"{name}: of other points than the network's; give its own")
+        if self.volumes is not None:
+            require_type("volumes", self.volumes, Volumes)
+            if not np.array_equal(self.volumes.points, self.points):
+                raise ProblemError("volumes: of other points than the network's; give its own")
         if self.cells is not None:
             object.__setattr__(self, "cells", check_cells(self.cells, n, d))
         for array in (self.springs, self.held):
@@ -157,6 +147,17 @@ class Network:
         return vector
 
     @cached_property
+    def distance(self) -> Array:
+        """Distance (m,) in m of each spring's points."""
+        return np.asarray(np.linalg.norm(self.vector, axis=1))
+
+    @cached_property
+    def beyond_rest(self) -> Array:
+        """Distances less rest lengths (m,) in m: 0 where one is the other's rounding."""
+        beyond = self.distance - self.rest_length
+        return np.where(np.abs(beyond) > AT_REST * self.distance, beyond, 0.0)
+
+    @cached_property
     def layout(self) -> Layout:
         """How its points and springs lie in memory for the compiled sweep."""
         cells = np.zeros((0, 1), dtype=np.intp) if self.volumes is None else self.volumes.cells
@@ -175,20 +176,6 @@ class Network:
         if cells is None and self.volumes is not None:
             cells = self.volumes.cells
         return simplices_of(self.points, self.springs, cells)
-
-    @cached_property
-    def frequency_bound(self) -> float:
-        """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
-
-        ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
-
-        Source: [Gershgorin1931].
-        """
-        free = ~self.held.ravel()
-        mass = np.repeat(self.mass, self.dim)[free]
-        rows = abs(tangent(self, self.points)) @ free.astype(float)
-        with np.errstate(over="ignore"):  # infinite is a bound too
-            return float(np.sqrt((rows[free] / mass).max(initial=0.0)))
 
     def assemble_forces(self, pull: Array) -> Array:
         """Force (n, d) in N on the points by pulls (m, d) of springs on their first ends."""
@@ -227,14 +214,13 @@ def spring_network(
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
-    shear: LocalShear | None = None,
     cells: ArrayLike | None = None,
 ) -> Network:
     """Network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, shear, cells
+    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
         distances in `points`, an unstressed network; the rest defaults to none.
 
@@ -261,116 +247,5 @@ def spring_network(
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
         volumes=volumes,
-        shear=shear,
         cells=None if cells is None else integers("cells", cells),
     )
-
-
-def energy(network: Network, position: Array) -> float:
-    """Energy (J) stored in springs, cells and shear springs at `position` (n, d) in m."""
-    _, length = spring_vectors(network, position)
-    stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
-    stored += cells.energy(network.volumes, position) if network.volumes else 0.0
-    return stored + (local_shear.energy(network.shear, position) if network.shear else 0.0)
-
-
-def internal_force(network: Network, position: Array) -> Array:
-    """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
-    vector, length = spring_vectors(network, position)
-    tension = network.stiffness * (length - network.rest_length)
-    force = network.assemble_forces((tension / length)[:, None] * vector)
-    if network.volumes:
-        force = force + cells.force(network.volumes, position)
-    return force + local_shear.force(network.shear, position) if network.shear else force
-
-
-def tangent(network: Network, position: Array) -> csr_array:
-    """Tangent stiffness (n·d, n·d) in N/m at `position`, row n·d of point-major components.
-
-    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells and
-    shear springs add theirs.
-
-    Source: [Crisfield1991], chapter 3 (truss elements); derived by differentiation of
-    `internal_force`.
-    """
-    return csr_array(tangent_blocks(network, position))
-
-
-def tangent_blocks(network: Network, position: Array) -> bsr_array:
-    """The tangent of `tangent`, kept as one d × d block for every two points that are joined."""
-    vector, length = spring_vectors(network, position)
-    n = vector / length[:, None]
-    across = network.stiffness * (1 - network.rest_length / length)
-    along = network.stiffness - across
-
-    def entry(a: int, b: int) -> Array:
-        # n nᵀ first, so that it is rounded alike in springs of any stiffness: long and slender
-        # bodies keep two digits more.
-        elastic = along * (n[:, a] * n[:, b])
-        return elastic + across if a == b else elastic
-
-    K = network.blocks.summed(network.springs, network.dim, entry)
-    added = []
-    if network.volumes:
-        added.append(cells.tangent(network.volumes, position))
-    if network.shear:
-        added.append(local_shear.tangent(network.shear, position))
-    if not added:
-        return K
-    return bsr_array(sum(added, csr_array(K)), blocksize=(network.dim, network.dim))
-
-
-def mode_energy(network: Network, position: Array, motion: Array) -> float:
-    """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion.
-
-    Summed spring by spring, each term positive, it is exact where K's own rounding would hide it;
-    cells are one term each. Springs within 1e-12 of their rest length count as unstressed.
-    """
-    vector, length = spring_vectors(network, position)
-    i, j = network.springs.T
-    change = motion[j] - motion[i]
-    along = (change * vector).sum(axis=1) / length
-    slack = 1 - network.rest_length / length
-    slack[np.abs(slack) < 1e-12] = 0.0
-    across = (change**2).sum(axis=1) - along**2
-    stored = float(network.stiffness @ (along**2 + slack * across))
-    if network.volumes:
-        stored += cells.mode_energy(network.volumes, position, motion)
-    if network.shear:
-        stored += local_shear.mode_energy(network.shear, position, motion)
-    return stored
-
-
-def spring_vectors(network: Network, position: Array) -> tuple[Array, Array]:
-    """Vectors (m, d) in m of the springs at `position` (n, d) in m, and their lengths (m,) in m.
-
-    Raises
-    ------
-    ProblemError
-        If positions do not fit the network, or are no ordinary numbers.
-    SolverError
-        If a spring has no length: it pulls in no direction.
-    """
-    require_type("network", network, Network)
-    if getattr(position, "shape", None) != network.points.shape:
-        raise ProblemError(
-            f"position: {format_value(position)}; give an array {network.points.shape}"
-        )
-    if type(position) is not np.ndarray or position.dtype != np.float64:
-        position = finite_coordinates("position", position)
-    vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
-    length = np.linalg.norm(vector, axis=1)
-    if not math.isfinite(length.sum()):  # one look for any number of springs
-        finite_coordinates("position", position)
-    refuse_zero_length(network, length)
-    return vector, length
-
-
-def refuse_zero_length(network: Network, length: Array) -> None:
-    """Raise `SolverError` where a spring has no length (m,) in m."""
-    if not length.all():
-        spring = int(np.flatnonzero(length == 0)[0])
-        raise SolverError(
-            f"spring {spring} has no length: points {network.springs[spring].tolist()} have been "
-            "pushed into one place, where no direction is left; reduce the load"
-        )

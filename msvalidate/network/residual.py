@@ -1,19 +1,64 @@
-"""What a residual force is measured by: the forces that meet at a point, and rounding."""
+"""What is out of balance, and what it is measured by: forces that meet at a point, and rounding."""
 
 from __future__ import annotations
 
 import math
+from copy import copy
 
 import numpy as np
 
-from msvalidate.network import Network, spring_vectors
-from msvalidate.network.laws import local_shear
+from msvalidate.network import Configuration, Network
 from msvalidate.network.laws import volumes as cells
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.checks import require_type
 
+EPS = float(np.finfo(float).eps)
 
-def force_scale(network: Network, position: Array) -> float:
+
+def out_of_balance_force(network: Network, displacement: Array) -> Array:
+    """Force (n, d) in N that springs, cells and loads leave at a displacement (n, d) in m."""
+    return Configuration(network, displacement).force() + network.force
+
+
+def is_unloaded(network: Network) -> bool:
+    """Whether no load, no prescribed displacement and no prestress acts on what is free."""
+    loaded = network.force[~network.held].any() or network.displacement.any()
+    return not (loaded or network.beyond_rest.any())
+
+
+def rounded_otherwise(network: Network) -> Network:
+    """A network whose vectors and constants are off by two roundings, at random, the same ones.
+
+    What that changes in its forces is what rounding may have: of products, which corrections do not
+    show, for it is the same in each of them.
+    """
+    rng = np.random.default_rng(0)
+
+    def shaken(values: Array) -> Array:
+        return np.asarray(values * (1 + 2 * EPS * rng.uniform(-1, 1, values.shape)))
+
+    other = copy(network)
+    stiffness, vector = shaken(network.stiffness), shaken(network.vector)
+    beyond = network.beyond_rest + (network.beyond_rest != 0) * (
+        shaken(network.distance) - network.distance
+    )
+    other.__dict__.update(
+        stiffness=stiffness,
+        vector=vector,
+        distance=np.linalg.norm(vector, axis=1),
+        beyond_rest=beyond,
+    )
+    if network.volumes is not None:
+        own = copy(network.volumes)
+        own.__dict__.pop("rest_volume", None)
+        own.__dict__.update(
+            stiffness=shaken(network.volumes.stiffness), corners=shaken(network.volumes.corners)
+        )
+        other.__dict__["volumes"] = own
+    return other
+
+
+def force_scale(at: Configuration) -> float:
     """Largest sum of force magnitudes (N) at a free point: the scale of a residual.
 
     Springs between points that are held take no part in any balance and do not count.
@@ -23,16 +68,9 @@ def force_scale(network: Network, position: Array) -> float:
     SolverError
         If the forces are beyond all numbers: any residual would be small beside them.
     """
-    _, length = spring_vectors(network, position)
+    network = at.network
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
-        tension = np.abs(network.stiffness * (length - network.rest_length))
-        met = np.linalg.norm(network.force, axis=1)
-        for end in (0, 1):
-            met = met + np.bincount(network.springs[:, end], tension, len(position))
-        if network.volumes:
-            met = met + cells.force_magnitudes(network.volumes, position)
-        if network.shear:
-            met = met + local_shear.force_magnitudes(network.shear, position)
+        met = np.linalg.norm(network.force, axis=1) + at.force_magnitudes()
     scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
     if not math.isfinite(scale):
         raise SolverError(
@@ -57,6 +95,4 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
     if network.volumes:
         met = met + cells.roundoff_magnitudes(network.volumes, reach)
-    if network.shear:
-        met = met + local_shear.roundoff_magnitudes(network.shear, reach)
-    return np.asarray(np.finfo(float).eps * met)[:, None]
+    return np.asarray(EPS * met)[:, None]

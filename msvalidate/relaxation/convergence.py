@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.volumes import stiffness_magnitudes
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array
@@ -104,7 +104,10 @@ class ConvergenceTest:
     def _force_met(self) -> float:
         """Largest sum of force magnitudes (N) that meet at a free point now."""
         state = self.state
-        self._met = force_scale(state.network, state.position), state.displacement.copy()
+        self._met = (
+            force_scale(Configuration(state.network, state.displacement)),
+            state.displacement.copy(),
+        )
         return self._met[0]
 
     def _most_met(self) -> float:

@@ -12,14 +12,13 @@ from functools import partial
 
 import numpy as np
 
-from msvalidate.network import tangent_blocks
+from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.run import Run
 from msvalidate.statics.tangents import (
     LARGEST_TURN,
     first_order_move,
-    largest_rotation,
     refuse_mechanism,
 )
 from msvalidate.tangent.inverse import Solver
@@ -54,7 +53,7 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
         yield
         ahead = network.displacement - run.displacement
         step = move(run.balance(), ahead)
-        turn = largest_rotation(network, run.position, step)
+        turn = Configuration(network, run.displacement).largest_rotation(step)
         part = min(1.0, LARGEST_TURN / max(turn, 1e-300))
         run.displacement += part * step
         if part == 1:
@@ -66,7 +65,9 @@ def _direct_moves(run: Run) -> Move:
     solver = Solver(run.network, "direct")
 
     def move(load: Array, ahead: Array) -> Array:
-        found, stable = first_order_move(run.network, run.position, load, ahead, solver)
+        found, stable = first_order_move(
+            Configuration(run.network, run.displacement.copy()), load, ahead, solver
+        )
         if not stable:
             raise SolverError(
                 f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; "
@@ -87,13 +88,14 @@ class _Multigrid:
         self.cycle: Cycle | None = None
 
     def __call__(self, load: Array, ahead: Array) -> Array:
-        run, x = self.run, self.run.position
-        K = tangent_blocks(run.network, x)
+        run = self.run
+        at = Configuration(run.network, run.displacement.copy())
+        K = at.tangent()
         held = np.where(self.free, 0.0, ahead).ravel()
         right = np.where(self.free, load - (K @ held).reshape(load.shape), 0.0).ravel()
         restrain_in_place(K, self.free)
         if self.cycle is None:
-            self.cycle = make_cycle(K, run.network, x)
+            self.cycle = make_cycle(K, at)
         part = self.needed(float(np.abs(right).max()))
         if held.any():  # such a load stands in a few rows, and measures none that is spread
             self.residual = 0.0

@@ -19,7 +19,7 @@ from tqdm import tqdm
 from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import (
     finite,
@@ -36,7 +36,7 @@ from msvalidate.relaxation.run import Relaxation, Run, join_runs
 from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 from msvalidate.statics.equilibrium import Equilibrium, refuse_folded, start_displacement
 from msvalidate.statics.path import LoadPath, Path, load_path
-from msvalidate.statics.polish import error_of_displacement
+from msvalidate.statics.refinement import error_of_displacement
 from msvalidate.statics.tangents import is_stable
 
 STOPOVER = 1e-4
@@ -167,7 +167,7 @@ def _judge(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
         If it rests where it is unstable, with cells that are folded, or off by all that it moved.
     """
     network = run.network
-    if not is_stable(network, found.equilibrium.position, run.cycle):
+    if not is_stable(Configuration(network, found.equilibrium.displacement), run.cycle):
         raise SolverError(
             f"{run.title} came to rest after {found.steps} steps where the network is unstable "
             "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "

@@ -12,7 +12,7 @@ import numpy as np
 
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.relaxation.convergence import ConvergenceTest
@@ -111,9 +111,8 @@ class Run(State):
             return self._given
         network = self.network
         if not Solver(network).is_direct:
-            self.cycle = make_cycle(
-                restrained_tangent(network, network.points), network, network.points
-            )
+            at = Configuration(network)
+            self.cycle = make_cycle(restrained_tangent(at), at)
         try:
             lowest, highest = extreme_frequencies(
                 network, tolerance=SPECTRUM_ERROR, cycle=self.cycle

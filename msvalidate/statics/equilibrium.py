@@ -9,19 +9,18 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.linear_algebra.refine import InaccurateError
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
+from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, require_one_of, require_type
 from msvalidate.problem.records import dataclass
-from msvalidate.statics.following import PathResult, follow_path, is_prestressed
-from msvalidate.statics.linear_solution import solve_linear
+from msvalidate.statics.following import PathResult, follow_path
 from msvalidate.statics.path import Path, load_path
-from msvalidate.statics.polish import centre_points, out_of_balance_force, refine_equilibrium
+from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, refine_linear
 from msvalidate.statics.tangents import is_inertia_certain
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
-from msvalidate.tangent.rounding import explain_rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +50,6 @@ class Equilibrium:
         Part of the load at which the first limit point was passed, where the stable branch that
         begins at the start ends and the network snaps through to another. None where none was,
         and where no path of loads was followed: of linear answers and relaxations.
-    remainder
-        (n, d) what the displacement lacks in digits (m): strains have them where a body moves far
-        and is hardly strained. None where it is not known.
     solver
         Which was taken, "direct" or "multigrid", and why; None of relaxations, and where nothing
         had to be solved.
@@ -67,7 +63,6 @@ class Equilibrium:
     error: float = math.nan
     folded: int | None = None
     passed_limit: float | None = None
-    remainder: Array | None = None
     solver: Choice | None = None
 
 
@@ -171,17 +166,14 @@ def equilibrium_at(
     *,
     error: float = math.nan,
     passed_limit: float | None = None,
-    remainder: Array | None = None,
     solver: Choice | None = None,
 ) -> Equilibrium:
     """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
 
     Forces come from the displacement: positions have lost digits where coordinates are large.
     """
-    left = out_of_balance_force(network, displacement, remainder)
-    for array in (displacement, remainder):
-        if array is not None:
-            array.setflags(write=False)
+    left = out_of_balance_force(network, displacement)
+    displacement.setflags(write=False)
     position = network.points + displacement
     return Equilibrium(
         displacement=displacement,
@@ -192,24 +184,33 @@ def equilibrium_at(
         error=error,
         folded=count_folded(network.simplices, position),
         passed_limit=passed_limit,
-        remainder=remainder,
         solver=solver,
     )
 
 
-def _solve_linear(network: Network, solver: str) -> Equilibrium:
-    found = solve_linear(network, solver)
-    position = network.points + found.displacement
+def _solve_linear(network: Network, wanted: str) -> Equilibrium:
+    solver = Solver(network, wanted)
+    while True:
+        try:
+            found = refine_linear(network, solver)
+            break
+        except SolverError as error:
+            if solver.is_direct or not isinstance(error, NotConvergedError | InaccurateError):
+                raise
+            solver.give_way(error)
+    at = Configuration(network)
+    left = at.force() + at.force_change(found.solution) + network.force
+    position = network.points + found.solution
+    found.solution.setflags(write=False)
     return Equilibrium(
-        displacement=found.displacement,
+        displacement=found.solution,
         position=position,
-        reaction=found.reaction,
-        residual=max_abs(found.balance[~network.held]),
+        reaction=np.where(network.held, -left, 0.0),
+        residual=max_abs(left[~network.held]),
         iterations=1 + found.steps,
         error=found.error,
         folded=count_folded(network.simplices, position),
-        remainder=found.remainder,
-        solver=found.choice,
+        solver=None if network.held.all() else solver.choice,
     )
 
 
@@ -217,12 +218,11 @@ def _solve_nonlinear(
     network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str
 ) -> Equilibrium:
     """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
-    given, network = network, centre_points(network)
     begun, solver = start_displacement(network, start), Solver(network, wanted)
     while True:
         try:
             found = _follow_path(network, solver, path, begun)
-            end = refine_equilibrium(given, found.position - network.points, found.factor, solver)
+            end = refine_equilibrium(network, found.displacement, found.factor, solver)
         except SolverError as error:
             # A factor goes on past tangents that are not positive, at which multigrid stops.
             stopped = solver.met_negative and not isinstance(error, NotConvergedError)
@@ -233,12 +233,11 @@ def _solve_nonlinear(
             solver.give_way(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
             continue
         return equilibrium_at(
-            given,
-            end.displacement,
+            network,
+            end.solution,
             found.solves + end.steps,
             error=end.error,
             passed_limit=found.passed_limit,
-            remainder=end.remainder,
             solver=None if network.held.all() else solver.choice,
         )
 
@@ -247,7 +246,7 @@ def _follow_path(
     network: Network, solver: Solver, path: Path | None, begun: Array | None
 ) -> PathResult:
     """The end of the way to the network's own loads."""
-    stressed = path is None and begun is None and is_prestressed(network)
+    stressed = path is None and begun is None and bool(network.beyond_rest.any())
     try:
         found = follow_path(load_path(network, path, begun), solver)
     except SolverError:
@@ -260,7 +259,7 @@ def _follow_path(
         found = tightened if tightened and tightened.reached == 1 else found
     if found.reached < 1:
         raise SolverError(
-            _explain_failure(network, solver, found, stressed=is_prestressed(network))
+            _explain_failure(network, solver, found, stressed=bool(network.beyond_rest.any()))
         )
     return found
 
@@ -300,7 +299,7 @@ def _explain_pivots(network: Network, solver: Solver) -> str:
     if network.held.all():
         return ""
     try:
-        found = solver.regular(network, network.points)
+        found = solver.regular(Configuration(network))
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
     return "" if is_inertia_certain(found) else explain_rounding(network, found.softness)

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.network import Network, internal_force
+from msvalidate.network import Configuration
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, field
@@ -29,8 +29,7 @@ from msvalidate.statics.tangents import (
     LARGEST_TURN,
     Tangent,
     is_inertia_certain,
-    is_positive_definite_at,
-    largest_rotation,
+    is_positive_definite,
     tangent_at,
 )
 from msvalidate.tangent.cycles import NotConvergedError
@@ -59,10 +58,10 @@ SAME = 0.1
 
 @dataclass(frozen=True, eq=False)
 class PathPoint:
-    """An equilibrium on the load path: its parameter t and position (n, d) in m."""
+    """An equilibrium on the load path: its parameter t and displacement (n, d) in m."""
 
     t: float
-    position: Array
+    displacement: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +92,7 @@ class PathResult:
 
     Parameters
     ----------
-    position
+    displacement
         (n, d) in m.
     reached
         t of it: below 1 where no stable equilibrium lies beyond.
@@ -105,7 +104,7 @@ class PathResult:
         Of the tangent at the end, where the signs of its pivots are beyond doubt.
     """
 
-    position: Array
+    displacement: Array
     reached: float = 0.0
     solves: int = 0
     passed_limit: float | None = None
@@ -136,7 +135,7 @@ def follow_path(path: LoadPath, solver: Solver) -> PathResult:
                 continue
             found.legs.append((here, arrival.station, arrival.smooth))
             here, increment = arrival.station, 2 * increment
-            found.position, found.reached = here.position, here.t
+            found.displacement, found.reached = here.displacement, here.t
             end = arrival.factor
             found.factor = end if end is not None and is_inertia_certain(end) else None
     found.passed_limit = _find_limit_point(path, solver, found)
@@ -147,26 +146,26 @@ def newton_step_along(
     path: LoadPath, solver: Solver, start: PathPoint, t: float, steps: int = ITERATIONS
 ) -> NewtonResult:
     """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one."""
-    network, x = path.network_at(t), start.position
-    force, target = path.force(t), network.points + path.prescribed(t)
-    rounding = 4 * force_roundoff(network)
+    network, u = path.network_at(t), start.displacement
+    force, target = path.force(t), path.prescribed(t)
     first, calm = None, True
     for iteration in range(steps):
-        ahead = np.where(network.held, target - x, 0.0)
+        ahead = np.where(network.held, target - u, 0.0)
         try:
-            balance = internal_force(network, x) + force
-            small = TOLERANCE * force_scale(network, x) + rounding
-            K = tangent_at(network, x, solver)
+            at = Configuration(network, u)
+            balance = at.force() + force
+            small = TOLERANCE * force_scale(at) + 4 * force_roundoff(network, max_abs(u))
+            K = tangent_at(at, solver)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
             return NewtonResult(None, iteration)
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
-        arrived = max_abs(ahead) <= _position_rounding(x)
+        arrived = max_abs(ahead) <= _rounding(u)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
-            if not _is_stable(network, x, K):
+            if not _is_stable(K):
                 return NewtonResult(None, iteration + 1)
-            there = PathPoint(t, x)
+            there = PathPoint(t, u)
             smooth = first is None or (calm and _is_smooth(path, start, there, first, K))
             return NewtonResult(there, iteration + 1, smooth, K.found)
         try:
@@ -174,18 +173,18 @@ def newton_step_along(
         except SolverError:  # multigrid met what is not positive, where a factor would go on
             solver.met_negative = True
             return NewtonResult(None, iteration + 1)
-        if largest_rotation(network, x, move) > LARGEST_TURN:
+        if at.largest_rotation(move) > LARGEST_TURN:
             return NewtonResult(None, iteration + 1)
         calm = calm and K.is_positive_definite
         first = move if first is None else first
-        x = x + move
+        u = u + move
     return NewtonResult(None, steps)
 
 
-def _is_stable(network: Network, x: Array, K: Tangent) -> bool:
+def _is_stable(K: Tangent) -> bool:
     """Whether the tangent is positive definite, as far as rounding allows a decision."""
     try:
-        return K.found is None or is_positive_definite_at(network, x - network.points, K.found)
+        return K.found is None or is_positive_definite(K.found)
     except NotConvergedError:  # multigrid cannot tell: a factor may
         raise
     except SolverError:
@@ -200,20 +199,20 @@ def _is_smooth(path: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tang
     def spring(move: Array) -> Array:
         return np.asarray(np.sqrt(((move[j] - move[i]) ** 2).sum(axis=1)))
 
-    change = b.position - a.position
+    change = b.displacement - a.displacement
     force = path.force(a.t), path.force(b.t)
     load = force[1] - force[0]
     if path.present is not None:
-        load = load + internal_force(network, b.position)
-        load = load - internal_force(path.network_at(a.t), b.position)
+        load = load + Configuration(network, b.displacement).force()
+        load = load - Configuration(path.network_at(a.t), b.displacement).force()
     last = K.move(load, np.where(network.held, change, 0.0))
     size = spring(change)
-    size = np.maximum(size, SMALL * size.max(initial=0.0) + _position_rounding(b.position) / MISSED)
+    size = np.maximum(size, SMALL * size.max(initial=0.0) + _rounding(b.displacement) / MISSED)
     if (spring(change - (first + last) / 2) > BENT * size).any():
         return False
-    middle = (a.position + b.position) / 2 + (first - last) / 8
+    middle = (a.displacement + b.displacement) / 2 + (first - last) / 8
     try:
-        balance = internal_force(path.network_at((a.t + b.t) / 2), middle)
+        balance = Configuration(path.network_at((a.t + b.t) / 2), middle).force()
         balance += (force[0] + force[1]) / 2
     except SolverError:  # a spring without length
         return False
@@ -272,17 +271,10 @@ def _is_jump(path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: 
 
 def _is_same_point(station: PathPoint, other: PathPoint, far: PathPoint) -> bool:
     """Whether two stations are one, beside how far they are from a third."""
-    apart = max_abs(station.position - other.position)
-    return apart <= SAME * max_abs(other.position - far.position) + _position_rounding(
-        other.position
-    )
+    apart = max_abs(station.displacement - other.displacement)
+    way = max_abs(other.displacement - far.displacement)
+    return apart <= SAME * way + _rounding(other.displacement)
 
 
-def _position_rounding(x: Array) -> float:
-    return float(4 * np.finfo(float).eps * np.abs(x).max())
-
-
-def is_prestressed(network: Network) -> bool:
-    """Whether some spring is off its rest length at the reference points, by more than rounding."""
-    length = np.linalg.norm(network.vector, axis=1)
-    return bool((np.abs(network.rest_length / length - 1) > 1e-12).any())
+def _rounding(u: Array) -> float:
+    return float(4 * np.finfo(float).eps * np.abs(u).max())

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from msvalidate.network import Network, internal_force, spring_vectors
+from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.network import Configuration, Network
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, format_value
@@ -34,7 +35,7 @@ class LoadPath:
     network
         Whose supports and loads are met at t = 1.
     start
-        (n, d) position (m) at t = 0.
+        (n, d) displacement (m) at t = 0.
     stops
         Places of t, rising to 1, each of which an equilibrium is found at.
     given
@@ -83,7 +84,7 @@ class LoadPath:
             return self.network.displacement
         if self.given is not None:
             return _evaluate_path(self.network, self.given, t)[1]
-        first = self.start - self.network.points if self.loaded else 0.0
+        first = self.start if self.loaded else 0.0
         return np.asarray(first + t * (self.network.displacement - first))
 
 
@@ -112,13 +113,13 @@ def load_path(
         If the path does not rise to 1, ends elsewhere, or an array does not fit.
     """
     stops, given = _check_stops(path), path if callable(path) else None
-    x = np.array(network.points) if start is None else network.points + start
+    u = np.zeros(network.points.shape) if start is None else start
     if given is not None:
         _refuse_other_end(network, given)
-    present = spring_vectors(network, x)[1] if tightened else None
-    begun = LoadPath(network, x, stops, given, start is not None, present)
-    left = internal_force(begun.network_at(0.0), x) + begun.load(0.0)
-    rounding = 4 * force_roundoff(network)
+    present = Configuration(network, u).length if tightened else None
+    begun = LoadPath(network, u, stops, given, start is not None, present)
+    left = Configuration(begun.network_at(0.0), u).force() + begun.load(0.0)
+    rounding = 4 * force_roundoff(network, max_abs(u))
     left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
     return replace(begun, released=left)
 

@@ -27,9 +27,7 @@ from scipy.spatial import cKDTree
 from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.ties import TIE
-from msvalidate.linear_algebra.double_double import Pair
-from msvalidate.network import Network
-from msvalidate.network.accurate import State
+from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.volumes import dilatation
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
@@ -67,16 +65,14 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
             "the network's own equilibrium"
         )
     # Elongations come from displacements: positions have few digits of small ones, or none.
-    lacks = np.zeros_like(found.displacement) if found.remainder is None else found.remainder
     if geometry == "nonlinear":
-        state = State(network, Pair(found.displacement, lacks))
-        pull, vector = state.springs.slack.hi * state.stiffness, state.springs.v.hi.T * state.length
+        at = Configuration(network, found.displacement)
+        pull, vector = at.slack, at.vector
     else:
-        state, (i, j) = State(network), network.springs.T
-        vector, move = network.vector, found.displacement
-        apart = (move[j] - move[i]) + (lacks[j] - lacks[i])
-        strain = (apart * vector).sum(axis=1) / (vector**2).sum(axis=1)
-        pull = state.springs.slack.hi * state.stiffness + network.stiffness * strain
+        vector, (i, j) = network.vector, network.springs.T
+        apart = found.displacement[j] - found.displacement[i]
+        strain = (apart * vector).sum(axis=1) / network.distance**2
+        pull = network.stiffness * (network.beyond_rest / network.distance + strain)
     return np.asarray(pull[:, None, None] * vector[:, :, None] * vector[:, None, :])
 
 
@@ -211,8 +207,6 @@ def _refuse_other_lattice(network: Network, lattice: Lattice) -> None:
     require_type("lattice", lattice, Lattice)
     if not np.array_equal(network.springs, lattice.springs):
         raise ProblemError("stress: the network's springs are not the lattice's; give its own")
-    if network.shear is not None:
-        raise ProblemError("stress: the network has shear springs too; no virial of them is known")
 
 
 def fitted_stress(

@@ -5,15 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import bsr_array
 
-from msvalidate.linear_algebra.double_double import as_pair
 from msvalidate.linear_algebra.factor import Factor
 from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
-from msvalidate.network import Network, tangent_blocks
-from msvalidate.network.accurate import State
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
-from msvalidate.statics.polish import centre_points
 from msvalidate.tangent.cycles import refuse_mechanism_motion
 from msvalidate.tangent.inverse import Regular, Solver
 from msvalidate.tangent.multigrid import Cycle, is_positive, make_cycle, restrained_tangent
@@ -64,23 +61,23 @@ class Tangent:
         return move.reshape(load.shape)
 
 
-def tangent_at(network: Network, x: Array, solver: Solver) -> Tangent:
-    """The tangent at `x` (n, d) in m, and its inverse as a solver has it.
+def tangent_at(at: Configuration, solver: Solver) -> Tangent:
+    """The tangent there, and its inverse as a solver has it.
 
     Raises
     ------
     SolverError
         If some motion meets no stiffness.
     """
-    free = np.flatnonzero(~network.held.ravel())
-    K = tangent_blocks(network, x)
-    return Tangent(free, K, solver.regular(network, x, K) if len(free) else None)
+    free = np.flatnonzero(~at.network.held.ravel())
+    K = at.tangent()
+    return Tangent(free, K, solver.regular(at, K) if len(free) else None)
 
 
 def first_order_move(
-    network: Network, x: Array, load: Array, held: Array, solver: Solver
+    at: Configuration, load: Array, held: Array, solver: Solver
 ) -> tuple[Array, bool]:
-    """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
+    """Move (n, d) in m that balances `load` (n, d) in N to first order; is K positive.
 
     `held` is the move of the held components.
 
@@ -89,52 +86,36 @@ def first_order_move(
     SolverError
         If some motion meets no stiffness.
     """
-    found = tangent_at(network, x, solver)
-    positive = found.found is None or is_positive_definite_at(
-        network, x - network.points, found.found
-    )
+    found = tangent_at(at, solver)
+    positive = found.found is None or is_positive_definite(found.found)
     return found.move(load, held), positive
 
 
-def largest_rotation(network: Network, x: Array, move: Array) -> float:
-    """Largest change of a spring's vector in a move, relative to its length; infinite for NaN."""
-    i, j = network.springs.T
-    length = np.linalg.norm(x[j] - x[i], axis=1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        change = np.linalg.norm(move[j] - move[i], axis=1) / length
-    return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
-
-
-def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> bool:
-    """Whether the tangent at `position` (n, d) in m is positive definite: no negative mode.
+def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
+    """Whether the tangent of a configuration is positive definite: no negative mode.
 
     Where `inverse.Solver` takes a factor the signs of pivots decide. Elsewhere a random load
     does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
     of the same network close by, where there is one.
     """
-    require_type("network", network, Network)
-    if network.held.all():
+    require_type("configuration", at, Configuration)
+    if at.network.held.all():
         return True
-    solver = Solver(network)
+    solver = Solver(at.network)
     if not solver.is_direct:
-        A = restrained_tangent(network, position)
-        if cycle is not None and is_positive(A, network, position, cycle):
+        A = restrained_tangent(at)
+        if cycle is not None and is_positive(A, at, cycle):
             return True
-        own = make_cycle(A, network, position)  # a no needs its own cycle
-        return is_positive(A, network, position, own)
-    near, displacement = centre_points(network), position - network.points
+        return is_positive(A, at, make_cycle(A, at))  # a no needs its own cycle
     try:
-        found = solver.regular(near, near.points + displacement)
+        return is_positive_definite(solver.regular(at))
     except SolverError:  # a mechanism
         return False
-    return is_positive_definite_at(network, displacement, found)
 
 
-def is_positive_definite_at(network: Network, displacement: Array, found: Regular) -> bool:
+def is_positive_definite(found: Regular) -> bool:
     """Whether a tangent is: by the signs of pivots where these are no rounding."""
-    if is_inertia_certain(found):
-        return found.negative == 0
-    return negative_modes(State(network, as_pair(displacement)), found, ~network.held) == 0
+    return negative_modes(found) == 0
 
 
 def is_inertia_certain(found: Regular) -> bool:
@@ -148,11 +129,10 @@ def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
     Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
     it does name meets none.
     """
-    x = network.points
     if network.held.all():
         return
-    solver = solver or Solver(network)
+    at, solver = Configuration(network), solver or Solver(network)
     if solver.is_direct:
-        solver.regular(network, x)
+        solver.regular(at)
         return
-    refuse_mechanism_motion(restrained_tangent(network, x), network, x)
+    refuse_mechanism_motion(restrained_tangent(at), at)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import bsr_array
 
-from msvalidate.network import Network
+from msvalidate.network import Configuration
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.mechanism import describe_motion, is_mechanism
@@ -39,8 +39,8 @@ class Cycles:
     ----------
     A
         Tangent, restrained.
-    network, position
-        Whose tangent it is, and where, (n, d) in m.
+    at
+        Whose tangent it is.
     cycle
         Of this tangent, or of one close by.
     is_own
@@ -50,8 +50,7 @@ class Cycles:
     """
 
     A: bsr_array
-    network: Network
-    position: Array
+    at: Configuration
     cycle: Cycle
     is_own: bool
     steps: int = 0
@@ -95,7 +94,7 @@ class Cycles:
         falling = self.cycle.indefinite_motion
         falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
         if falls or found.negative:
-            mode = softest_motion(self.A, self.network, self.position)
+            mode = softest_motion(self.A, self.at)
             if not mode.any():
                 mode = falling if falls and falling is not None else found.solution
             return mode[self._free], 1, True
@@ -116,18 +115,18 @@ class Cycles:
             found = conjugate_gradients(self.A, load, self.cycle, part, spectral=True)
             if self.is_own or not (found.negative or found.left > part):
                 return found
-            self.cycle, self.is_own = make_cycle(self.A, self.network, self.position), True
+            self.cycle, self.is_own = make_cycle(self.A, self.at), True
 
     @cached_property
     def _free(self) -> Mask:
-        return np.asarray(~self.network.held.ravel())
+        return np.asarray(~self.at.network.held.ravel())
 
 
-def refuse_mechanism_motion(A: bsr_array, network: Network, position: Array) -> None:
+def refuse_mechanism_motion(A: bsr_array, at: Configuration) -> None:
     """Raise `SolverError` if a motion is found that meets no stiffness: a long search.
 
-    `A` is `restrained_tangent` at `position` (n, d) in m.
+    `A` is `restrained_tangent` there.
     """
-    mode = softest_motion(A, network, position)
-    if mode.any() and is_mechanism(network, position, mode, A.diagonal()):
-        raise SolverError(describe_motion(network, mode))
+    mode = softest_motion(A, at)
+    if mode.any() and is_mechanism(at, mode, A.diagonal()):
+        raise SolverError(describe_motion(at.network, mode))

@@ -18,7 +18,7 @@ from scipy.sparse import bsr_array, csr_array, diags_array
 from msvalidate.linear_algebra.dissection import Dissection, nested_dissection
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
 from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
-from msvalidate.network import Network, tangent_blocks
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass
@@ -73,16 +73,15 @@ class Regular:
 
     Parameters
     ----------
-    network, position
-        Whose tangent, and where, (n, d) in m.
+    at
+        Whose tangent.
     inverse
         Of the free part.
     diagonal
         Of the free part (f,) in N/m.
     """
 
-    network: Network
-    position: Array
+    at: Configuration
     inverse: Factor | Cycles
     diagonal: Array
 
@@ -98,7 +97,7 @@ class Regular:
 
     def refuse_mechanism(self) -> None:
         """Raise `SolverError` where the softest motion meets no stiffness."""
-        _refuse_no_stiffness(self.network, *self._softest)
+        _refuse_no_stiffness(self.at.network, *self._softest)
 
     @property
     def rate(self) -> float:
@@ -110,9 +109,8 @@ class Regular:
     def negative(self) -> int:
         """Number of negative eigenvalues, or 1 where there are some and nobody counted."""
         if isinstance(self.inverse, Factor) and not self.inverse.is_signed:
-            A = restrained_tangent(self.network, self.position)
-            own = make_cycle(A, self.network, self.position)
-            _, negative, told = Cycles(A, self.network, self.position, own, is_own=True).probed
+            A = restrained_tangent(self.at)
+            _, negative, told = Cycles(A, self.at, make_cycle(A, self.at), is_own=True).probed
             if not told:
                 raise SolverError(UNTOLD.format(len(self.diagonal)))
             return negative
@@ -130,19 +128,19 @@ class Regular:
             way, told = found.softer(way)
             soft, mode = self._judged(way)
         if contraction_bound(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
-            purer = softest_motion(found.A, self.network, self.position)
+            purer = softest_motion(found.A, self.at)
             if purer.any():
-                soft, mode = self._judged(purer[~self.network.held.ravel()])
+                soft, mode = self._judged(purer[~self.at.network.held.ravel()])
         _refuse_unsettled(told)
         return soft, mode
 
     def _judged(self, way: Array) -> tuple[float, Array]:
         """What a motion (f,) meets, and the motion (n·d,); refused if it meets nothing."""
-        mode, met = np.zeros(self.network.points.size), np.zeros(self.network.points.size)
-        free = ~self.network.held.ravel()
+        free = ~self.at.network.held.ravel()
+        mode, met = np.zeros(free.shape), np.zeros(free.shape)
         mode[free], met[free] = way, self.diagonal
-        soft = relative_stiffness(self.network, self.position, mode, met)
-        _refuse_no_stiffness(self.network, soft, mode)
+        soft = relative_stiffness(self.at, mode, met)
+        _refuse_no_stiffness(self.at.network, soft, mode)
         return soft, mode
 
 
@@ -178,8 +176,8 @@ class Solver:
         """Whether tangents are factorised."""
         return self.choice.name == "direct"
 
-    def regular(self, network: Network, position: Array, K: bsr_array | None = None) -> Regular:
-        """Inverse of the free part of the tangent K at `position` (n, d) in m.
+    def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
+        """Inverse of the free part of the tangent K there.
 
         A factor, and the first multigrid, are looked at: some motion may meet no stiffness. Later
         ones are when they are asked.
@@ -189,11 +187,11 @@ class Solver:
         SolverError
             If some motion meets no stiffness, or memory does not suffice.
         """
-        K = tangent_blocks(network, position) if K is None else K
+        K = at.tangent() if K is None else K
         if self.is_direct:
-            return self._direct(network, position, K)
-        diagonal = K.diagonal()[~network.held.ravel()]
-        found = Regular(network, position, self.inverse(network, position, K), diagonal)
+            return self._direct(at, K)
+        diagonal = K.diagonal()[~at.network.held.ravel()]
+        found = Regular(at, self.inverse(at, K), diagonal)
         if self._looked:
             return found
         try:
@@ -204,13 +202,13 @@ class Solver:
             except SolverError:
                 # Where no factor will name it, a mechanism is looked for.
                 if isinstance(found.inverse, Cycles) and not found.inverse.probed[2]:
-                    refuse_mechanism_motion(found.inverse.A, network, position)
+                    refuse_mechanism_motion(found.inverse.A, at)
                 raise
-            return self.regular(network, position, K)
+            return self.regular(at, K)
         self._looked = True
         return found
 
-    def inverse(self, network: Network, position: Array, K: bsr_array) -> Factor | Cycles:
+    def inverse(self, at: Configuration, K: bsr_array) -> Factor | Cycles:
         """Inverse of the free part of K that nobody has looked at.
 
         Raises
@@ -220,10 +218,11 @@ class Solver:
         SolverError
             If nothing at all resists a component, or memory does not suffice.
         """
+        network = at.network
         inside = np.flatnonzero(~network.held.ravel())
         _refuse_unsupported(network, K.diagonal()[inside], inside)
         if not self.is_direct:
-            return self._multigrid(network, position, K)
+            return self._multigrid(at, K)
         if self._order is None:
             self._dissected(np.inf)
         A = csr_array(K)[inside][:, inside]
@@ -268,20 +267,20 @@ class Solver:
         self._order = found.order
         return found
 
-    def _direct(self, network: Network, position: Array, K: bsr_array) -> Regular:
-        diagonal = K.diagonal()[~network.held.ravel()]
+    def _direct(self, at: Configuration, K: bsr_array) -> Regular:
+        diagonal = K.diagonal()[~at.network.held.ravel()]
         try:
-            factor = self.inverse(network, position, K)
+            factor = self.inverse(at, K)
         except SolverError:
             raise
         except RuntimeError:  # by a mechanism, or by rounding alone
             stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
-            factor = self.inverse(network, position, stiffened)
-        found = Regular(network, position, factor, diagonal)
+            factor = self.inverse(at, stiffened)
+        found = Regular(at, factor, diagonal)
         found.refuse_mechanism()
         return found
 
-    def _multigrid(self, network: Network, position: Array, K: bsr_array) -> Cycles:
+    def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
         last = self._last
         if last is not None:
             self._usual = self._usual or last.steps
@@ -290,10 +289,10 @@ class Solver:
             if worn:
                 self._usual = 0
         A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
-        restrain_in_place(A, ~network.held)
+        restrain_in_place(A, ~at.network.held)
         own = self._cycle is None
-        cycle = self._cycle or make_cycle(A, network, position)
-        self._last = Cycles(A, network, position, cycle, own)
+        cycle = self._cycle or make_cycle(A, at)
+        self._last = Cycles(A, at, cycle, own)
         return self._last
 
 
@@ -304,13 +303,11 @@ def elimination_order(network: Network) -> Index:
 
 
 def connected_pairs(network: Network) -> Index:
-    """Pairs (p, 2) of points that springs, cells and shear springs join."""
+    """Pairs (p, 2) of points that springs and cells join."""
     pairs = [network.springs]
     if network.volumes is not None:
         cells = network.volumes.cells
         pairs += [cells[:, [a, b]] for a, b in combinations(range(cells.shape[1]), 2)]
-    if network.shear is not None:
-        pairs.append(network.shear.springs)
     return np.concatenate(pairs)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.network import Network, mode_energy
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, format_point
 
 NO_STIFFNESS = 1e-24
@@ -13,25 +13,26 @@ few parts in 1e16, squared, while the softest mode of a cantilever 20,000 cells 
 still has 1e-18."""
 
 
-def is_mechanism(network: Network, position: Array, motion: Array, stiffness: Array) -> bool:
-    """Whether a motion (n·d,) in m from `position` (n, d) in m is a mechanism.
+def is_mechanism(at: Configuration, motion: Array, stiffness: Array) -> bool:
+    """Whether a motion (n·d,) in m is a mechanism there.
 
     The springs that it stretches are asked: an eigenvalue of the tangent is rounded by far more.
     `stiffness` (n·d,) in N/m is what each component meets on its own, the tangent's diagonal. A
     point is judged by all of its free ones: a motion across its only spring has none of its own.
     """
-    return not abs(relative_stiffness(network, position, motion, stiffness)) > NO_STIFFNESS
+    return not abs(relative_stiffness(at, motion, stiffness)) > NO_STIFFNESS
 
 
-def relative_stiffness(network: Network, position: Array, motion: Array, stiffness: Array) -> float:
+def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> float:
     """Energy of a motion over what its components would cost one by one, as in `is_mechanism`.
 
     0 where that is nothing.
     """
-    way = motion.reshape(position.shape)
-    own = np.where(network.held, 0.0, np.abs(stiffness).reshape(position.shape)).sum(axis=1)
+    held = at.network.held
+    way = motion.reshape(held.shape)
+    own = np.where(held, 0.0, np.abs(stiffness).reshape(held.shape)).sum(axis=1)
     apart = float((way**2).sum(axis=1) @ own)
-    return mode_energy(network, position, way) / apart if apart > 0 else 0.0
+    return at.mode_energy(way) / apart if apart > 0 else 0.0
 
 
 def describe_motion(network: Network, motion: Array) -> str:

@@ -14,9 +14,7 @@ import numpy as np
 from scipy.linalg import eigh_tridiagonal
 from scipy.sparse import bsr_array, csr_array
 
-from msvalidate.linear_algebra.double_double import as_pair
-from msvalidate.network import Network, tangent_blocks
-from msvalidate.network.accurate import State
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, rigid_motions
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.mechanism import is_mechanism
@@ -145,15 +143,15 @@ def restrain_in_place(K: bsr_array, free: Mask) -> None:
     K.data[at[own]] += unit * (np.eye(free.shape[1]) * ~free[row[own]][:, :, None])
 
 
-def restrained_tangent(network: Network, position: Array) -> bsr_array:
-    """The tangent at `position` (n, d) in m, its free part left: see `restrain_in_place`."""
-    K = tangent_blocks(network, position)
-    restrain_in_place(K, ~network.held)
+def restrained_tangent(at: Configuration) -> bsr_array:
+    """The tangent there, its free part left: see `restrain_in_place`."""
+    K = at.tangent()
+    restrain_in_place(K, ~at.network.held)
     return K
 
 
-def make_cycle(A: bsr_array, network: Network, position: Array) -> Cycle:
-    """Smoothed aggregation whose coarse spaces hold the rigid motions of `position` (n, d) in m.
+def make_cycle(A: bsr_array, at: Configuration) -> Cycle:
+    """Smoothed aggregation whose coarse spaces hold the rigid motions of the points there.
 
     `A` is `restrained_tangent` there. The same system has the same cycle, to the last digit.
 
@@ -161,8 +159,9 @@ def make_cycle(A: bsr_array, network: Network, position: Array) -> Cycle:
     """
     from pyamg import smoothed_aggregation_solver  # noqa: PLC0415  half a second for one method
 
-    free = ~network.held
-    centred = position - position.mean(axis=0)
+    network, free = at.network, ~at.network.held
+    centred = network.points - network.points.mean(axis=0)
+    centred += at.displacement - at.displacement.mean(axis=0)
     rigid = rigid_motions(centred / np.abs(centred).max()).reshape(free.size, -1)
     largest = float(A.data.max())
     unit = 1.0 if 1 / ORDINARY < largest < ORDINARY else largest  # squares are to have numbers
@@ -287,10 +286,10 @@ def _norm(a: Array) -> float:
     return math.sqrt(_dot(a, a))
 
 
-def is_positive(A: bsr_array, network: Network, position: Array, cycle: Cycle) -> bool:
+def is_positive(A: bsr_array, at: Configuration, cycle: Cycle) -> bool:
     """Whether a random load (the same every time) meets no motion without stiffness in A.
 
-    `A` is `restrained_tangent` at `position` (n, d) in m.
+    `A` is `restrained_tangent` there.
 
     **Certain** is a no by a motion of negative energy, or of none in the springs: one was found.
     **Very likely** is a yes: the part of a load along a motion of negative energy cannot fall in
@@ -305,39 +304,37 @@ def is_positive(A: bsr_array, network: Network, position: Array, cycle: Cycle) -
         and cycle.indefinite_motion @ (A @ cycle.indefinite_motion) <= 0
     ):
         return False
-    load = _random_load(network) * cycle.unit
+    load = _random_load(at.network) * cycle.unit
     part = UNSEEN / math.sqrt(max(int(np.count_nonzero(load)), 1))
     outcome = conjugate_gradients(A, load, cycle, part)
     if outcome.negative or not outcome.left <= part:
         return False
     size = float(np.abs(outcome.solution).max())
-    return not (size and is_mechanism(network, position, outcome.solution / size, A.diagonal()))
+    return not (size and is_mechanism(at, outcome.solution / size, A.diagonal()))
 
 
-def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
+def softest_motion(A: bsr_array, at: Configuration) -> Array:
     """Motion (n·d,) that meets the least stiffness, its largest component 1, by inverse iteration.
 
-    `A` is `restrained_tangent` at `position` (n, d) in m. It is stiffened by a part ε of what each
-    point
-    meets, D, so that a mechanism has an inverse too. A sweep (A + εD)⁻¹ εD x is made as
+    `A` is `restrained_tangent` there. It is stiffened by a part ε of what each point meets, D, so that a mechanism has an inverse too. A sweep (A + εD)⁻¹ εD x is made as
     x - (A + εD)⁻¹ A x at last, A x from the springs' own elongations: rounding in stiff springs
     would else deform the soft ones beside them. Without an answer, of a network that is unstable,
     all are 0.
 
     Source: inverse iteration, [GolubVanLoan2013], section 8.2.
     """
+    d = at.network.dim
     own = A.indices == np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
     data = A.data.copy()
-    met = np.repeat(data[own].trace(axis1=1, axis2=2), network.dim)
+    met = np.repeat(data[own].trace(axis1=1, axis2=2), d)
     met /= np.abs(met).max()
-    data[own] += LOOSE * A.data.max() * (met.reshape(-1, network.dim, 1) * np.eye(network.dim))
+    data[own] += LOOSE * A.data.max() * (met.reshape(-1, d, 1) * np.eye(d))
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
-    cycle = make_cycle(stiffened, network, position)
-    state, mode = State(network, as_pair(position - network.points)), _random_load(network)
+    cycle, mode = make_cycle(stiffened, at), _random_load(at.network)
     unsettled = 0
     for sweep in range(MOST_SWEEPS):
         exact, before = sweep >= SWEEPS, mode
-        load = force_against(state, mode, ~network.held) if exact else met * mode * cycle.unit
+        load = force_against(at, mode) if exact else met * mode * cycle.unit
         outcome = conjugate_gradients(stiffened, load, cycle, CLEAN)
         mode = mode - outcome.solution if exact else outcome.solution
         size = np.abs(mode).max()
@@ -350,14 +347,13 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     return mode
 
 
-def force_against(state: State, motion: Array, free: Mask) -> Array:
-    """Force (n·d,) in N per m that a motion (n·d,) meets, where it is `free` (n, d).
+def force_against(at: Configuration, motion: Array) -> Array:
+    """Force (n·d,) in N that a motion (n·d,) in m meets, where it is free.
 
     By the springs' own vectors: sums of large entries would lose what meets little.
     """
-    zero = as_pair(np.zeros(free.shape))
-    met = -state.residual(zero, as_pair(motion.reshape(free.shape))).hi * state.stiffness
-    return np.asarray(np.where(free, met, 0.0).ravel())
+    held = at.network.held
+    return np.where(held, 0.0, -at.force_change(motion.reshape(held.shape))).ravel()
 
 
 def _random_load(network: Network) -> Array:

@@ -3,7 +3,7 @@
 A factor's pivots count the negative modes of the matrix that was factorised, which differs from the
 exact one by some eps of what each point meets. A mode of less stiffness than that may have any sign
 there. These few are found by inverse iteration, and their energies taken from the springs' own
-vectors (`accurate`): by Weyl's inequality no other mode can have changed its sign.
+vectors (`Configuration.force_change`): by Weyl's inequality no other mode can have changed its sign.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
 from msvalidate.linear_algebra.refine import DOUBTFUL, FACTOR_ROUNDING, contraction_bound
-from msvalidate.network.accurate import State
-from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.network import Configuration
+from msvalidate.problem import Array, SolverError
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Regular
 from msvalidate.tangent.mechanism import NO_STIFFNESS
@@ -28,17 +28,8 @@ CLEAR = 10.0
 """Times rounding, that the stiffest of these modes must meet for all others to have their signs."""
 
 
-def negative_modes(state: State, found: Regular, free: Mask) -> int:
-    """Number of negative eigenvalues of the tangent.
-
-    Parameters
-    ----------
-    state
-        The network where `found` is the factor of its tangent.
-    found
-        Factor and softest motion.
-    free
-        (n, d).
+def negative_modes(found: Regular) -> int:
+    """Number of negative eigenvalues of the tangent that `found` is the inverse of.
 
     Raises
     ------
@@ -58,7 +49,7 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
     own = modes.T @ pushes
     metric = modes.T @ (weight[:, None] * modes)
     factored = eigh((own + own.T) / 2, metric, eigvals_only=True)
-    changes = np.column_stack([_force_against(state, mode, free) for mode in modes.T])
+    changes = np.column_stack([_force_against(found.at, mode) for mode in modes.T])
     exact = modes.T @ changes
     energies = eigh((exact + exact.T) / 2, metric, eigvals_only=True)
     all_seen = len(weight) <= MODES
@@ -94,8 +85,9 @@ def _softest_motions(factor: Factor, weight: Array) -> tuple[Array, Array]:
     return modes, pushes
 
 
-def _force_against(state: State, mode: Array, free: Mask) -> Array:
+def _force_against(at: Configuration, mode: Array) -> Array:
     """Force (f,) that meets a motion (f,) of what is free, in N per m."""
+    free = ~at.network.held.ravel()
     motion = np.zeros(free.shape)
     motion[free] = mode
-    return force_against(state, motion, free)[free.ravel()]
+    return force_against(at, motion)[free]

@@ -22,7 +22,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
-from msvalidate.network import Network, internal_force
+from msvalidate.network import Configuration, Network, internal_force
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.tangent.inverse import Solver
@@ -120,7 +120,7 @@ def one_solve(network: Network) -> Array:
     load = internal_force(network, x) + network.force
     move = np.zeros(network.points.size)
     free = ~network.held.ravel()
-    found = Solver(network, "direct").regular(network, x)
+    found = Solver(network, "direct").regular(Configuration(network))
     move[free] = found.inverse.solve(load.ravel()[free])
     return move.reshape(x.shape)
 

@@ -25,7 +25,7 @@ import pandas as pd
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
-from msvalidate.network import Network, spring_network
+from msvalidate.network import Configuration, Network, spring_network
 from msvalidate.problem import Index
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import Cycles
@@ -263,6 +263,6 @@ def solve_refined(network: Network, solver: str) -> Equilibrium:
 
 def steps(network: Network) -> int:
     """Steps of multigrid that the network's own load takes."""
-    found = Solver(network, "multigrid").regular(network, network.points).inverse
+    found = Solver(network, "multigrid").regular(Configuration(network)).inverse
     found.solve(network.force[~network.held])
     return found.steps if isinstance(found, Cycles) else 0

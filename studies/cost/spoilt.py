@@ -10,7 +10,7 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import SAFETY, Run
@@ -74,8 +74,8 @@ def careless_steps(net: Network, solver: str) -> Equilibrium:
     """By multigrid a thousandth off, and stated to be right to the last digit."""
     if solver == "direct":
         return equilibrium(net, solver=solver)
-    A = restrained_tangent(net, net.points)
-    found = conjugate_gradients(A, net.force.ravel(), make_cycle(A, net, net.points), SLOPPY)
+    A = restrained_tangent(Configuration(net))
+    found = conjugate_gradients(A, net.force.ravel(), make_cycle(A, Configuration(net)), SLOPPY)
     u = found.solution.reshape(net.points.shape)
     said = Choice("multigrid", "in haste")
     return Equilibrium(u, net.points + u, np.zeros_like(u), 0.0, 3, error=1e-16, solver=said)
@@ -83,7 +83,7 @@ def careless_steps(net: Network, solver: str) -> Equilibrium:
 
 def without_levels(net: Network) -> int:
     """Steps of conjugate gradients over the diagonal, without coarse levels."""
-    A = restrained_tangent(net, net.points)
+    A = restrained_tangent(Configuration(net))
     over = 1 / A.diagonal()
     return conjugate_gradients(
         A, net.force.ravel(), lambda load: over * load, PART, most=MOST_STEPS

@@ -19,6 +19,7 @@ from msvalidate.dielectric.actuator import ActuatorEquilibrium, PulledIn, fix_ne
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
+from msvalidate.network import configuration_at
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import SolverError
 
@@ -110,7 +111,7 @@ def request_too_much(way: PullInSolver, case: tuple[str, int, float]) -> dict[st
 
 def relative_residual(held: ActuatorEquilibrium) -> float:
     """Residual over the forces that meet at a point; 0 where there are none."""
-    met = force_scale(held.actuator.network, held.position)
+    met = force_scale(configuration_at(held.actuator.network, held.position))
     return held.residual / met if met else 0.0
 
 

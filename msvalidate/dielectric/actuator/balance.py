@@ -11,11 +11,10 @@ from scipy.sparse import coo_array, csr_array
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
-from msvalidate.network import internal_force, tangent
-from msvalidate.network.residual import force_roundoff, force_scale
+from msvalidate.network import Configuration, internal_force, tangent
+from msvalidate.network.residual import force_roundoff, force_scale, out_of_balance_force
 from msvalidate.problem import Array
-from msvalidate.statics.polish import out_of_balance_force
-from msvalidate.statics.tangents import LARGEST_TURN, largest_rotation
+from msvalidate.statics.tangents import LARGEST_TURN
 
 ITERATIONS = 25
 """Newton steps to one voltage: several times what quadratic convergence needs."""
@@ -83,7 +82,7 @@ def is_balanced(
     pull = np.array(network.force)
     pull[electric.loaded] += electric.forces()
     met = max(
-        force_scale(network, network.points + displacement),
+        force_scale(Configuration(network, displacement)),
         float(np.abs(electric.forces()).max(initial=0.0)),
     )
     allowed, load = tolerance * met, float(np.abs(pull[free]).max(initial=0.0))
@@ -114,7 +113,7 @@ def find_equilibrium(
             return BalancedState(u, electric, solves)
         move = np.zeros(u.shape)
         move[free] = factor.solve(residual_force(actuator, u, electric)[free])
-        if largest_rotation(network, x, move) > LARGEST_TURN:
+        if Configuration(network, u).largest_rotation(move) > LARGEST_TURN:
             return None
         u = u + move
     return None

@@ -126,9 +126,18 @@ class Volumes:
         return SURFACES[self.dim, self.cells.shape[1]]
 
     @cached_property
+    def corners(self) -> Array:
+        """Corners (c, k, 3) in m, from the first of each cell on; in the plane the normal too.
+
+        Differences keep the digits that coordinates far from the origin have lost.
+        """
+        return _local_values(self, self.points, 1.0)
+
+    @cached_property
     def rest_volume(self) -> Array:
         """V0 (c,) in m² or m³."""
-        V0 = _volume(self, self.points)
+        a, b, c = (self.corners[:, corner] for corner in self.surface[0].T)
+        V0 = np.asarray(self.surface[1] * (a * np.cross(b, c)).sum(axis=(1, 2)))
         V0.setflags(write=False)
         return V0
 
@@ -146,40 +155,56 @@ def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
 
 
 def dilatation(volumes: Volumes, displacement: Array, *, linear: bool = False) -> Array:
-    """V/V0 - 1 (c,) of the cells under a displacement (n, d) in m, or what is linear in it."""
-    u = _check_shape("displacement", volumes, displacement)
-    if not linear:
-        return _dilatation(volumes, volumes.points + u)
-    slope = _gradient(volumes, volumes.points)
-    change = np.einsum("cka,cka->c", slope, u[volumes.cells])
-    return np.asarray(change / volumes.rest_volume)
+    """V/V0 - 1 (c,) of the cells under a displacement (n, d) in m, or what is linear in it.
+
+    From the moves of the corners, without the digits that V and V0 share.
+    """
+    X, u = volumes.corners, _checked_moves("displacement", volumes, displacement)
+    x = X if linear else X + u
+    triangles, part = volumes.surface
+    p, q, r = triangles.T
+    # det(x, y, z) - det(X, Y, Z), one column moved after the other.
+    change = u[:, p] * np.cross(x[:, q], x[:, r])
+    change += X[:, p] * (np.cross(u[:, q], x[:, r]) + np.cross(X[:, q], u[:, r]))
+    return np.asarray(part * change.sum(axis=(1, 2)) / volumes.rest_volume)
 
 
-def energy(volumes: Volumes, position: Array) -> float:
-    """Energy (J) that the cells store at `position` (n, d) in m."""
-    j = _dilatation(volumes, position)
+def energy(volumes: Volumes, displacement: Array) -> float:
+    """Energy (J) that the cells store under a displacement (n, d) in m."""
+    j = dilatation(volumes, displacement)
     return float(0.5 * (volumes.stiffness * volumes.rest_volume) @ j**2)
 
 
-def force(volumes: Volumes, position: Array) -> Array:
-    """Force (n, d) in N of the cells on the points at `position` (n, d) in m."""
-    pull = _corner_forces(volumes, position)
-    out = np.zeros(position.shape)
-    for axis in range(volumes.dim):
-        weights = pull[:, :, axis].ravel()
-        out[:, axis] = np.bincount(volumes.cells.ravel(), weights, len(position))
-    return out
+def force(volumes: Volumes, displacement: Array) -> Array:
+    """Force (n, d) in N of the cells on the points, displaced by (n, d) in m."""
+    return _summed(volumes, _corner_forces(volumes, displacement))
 
 
-def force_magnitudes(volumes: Volumes, position: Array) -> Array:
+def force_change(volumes: Volumes, displacement: Array, motion: Array) -> Array:
+    """Change (n, d) in N of `force` by a small motion (n, d) in m, to first order."""
+    w, x = _checked_moves("motion", volumes, motion), _displaced(volumes, displacement)
+    k, d = volumes.cells.shape[1], volumes.dim
+    g = _gradient(volumes, x, x)
+    hard = volumes.stiffness / volumes.rest_volume * (g * w[:, :k, :d]).sum(axis=(1, 2))
+    change = hard[:, None, None] * g
+    pressure = volumes.stiffness * dilatation(volumes, displacement)
+    if pressure.any():
+        bent = _gradient(volumes, w, x) + _gradient(volumes, x, w)
+        change += pressure[:, None, None] * bent
+    return -_summed(volumes, change)
+
+
+def force_magnitudes(volumes: Volumes, displacement: Array) -> Array:
     """Sum (n,) of the magnitudes of the forces (N) that cells exert on each point."""
-    size = np.linalg.norm(_corner_forces(volumes, position), axis=2)
-    return np.asarray(np.bincount(volumes.cells.ravel(), size.ravel(), len(position)), dtype=float)
+    size = np.linalg.norm(_corner_forces(volumes, displacement), axis=2)
+    return np.asarray(
+        np.bincount(volumes.cells.ravel(), size.ravel(), len(volumes.points)), dtype=float
+    )
 
 
 def stiffness_magnitudes(volumes: Volumes) -> Array:
     """Sum (n,) of |κ| |∂V/∂x|²/V0 (N/m) at each point: its cells' own stiffness."""
-    g = _gradient(volumes, volumes.points)
+    g = _gradient(volumes, volumes.corners, volumes.corners)
     root = np.sqrt(np.abs(volumes.stiffness)) / np.sqrt(volumes.rest_volume)
     own = ((root[:, None, None] * g) ** 2).sum(axis=2)
     return np.asarray(
@@ -192,7 +217,7 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
 
     An eps of it is the rounding of a force: see `residual.force_roundoff`.
     """
-    size = np.linalg.norm(_gradient(volumes, volumes.points), axis=2)
+    size = np.linalg.norm(_gradient(volumes, volumes.corners, volumes.corners), axis=2)
     V0 = volumes.rest_volume
     j = size.sum(axis=1) * (reach + V0 ** (1 / volumes.dim)) / V0
     met = (np.abs(volumes.stiffness) * j)[:, None] * size
@@ -201,7 +226,7 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     )
 
 
-def tangent(volumes: Volumes, position: Array) -> csr_array:
+def tangent(volumes: Volumes, displacement: Array) -> csr_array:
     """Tangent stiffness (n·d, n·d) in N/m, row n·d of point-major components.
 
     A cell's block is (κ/V0) g gᵀ + κ (V/V0 - 1) H, with V's gradient g and its second derivatives.
@@ -210,47 +235,33 @@ def tangent(volumes: Volumes, position: Array) -> csr_array:
     """
     c, corners = volumes.cells.shape
     d, size = volumes.dim, corners * volumes.dim
-    kappa, j = volumes.stiffness, _dilatation(volumes, position)
-    g = _gradient(volumes, position).reshape(c, size)
+    kappa, j = volumes.stiffness, dilatation(volumes, displacement)
+    x = _displaced(volumes, displacement)
+    g = _gradient(volumes, x, x).reshape(c, size)
     block = (kappa / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
     if j.any():
-        block += (kappa * j)[:, None, None] * _second_derivative(volumes, position).reshape(
-            c, size, size
-        )
+        block += (kappa * j)[:, None, None] * _second_derivative(volumes, x).reshape(c, size, size)
     dof = (volumes.cells[:, :, None] * d + np.arange(d)).reshape(c, size)
     row = np.broadcast_to(dof[:, :, None], block.shape).ravel()
     column = np.broadcast_to(dof[:, None, :], block.shape).ravel()
-    return csr_array((block.ravel(), (row, column)), shape=(position.size, position.size))
+    size = volumes.points.size
+    return csr_array((block.ravel(), (row, column)), shape=(size, size))
 
 
-def mode_energy(volumes: Volumes, position: Array, motion: Array) -> float:
-    """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion.
-
-    Cells within 1e-12 of their rest volume count as unstressed, as springs do.
-    """
-    j = _dilatation(volumes, position)
-    w = _check_shape("motion", volumes, motion)[volumes.cells]
-    change = (_gradient(volumes, position) * w).sum(axis=(1, 2))
-    j[np.abs(j) < 1e-12] = 0.0
-    stretched = volumes.stiffness / volumes.rest_volume @ change**2
-    if not j.any():
-        return float(stretched)
-    bent = np.einsum("cia,ciajb,cjb->c", w, _second_derivative(volumes, position), w)
-    return float(stretched + (volumes.stiffness * j) @ bent)
-
-
-def _check_shape(name: str, volumes: Volumes, values: Array) -> Array:
-    """Values (n, d) of the network's points, refused unless there is one for each."""
+def _checked_moves(name: str, volumes: Volumes, moves: Array) -> Array:
+    """Moves (n, d) as corners' (c, k, 3), from each cell's first; refused unless one a point."""
     require_type("volumes", volumes, Volumes)
     shape = volumes.points.shape
-    return finite(name, values, *shape, need=f"give an array {shape}")
+    return _local_values(volumes, finite(name, moves, *shape, need=f"give an array {shape}"), 0.0)
 
 
-def _corner_values(volumes: Volumes, values: Array, normal: float) -> Array:
-    """Values (n, d) at the corners (c, k, 3), from the first of each on; the normal as one more.
+def _displaced(volumes: Volumes, displacement: Array) -> Array:
+    """Corners (c, k, 3) in m of the displaced cells."""
+    return volumes.corners + _checked_moves("displacement", volumes, displacement)
 
-    From the first corner on: differences keep the digits that far-away coordinates have lost.
-    """
+
+def _local_values(volumes: Volumes, values: Array, normal: float) -> Array:
+    """Values (n, d) at the corners (c, k, 3) less the first of each; the normal as one more."""
     c, k = volumes.cells.shape
     local = values[volumes.cells] - values[volumes.cells[:, :1]]
     if volumes.dim == 3:
@@ -261,47 +272,35 @@ def _corner_values(volumes: Volumes, values: Array, normal: float) -> Array:
     return padded
 
 
-def _volume(volumes: Volumes, position: Array) -> Array:
-    x = _corner_values(volumes, position, 1.0)
-    triangles, part = volumes.surface
-    a, b, c = (x[:, corner] for corner in triangles.T)
-    return np.asarray(part * (a * np.cross(b, c)).sum(axis=(1, 2)))
+def _summed(volumes: Volumes, pull: Array) -> Array:
+    """Forces (n, d) of those at corners (c, k, d)."""
+    out = np.zeros(volumes.points.shape)
+    for axis in range(volumes.dim):
+        weights = pull[:, :, axis].ravel()
+        out[:, axis] = np.bincount(volumes.cells.ravel(), weights, len(out))
+    return out
 
 
-def _dilatation(volumes: Volumes, position: Array) -> Array:
-    """V/V0 - 1 (c,) from the moves of the corners, without the digits that V and V0 share."""
-    X = _corner_values(volumes, volumes.points, 1.0)
-    u = _corner_values(volumes, _check_shape("position", volumes, position) - volumes.points, 0.0)
-    x = X + u
-    triangles, part = volumes.surface
-    p, q, r = triangles.T
-    # det(x, y, z) - det(X, Y, Z), one column moved after the other.
-    change = u[:, p] * np.cross(x[:, q], x[:, r])
-    change += X[:, p] * (np.cross(u[:, q], x[:, r]) + np.cross(X[:, q], u[:, r]))
-    return np.asarray(part * change.sum(axis=(1, 2)) / volumes.rest_volume)
-
-
-def _gradient(volumes: Volumes, position: Array) -> Array:
-    """∂V/∂x (c, corners, d) in m or m²."""
-    x = _corner_values(volumes, position, 1.0)
+def _gradient(volumes: Volumes, x: Array, y: Array) -> Array:
+    """∂V/∂x (c, corners, d) in m or m² where y is x, corners (c, k, 3); its polar form else."""
     triangles, part = volumes.surface
     g = np.zeros(x.shape)
     for p, q, r in triangles:
-        g[:, p] += np.cross(x[:, q], x[:, r])
-        g[:, q] += np.cross(x[:, r], x[:, p])
-        g[:, r] += np.cross(x[:, p], x[:, q])
+        g[:, p] += np.cross(x[:, q], y[:, r])
+        g[:, q] += np.cross(x[:, r], y[:, p])
+        g[:, r] += np.cross(x[:, p], y[:, q])
     return np.asarray(part * g[:, : volumes.cells.shape[1], : volumes.dim])
 
 
-def _corner_forces(volumes: Volumes, position: Array) -> Array:
+def _corner_forces(volumes: Volumes, displacement: Array) -> Array:
     """Force (c, corners, d) in N of each cell on its corners."""
-    pressure = volumes.stiffness * _dilatation(volumes, position)
-    return np.asarray(-pressure[:, None, None] * _gradient(volumes, position))
+    pressure = volumes.stiffness * dilatation(volumes, displacement)
+    x = _displaced(volumes, displacement)
+    return np.asarray(-pressure[:, None, None] * _gradient(volumes, x, x))
 
 
-def _second_derivative(volumes: Volumes, position: Array) -> Array:
+def _second_derivative(volumes: Volumes, x: Array) -> Array:
     """∂²V/∂x∂x (c, corners, d, corners, d): ∂²det/∂p_a∂q_b = ε_abc r_c, and so on round."""
-    x = _corner_values(volumes, position, 1.0)
     triangles, part = volumes.surface
     epsilon = np.zeros((3, 3, 3))
     for order in permutations(range(3)):

@@ -104,7 +104,7 @@ def test_forces_and_steps_are_those_of_the_plain_form(dim, cells, shuffled):
     position, force = network.points + u, np.full(u.shape, np.nan)
     stored = kernels.Motion(network).force_and_energy(u, force)
     # Only the order of summation differs, a hundred terms at most.
-    scale = force_scale(network, position)
+    scale = force_scale(configuration_at(network, position))
     np.testing.assert_allclose(force, internal_force(network, position), atol=1e-13 * scale)
     assert stored == pytest.approx(energy(network, position), rel=1e-13)
     damping = np.random.default_rng(2).uniform(0, 1, len(u))
@@ -255,7 +255,7 @@ def test_arrays_of_any_order_in_memory_are_moved_in_place(path, threads):
     out = np.full(u.shape, np.nan, order="F")
     u.setflags(write=False)
     motion.force_and_energy(u, out)
-    scale = force_scale(network, network.points + u)
+    scale = force_scale(configuration_at(network, network.points + u))
     np.testing.assert_allclose(out, internal_force(network, network.points + u), atol=1e-13 * scale)
 
 

@@ -42,7 +42,7 @@ def test_force_and_energy_are_those_of_the_plain_form(networks, data):
     force = np.full(position.shape, np.nan)  # what was there before must not matter
     stored = kernels.force_and_energy(network, position - network.points, force)
     # Only the order of summation differs, a hundred terms at most.
-    scale = force_scale(network, position)
+    scale = force_scale(configuration_at(network, position))
     np.testing.assert_allclose(force, internal_force(network, position), atol=1e-13 * scale)
     assert stored == pytest.approx(energy(network, position), rel=1e-13)
 

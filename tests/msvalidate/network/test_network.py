@@ -58,7 +58,7 @@ def turn(dim, rng):
 def test_force_is_minus_the_gradient_of_energy(networks, data):
     network, position = data.draw(networks(stressed=True))
     gradient = differences(lambda x: energy(network, x), position).reshape(position.shape)
-    scale = force_scale(network, position)
+    scale = force_scale(configuration_at(network, position))
     np.testing.assert_allclose(internal_force(network, position), -gradient, atol=1e-6 * scale)
 
 
@@ -78,7 +78,7 @@ def test_forces_and_moments_of_the_springs_balance(networks, data):
     network, position = data.draw(networks(stressed=True))
     force = internal_force(network, position)
     # Sums of some hundred terms, each rounded to 1e-16.
-    met = np.abs(force).sum() + force_scale(network, position)
+    met = np.abs(force).sum() + force_scale(configuration_at(network, position))
     np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-13 * met)
     np.testing.assert_allclose(moment(position, force), 0.0, atol=1e-12 * met)
 
@@ -102,7 +102,7 @@ def test_energy_is_indifferent_to_the_frame_and_force_turns_with_it(networks, da
     rng = np.random.default_rng(seed)
     Q = turn(network.dim, rng)
     moved = position @ Q.T + rng.uniform(-5, 5, network.dim)
-    scale = force_scale(network, position)
+    scale = force_scale(configuration_at(network, position))
     assert energy(network, moved) == pytest.approx(energy(network, position), rel=1e-12, abs=1e-13)
     # Lengths are rounded to 1e-15 of coordinates up to 10 m.
     expected = internal_force(network, position) @ Q.T
@@ -127,7 +127,7 @@ def test_numbering_does_not_matter(networks, data, seed):
         rest_length=network.rest_length[listed],
         volumes=cells and Volumes(network.points[order], place[cells.cells], cells.stiffness),
     )
-    scale = force_scale(network, position)
+    scale = force_scale(configuration_at(network, position))
     assert energy(renumbered, position[order]) == pytest.approx(energy(network, position))
     np.testing.assert_allclose(
         internal_force(renumbered, position[order]),
@@ -225,9 +225,9 @@ def test_force_scale_is_the_largest_meeting_of_forces_whatever_cancels():
         rest_length=[1.0, 1.0],
         force=[[0, 4.0], [0, -3.0], [0, 0]],
     )
-    assert force_scale(string, string.points) == pytest.approx(5.0, rel=1e-15)
+    assert force_scale(Configuration(string)) == pytest.approx(5.0, rel=1e-15)
     light = replace(string, force=0.5 * string.force)
-    assert force_scale(light, light.points) == pytest.approx(3.5, rel=1e-15)
+    assert force_scale(Configuration(light)) == pytest.approx(3.5, rel=1e-15)
 
 
 def test_force_roundoff_is_an_eps_of_the_lengths_times_the_springs():

@@ -79,7 +79,7 @@ def test_force_scale_counts_a_swollen_cell():
     network = spring_network(SQUARE, EDGES, 0.0, volumes=cell)
     # The pressure κ (λ² - 1) on half of each of two sides of length λ 0.37 m.
     expected = 2.0 * (1.1**2 - 1) * 1.1 * SIDE / math.sqrt(2)
-    assert force_scale(network, 1.1 * SQUARE) == pytest.approx(expected, rel=1e-12)
+    assert force_scale(configuration_at(network, 1.1 * SQUARE)) == pytest.approx(expected, rel=1e-12)
 
 
 def test_force_scale_counts_shear_springs():
@@ -88,7 +88,7 @@ def test_force_scale_counts_shear_springs():
     sheared = SQUARE + 0.1 * SQUARE[:, ::-1] * [1, 0]
     most = np.linalg.norm(local_shear.force(shear, sheared), axis=1).max()
     assert most > 0.01
-    assert most <= force_scale(network, sheared) < 100 * most
+    assert most <= force_scale(configuration_at(network, sheared)) < 100 * most
 
 
 def test_zeners_ratio_is_that_of_two_shears():

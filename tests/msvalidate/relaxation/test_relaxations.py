@@ -130,7 +130,7 @@ def refused_or_at_true_rest(network, method):
         rest = relax(network, method, max_steps=3000).equilibrium
     except SolverError:
         return None
-    assert rest.residual <= 1e-9 * force_scale(network, rest.position)
+    assert rest.residual <= 1e-9 * force_scale(configuration_at(network, rest.position))
     assert is_stable(network, rest.position)
     return rest
 

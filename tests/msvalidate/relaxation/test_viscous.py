@@ -116,7 +116,7 @@ def test_the_history_runs_from_the_start_to_rest(lattice_body):
     assert residual[0] == pytest.approx(np.abs(balance).max(), rel=1e-13)
     assert (np.diff(step) == 20).all()
     position = run.equilibrium.position
-    quiet = residual <= 1e-6 * force_scale(network, position)
+    quiet = residual <= 1e-6 * force_scale(configuration_at(network, position))
     slow = kinetic <= 1e-12 * energy(network, position)
     assert quiet[-1]
     assert slow[-1]

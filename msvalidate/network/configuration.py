@@ -1,0 +1,209 @@
+"""A network under a displacement: energy, forces and tangent, from changes of length.
+
+A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
+energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. What it is longer by than at
+the reference points,
+
+    L - D = (L² - D²)/(L + D),    L² - D² = (2v + w)·w,
+
+v its vector there, D its distance, w the difference of two displacements, has all digits of these:
+a position of 1e6 m has none for a displacement of 1e-10 m. Cells that resist a change of volume do
+the same (`laws.volumes`). This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import bsr_array, csr_array
+
+from msvalidate.network.laws import volumes as cells
+from msvalidate.network.network import Network
+from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem.checks import finite_coordinates, format_value, require_type
+
+
+class Configuration:
+    """A network whose points are displaced by (n, d) in m from its reference points; default 0.
+
+    Attributes
+    ----------
+    move, vector
+        (m, d) in m: what the springs' second points move more than the first, and their vectors.
+    length, elongation
+        (m,) in m: lengths, and lengths less rest lengths.
+
+    Raises
+    ------
+    SolverError
+        If a spring has no length: it pulls in no direction.
+    """
+
+    def __init__(self, network: Network, displacement: Array | None = None) -> None:
+        displacement = np.zeros(network.points.shape) if displacement is None else displacement
+        self.network, self.displacement = network, displacement
+        i, j = network.springs.T
+        self.move = displacement[j] - displacement[i]
+        self.vector = network.vector + self.move
+        self.length = np.linalg.norm(self.vector, axis=1)
+        self._refuse_no_length()
+        grown = ((network.vector + self.vector) * self.move).sum(axis=1)
+        self.elongation = grown / (self.length + network.distance) + network.beyond_rest
+
+    @cached_property
+    def slack(self) -> Array:
+        """Pull (m,) of each spring over its length, in N/m: the stiffness across it."""
+        return np.asarray(self.network.stiffness * (self.elongation / self.length))
+
+    def energy(self) -> float:
+        """Energy (J) stored in springs and cells."""
+        stored = float(0.5 * self.network.stiffness @ self.elongation**2)
+        volumes = self.network.volumes
+        return stored + (cells.energy(volumes, self.displacement) if volumes else 0.0)
+
+    def force(self) -> Array:
+        """Force (n, d) in N of all springs and cells on the points."""
+        force = self.network.assemble_forces(self.slack[:, None] * self.vector)
+        volumes = self.network.volumes
+        return force + cells.force(volumes, self.displacement) if volumes else force
+
+    def force_change(self, motion: Array) -> Array:
+        """Change (n, d) in N of `force` by a small motion (n, d) in m, to first order: -K motion.
+
+        From the springs' own vectors: the assembled K has rounding that long bodies multiply.
+        """
+        i, j = self.network.springs.T
+        w = motion[j] - motion[i]
+        along = (self.vector * w).sum(axis=1) / self.length**2
+        pull = ((self.network.stiffness - self.slack) * along)[:, None] * self.vector
+        force = self.network.assemble_forces(pull + self.slack[:, None] * w)
+        volumes = self.network.volumes
+        return force + cells.force_change(volumes, self.displacement, motion) if volumes else force
+
+    def mode_energy(self, motion: Array) -> float:
+        """Twice the energy (J) of a small motion (n, d) in m: motionᵀ K motion.
+
+        Summed spring by spring, each term positive, it is exact where K's own rounding would hide
+        it; cells are one term each.
+        """
+        i, j = self.network.springs.T
+        w = motion[j] - motion[i]
+        along = (self.vector * w).sum(axis=1) / self.length
+        across = (w**2).sum(axis=1) - along**2
+        stored = float(self.network.stiffness @ along**2 + self.slack @ across)
+        volumes = self.network.volumes
+        if volumes:
+            stored -= float((motion * cells.force_change(volumes, self.displacement, motion)).sum())
+        return stored
+
+    def tangent(self) -> bsr_array:
+        """Tangent stiffness (n·d, n·d) in N/m, a d × d block for every two points that are joined.
+
+        A spring's is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness.
+
+        Source: [Crisfield1991], chapter 3 (truss elements); derived by differentiation of `force`.
+        """
+        network, n = self.network, self.vector / self.length[:, None]
+        across, along = self.slack, network.stiffness - self.slack
+
+        def entry(a: int, b: int) -> Array:
+            # n nᵀ first, so that it is rounded alike in springs of any stiffness: long and slender
+            # bodies keep two digits more.
+            elastic = along * (n[:, a] * n[:, b])
+            return elastic + across if a == b else elastic
+
+        K = network.blocks.summed(network.springs, network.dim, entry)
+        if not network.volumes:
+            return K
+        whole = csr_array(K) + cells.tangent(network.volumes, self.displacement)
+        return bsr_array(whole, blocksize=(network.dim, network.dim))
+
+    def force_magnitudes(self) -> Array:
+        """Sum (n,) of the magnitudes of the forces (N) of springs and cells on each point."""
+        network, tension = self.network, np.abs(self.network.stiffness * self.elongation)
+        met = np.zeros(len(network.points))
+        for end in (0, 1):
+            met += np.bincount(network.springs[:, end], tension, len(met))
+        volumes = network.volumes
+        return met + cells.force_magnitudes(volumes, self.displacement) if volumes else met
+
+    def largest_rotation(self, motion: Array) -> float:
+        """Largest change of a spring's vector in a motion (n, d), over its length; NaN counts."""
+        i, j = self.network.springs.T
+        with np.errstate(over="ignore", invalid="ignore"):
+            change = np.linalg.norm(motion[j] - motion[i], axis=1) / self.length
+        return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
+
+    def _refuse_no_length(self) -> None:
+        if not self.length.all():
+            spring = int(np.flatnonzero(self.length == 0)[0])
+            raise SolverError(
+                f"spring {spring} has no length: points "
+                f"{self.network.springs[spring].tolist()} have been pushed into one place, where "
+                "no direction is left; reduce the load"
+            )
+
+
+def configuration_at(network: Network, position: Array) -> Configuration:
+    """The configuration at `position` (n, d) in m.
+
+    Raises
+    ------
+    ProblemError
+        If positions do not fit the network, or are no ordinary numbers.
+    SolverError
+        As for `Configuration`.
+    """
+    require_type("network", network, Network)
+    if getattr(position, "shape", None) != network.points.shape:
+        raise ProblemError(
+            f"position: {format_value(position)}; give an array {network.points.shape}"
+        )
+    if position.dtype != np.float64 or not math.isfinite(position.sum()):
+        position = finite_coordinates("position", position)
+    return Configuration(network, position - network.points)
+
+
+def energy(network: Network, position: Array) -> float:
+    """Energy (J) stored in springs and cells at `position` (n, d) in m."""
+    return configuration_at(network, position).energy()
+
+
+def internal_force(network: Network, position: Array) -> Array:
+    """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
+    return configuration_at(network, position).force()
+
+
+def tangent(network: Network, position: Array) -> csr_array:
+    """Tangent stiffness (n·d, n·d) in N/m at `position`, row n·d of point-major components.
+
+    See `Configuration.tangent`.
+    """
+    return csr_array(configuration_at(network, position).tangent())
+
+
+def mode_energy(network: Network, position: Array, motion: Array) -> float:
+    """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion."""
+    return configuration_at(network, position).mode_energy(motion)
+
+
+def spring_vectors(network: Network, position: Array) -> tuple[Array, Array]:
+    """Vectors (m, d) in m of the springs at `position` (n, d) in m, and their lengths (m,) in m."""
+    found = configuration_at(network, position)
+    return found.vector, found.length
+
+
+def frequency_bound(network: Network) -> float:
+    """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
+
+    ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
+
+    Source: [Gershgorin1931].
+    """
+    free = ~network.held.ravel()
+    mass = np.repeat(network.mass, network.dim)[free]
+    rows = abs(csr_array(Configuration(network).tangent())) @ free.astype(float)
+    with np.errstate(over="ignore"):  # infinite is a bound too
+        return float(np.sqrt((rows[free] / mass).max(initial=0.0)))

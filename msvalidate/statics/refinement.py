@@ -1,0 +1,232 @@
+"""Equilibria refined by the factor at hand, and the error that is stated of them.
+
+What is out of balance comes from changes of length (`network.configuration`). The tangent needs no
+more than its usual digits, so one factor serves several corrections. To what the last of them says
+of the error comes what rounding does to all of them alike, and, where the softest motion meets so
+little that the factor may be wrong along it, how a motion that is known comes back.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.linear_algebra.refine import (
+    DOUBTFUL,
+    EPS,
+    STANDING,
+    Refined,
+    error_amplification,
+    refine_solution,
+    refuse_inaccurate,
+)
+from msvalidate.network import Configuration, Network
+from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
+from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.problem.records import replace
+from msvalidate.tangent.inverse import Regular, Solver
+from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, make_cycle, restrained_tangent
+from msvalidate.tangent.stability import negative_modes
+
+TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
+LARGEST_TURN = 0.5
+"""Change of a spring in all corrections, relative to its length, beyond which another equilibrium
+may have been found."""
+SAME_TANGENT = 1e-3
+"""Such a change up to which the tangent's signs are those of where it was made."""
+FACTORS = 6
+"""Tangents made at the most."""
+SETTLED = 1e-12
+"""Error at which no other tangent is made."""
+CYCLES_PART = 1e-4
+"""What conjugate gradients leave of a correction."""
+ROUNDINGS = 10.0
+"""Times what one way of rounding differently does, that is stated for all of them."""
+TOLD = 1e-14
+"""Part that a softest motion meets, of what its points do, from which a factor's corrections fall:
+several times what they leave of it."""
+ALIKE = 100.0
+"""Times that stiffnesses may be apart without a word of it."""
+
+
+class _System:
+    """What is out of balance at displacements of a network, and a tangent's inverse.
+
+    `linear`: forces are those of the inverse's configuration, and change by its tangent.
+    """
+
+    def __init__(self, network: Network, found: Regular, *, linear: bool) -> None:
+        self.network, self.found, self.linear = network, found, linear
+        self.free = ~network.held
+
+    def residual(self, u: Array, network: Network | None = None) -> Array:
+        """Force (n, d) in N left where it is free, at a displacement (n, d) in m."""
+        network = network or self.network
+        if not self.linear:
+            force = Configuration(network, u).force()
+        else:
+            own = network is self.network
+            at = self.found.at if own else Configuration(network, self.found.at.displacement)
+            force = at.force() + at.force_change(u - at.displacement)
+        return np.where(self.free, force + self.network.force, 0.0)
+
+    def change(self, motion: Array) -> Array:
+        """Change of this force by a small motion (n, d) in m."""
+        return np.where(self.free, self.found.at.force_change(motion), 0.0)
+
+    def solve(self, force: Array) -> Array:
+        """Motion (n, d) in m that the inverse gives for a force (n, d) in N."""
+        motion = np.zeros(force.shape)
+        if not np.isfinite(force).all():
+            raise SolverError(TOO_FAR)
+        motion[self.free] = self.found.inverse.solve(force[self.free])
+        return motion
+
+    def refined(self, start: Array, *, solved: bool) -> Refined:
+        """Corrections from a start (n, d) in m, and the whole error."""
+        rate = self.found.rate
+        found = refine_solution(self.residual, self.solve, start, rate, solved=solved)
+        scale = max_abs(found.solution)
+        if not scale or not math.isfinite(found.error):
+            return found
+        times = 1.0
+        if rate > DOUBTFUL:
+            known = _trial_motion(self.free, self.found.mode)
+            times = error_amplification(self.change, self.solve, rate, known)
+        apart = self.residual(found.solution, rounded_otherwise(self.network))
+        rounded = max_abs(self.solve(apart - self.residual(found.solution))) / scale
+        return replace(found, error=times * found.error + ROUNDINGS * rounded + EPS / 2)
+
+
+def refine_linear(network: Network, solver: Solver) -> Refined:
+    """The linear equilibrium from the reference points: one inverse, and corrections.
+
+    Raises
+    ------
+    SolverError
+        If the network is a mechanism or unstable, or no trustworthy digits are left.
+    """
+    prescribed = np.array(network.displacement)
+    if network.held.all():
+        return Refined(prescribed, 0.0, 0)
+    found = solver.regular(Configuration(network))
+    why = explain_rounding(network, found.softness)
+    if negative_modes(found):
+        if not (network.beyond_rest.any() or network.volumes):
+            # Springs at rest resist every motion or none: the sign is rounding.
+            refuse_inaccurate(math.inf, "linear equilibrium", why)
+        raise SolverError(
+            "linear equilibrium: the network is unstable at its reference points (its tangent "
+            "stiffness has a negative mode); relieve its prestress or hold it better"
+        )
+    if is_unloaded(network):
+        return Refined(prescribed, 0.0, 0)
+    system = _System(network, found, linear=True)
+    first = system.solve(system.residual(prescribed))
+    refined = system.refined(prescribed + first, solved=True)
+    refuse_inaccurate(refined.error, "linear equilibrium", why)
+    return refined
+
+
+def refine_equilibrium(
+    network: Network, displacement: Array, found: Regular | None, solver: Solver
+) -> Refined:
+    """The equilibrium near a displacement (n, d) in m, refined, and its error.
+
+    `found` is the inverse of the tangent there, where it is at hand; `solver` makes others.
+
+    Raises
+    ------
+    SolverError
+        If the network is a mechanism or unstable there, or no trustworthy digits are left.
+    """
+    title = "nonlinear equilibrium"
+    u = np.where(network.held, network.displacement, displacement)
+    if network.held.all() or (is_unloaded(network) and not u.any()):
+        return Refined(u, 0.0, 0)
+    before, best, steps = Configuration(network, u), math.inf, 0
+    for _ in range(FACTORS):
+        found = found or solver.regular(Configuration(network, u))
+        refined = _System(network, found, linear=False).refined(u, solved=False)
+        turn = found.at.largest_rotation(refined.solution - found.at.displacement)
+        steps += refined.steps
+        if not turn <= LARGEST_TURN:
+            break
+        u, last = refined.solution, found
+        if turn <= SAME_TANGENT and not SETTLED < refined.error < STANDING * best:
+            break
+        best, found = refined.error, None
+    _refuse_far(before.largest_rotation(refined.solution - before.displacement))
+    refuse_inaccurate(refined.error, title, explain_rounding(network, last.softness))
+    if negative_modes(last):
+        raise SolverError(
+            f"{title}: the network is unstable under its full load; reduce the load or stiffen "
+            "the network"
+        )
+    return replace(refined, steps=steps)
+
+
+def error_of_displacement(
+    network: Network, displacement: Array, cycle: Cycle | None = None
+) -> float:
+    """Error of a displacement (n, d) in m close to an equilibrium, over the largest displacement.
+
+    By corrections that are not applied; infinite where they do not lead to an equilibrium. Without
+    a factor conjugate gradients make one correction; `cycle` is a multigrid cycle of a tangent
+    close by, where there is one.
+    """
+    size = max_abs(displacement)
+    if network.held.all():
+        return 0.0
+    force = np.where(network.held, 0.0, out_of_balance_force(network, displacement))
+    if not size:
+        return math.inf if force.any() else 0.0
+    at, solver = Configuration(network, displacement), Solver(network)
+    if cycle is not None or not solver.is_direct:
+        A = restrained_tangent(at)
+        cycle = cycle or make_cycle(A, at)
+        found = conjugate_gradients(A, force.ravel(), cycle, CYCLES_PART)
+        return 2 * max_abs(found.solution) / size
+    try:
+        system = _System(network, solver.regular(at), linear=False)
+        moved = system.refined(displacement, solved=False)
+    except SolverError:
+        return math.inf
+    apart = 1.01 * max_abs(moved.solution - displacement)
+    return (apart + moved.error * max_abs(moved.solution)) / size
+
+
+def explain_rounding(network: Network, softness: float) -> str:
+    """How far apart stiffnesses are and what the softest motion meets, and what to do."""
+    k = network.stiffness[network.stiffness > 0]
+    apart = float(k.max() / k.min()) if len(k) else 1.0
+    # What the softest motion of a slender body meets falls as the fourth power of its cells.
+    share = min((abs(softness) / TOLD) ** 0.25, 1.0)
+    fewer = f"take {share:.1g} of the cells along a slender body, or " if share < 1 else "take "
+    met = (
+        f"the softest motion meets {abs(softness):.1g} of what its points meet one by one; "
+        f"{fewer}a load that prestress does not hide"
+    )
+    if apart < ALIKE:
+        return met
+    return (
+        f"stiffnesses are {apart:.1g} times apart, and {met}, or bring stiffnesses closer together"
+    )
+
+
+def _trial_motion(free: Mask, mode: Array) -> Array:
+    """A motion (n, d) to try a factor on: of all kinds at once, a mode (n·d,) among them."""
+    motion = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
+    own = mode.reshape(motion.shape)
+    return np.asarray(motion / np.abs(motion).max() + own / np.abs(own).max())
+
+
+def _refuse_far(turn: float) -> None:
+    if not turn <= LARGEST_TURN:
+        raise SolverError(
+            f"nonlinear equilibrium: corrections turn a spring by {turn:.2g} of its length: "
+            "rounding hides the equilibrium; take a larger load, or stiffnesses that are closer "
+            "together"
+        )
