@@ -44,6 +44,7 @@ CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
 ROUNDINGS = 10.0
 """Times what one way of rounding differently does, that is stated for all of them."""
+SMALLEST = float(np.finfo(float).smallest_subnormal)
 TOLD = 1e-14
 """Part that a softest motion meets, of what its points do, from which a factor's corrections fall:
 several times what they leave of it."""
@@ -89,7 +90,9 @@ class _System:
         rate = self.found.rate
         found = refine_solution(self.residual, self.solve, start, rate, solved=solved)
         scale = max_abs(found.solution)
-        if not scale or not math.isfinite(found.error):
+        if not scale:
+            return replace(found, error=math.inf if self.residual(found.solution).any() else 0.0)
+        if not math.isfinite(found.error):
             return found
         times = 1.0
         if rate > DOUBTFUL:
@@ -97,7 +100,8 @@ class _System:
             times = error_amplification(self.change, self.solve, rate, known)
         apart = self.residual(found.solution, rounded_otherwise(self.network))
         rounded = max_abs(self.solve(apart - self.residual(found.solution))) / scale
-        return replace(found, error=times * found.error + ROUNDINGS * rounded + EPS / 2)
+        lost = EPS / 2 + SMALLEST / scale
+        return replace(found, error=times * found.error + ROUNDINGS * rounded + lost)
 
 
 def refine_linear(network: Network, solver: Solver) -> Refined:
