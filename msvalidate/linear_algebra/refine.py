@@ -92,7 +92,7 @@ def refine_solution(
         sizes.append(size)
         # One small ratio may be luck, or the end of an error of another kind.
         part = min(max([rate, *ratios[-2:]]), SLOWEST) if ratios else SLOWEST
-        error = part / (1 - part) * size / scale
+        error = 2 * part / (1 - part) * size / scale
         standing = bool(ratios) and ratios[-1] > STANDING and rate <= DOUBTFUL
         if not size or standing or error <= ENOUGH:
             break

@@ -42,8 +42,8 @@ SETTLED = 1e-12
 """Error at which no other tangent is made."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
-ROUNDINGS = 10.0
-"""Times what one way of rounding differently does, that is stated for all of them."""
+ROUNDINGS = 5.0
+"""Times what is left if forces are rounded in one other way, that is stated for all ways."""
 SMALLEST = float(np.finfo(float).smallest_subnormal)
 TOLD = 1e-14
 """Part that a softest motion meets, of what its points do, from which a factor's corrections fall:
@@ -98,8 +98,8 @@ class _System:
         if rate > DOUBTFUL:
             known = _trial_motion(self.free, self.found.mode)
             times = error_amplification(self.change, self.solve, rate, known)
-        apart = self.residual(found.solution, rounded_otherwise(self.network))
-        rounded = max_abs(self.solve(apart - self.residual(found.solution))) / scale
+        left = self.residual(found.solution, rounded_otherwise(self.network))
+        rounded = max_abs(self.solve(left)) / scale
         lost = EPS / 2 + SMALLEST / scale
         return replace(found, error=times * found.error + ROUNDINGS * rounded + lost)
 
