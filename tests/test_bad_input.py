@@ -389,7 +389,7 @@ BAD = [
         ProblemError,
         "choose lin",
     ),
-    ("stability of None", lambda: is_stable(None, NETWORK.points), ProblemError, "give a Network"),
+    ("stability of None", lambda: is_stable(None), ProblemError, "give a Configuration"),
     ("no stiffness", lambda: equilibrium(net(0.0)), SolverError, "a mechanism: nothing resists"),
     (
         "stiffness below all numbers",

@@ -26,7 +26,7 @@ def tightened_string(far=0.0):
 
 
 def acceleration_of(network):
-    return NetworkAcceleration(network, 0.0, partial(internal_force, network))
+    return NetworkAcceleration(network)
 
 
 def at(network, y):

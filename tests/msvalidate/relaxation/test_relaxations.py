@@ -131,7 +131,7 @@ def refused_or_at_true_rest(network, method):
     except SolverError:
         return None
     assert rest.residual <= 1e-9 * force_scale(configuration_at(network, rest.position))
-    assert is_stable(network, rest.position)
+    assert is_stable(configuration_at(network, rest.position))
     return rest
 
 

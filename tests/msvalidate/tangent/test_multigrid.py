@@ -37,8 +37,9 @@ def sheet(lattice_body, n, **rules):
 def system(network, position=None):
     """The restrained tangent of a network, and its cycle."""
     position = network.points if position is None else position
-    A = restrained_tangent(network, position)
-    return A, make_cycle(A, network, position)
+    at = configuration_at(network, position)
+    A = restrained_tangent(at)
+    return A, make_cycle(A, at)
 
 
 without_factors = pytest.mark.usefixtures("only_multigrid")
@@ -65,7 +66,7 @@ def test_a_solution_is_that_of_a_factor_in_any_unit(lattice_body, independent, u
 def test_restrained_is_the_free_part_and_a_positive_diagonal(networks_with_supports):
     for network in networks_with_supports:
         K = tangent(network, network.points).toarray()
-        A = restrained_tangent(network, network.points)
+        A = restrained_tangent(Configuration(network))
         free = ~network.held.ravel()
         A = A.toarray()
         np.testing.assert_array_equal(A[np.ix_(free, free)], K[np.ix_(free, free)])
@@ -180,9 +181,9 @@ def test_a_column_is_stable_up_to_its_euler_load(lattice_body, over, stable):
     free = np.flatnonzero(~network.held.ravel())
     K = tangent(network, straight)[free][:, free]
     assert (factorise(K).negative == 0) is stable  # the pivots' verdict
-    assert is_stable(network, straight) is stable
+    assert is_stable(configuration_at(network, straight)) is stable
     # So it is by a cycle of the network at rest, as a relaxation hands it on.
-    assert is_stable(network, straight, system(network)[1]) is stable
+    assert is_stable(configuration_at(network, straight), system(network)[1]) is stable
 
 
 @pytest.mark.parametrize("name", [name for name in RELAXATIONS if name != "newton"])
@@ -213,8 +214,8 @@ def test_what_buckles_in_one_place_is_refused(lattice_body):
     network = sheet(lattice_body, 16)
     around = (network.springs == len(network.points) // 2).any(axis=1)
     swollen = replace(network, rest_length=np.where(around, 3.0, 1.0) * network.rest_length)
-    assert not is_stable(swollen, swollen.points)
-    assert not is_stable(swollen, swollen.points, system(network)[1])
+    assert not is_stable(Configuration(swollen))
+    assert not is_stable(Configuration(swollen), system(network)[1])
 
 
 @without_factors
@@ -222,8 +223,8 @@ def test_what_buckles_in_one_place_is_refused(lattice_body):
 def test_a_mechanism_is_not_stable(hinged_blocks, n):
     """Of 70 cells a side its stiffness is rounded up, and a random load meets nothing negative."""
     network = hinged_blocks(n)
-    assert not is_stable(network, network.points)
-    assert not is_stable(network, network.points, system(network)[1])
+    assert not is_stable(Configuration(network))
+    assert not is_stable(Configuration(network), system(network)[1])
     with pytest.raises(SolverError, match=r"mechanism: nothing resists point .* moving along"):
         relax(network, MULTIGRID, max_steps=20)
 
@@ -255,7 +256,7 @@ def test_a_column_that_buckles_is_no_mechanism(lattice_body):
     squeezed = replace(network, points=straight)
     refuse_mechanism(network)
     refuse_mechanism(squeezed)
-    assert not is_stable(squeezed, straight)
+    assert not is_stable(configuration_at(squeezed, straight))
 
 
 @without_factors
@@ -267,20 +268,20 @@ def test_prestress_alone_may_make_a_network_stable():
     held[[0, -1]] = True
     for rest, stable in ((1.0, False), (0.9, True), (1.1, False)):
         string = spring_network(points, springs, 2.0, rest_length=rest, held=held)
-        assert is_stable(string, string.points) is stable
+        assert is_stable(Configuration(string)) is stable
 
 
 @without_factors
 def test_the_verdict_at_rest_is_that_of_the_pivots(lattice_body, independent):
     for network in (sheet(lattice_body, 16), independent("s3")[0], independent("s2")[0]):
-        assert is_stable(network, equilibrium(network, "nonlinear").position)
+        assert is_stable(configuration_at(network, equilibrium(network, "nonlinear").position))
 
 
 def test_only_a_load_without_a_mode_misses_it(lattice_body):
     """What a yes rests on: a residual keeps its part along a mode of negative energy."""
     network, straight = column(lattice_body, 1.2, cells=(40, 4))
     _, cycle = system(network)
-    A = restrained_tangent(network, straight)
+    A = restrained_tangent(configuration_at(network, straight))
     values, modes = np.linalg.eigh(A.toarray())
     assert values[0] < 0 < values[1]
     load = np.where(network.held, 0.0, np.random.default_rng(0).normal(size=network.held.shape))
