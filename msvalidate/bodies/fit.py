@@ -215,8 +215,6 @@ def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
     for network in networks:
         require_type("network", network, Network)
         refuse_free_motions("network", network.points, network.held)
-        if network.shear is not None:
-            raise ProblemError("fitted constants: shear springs are not fitted; leave them out")
         length = np.linalg.norm(network.vector, axis=1)
         if np.abs(network.rest_length / length - 1).max() > 1e-9:
             raise ProblemError("fitted constants: a spring is stressed at rest; give none that is")

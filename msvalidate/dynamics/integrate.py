@@ -153,7 +153,7 @@ def _choose_coordinates(network: Network, state: State) -> _Coordinates:
     u = np.asarray(state.position, dtype=float) - network.points
     if has_position_digits(network, u, np.where(network.held, 0.0, state.velocity)):
         return _Coordinates(np.zeros_like(u), partial(internal_force, network))
-    alone = network.volumes is None and network.shear is None
+    alone = network.volumes is None
     displaced = Displaced(network, network if alone else centre_points(network))
     return _Coordinates(network.points, displaced.internal_force, displaced)
 

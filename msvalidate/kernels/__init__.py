@@ -48,8 +48,7 @@ class Motion:
     Raises
     ------
     ProblemError
-        If there are shear springs, the network is no uniform lattice but is to be one, or an
-        argument is out of range.
+        If the network is no uniform lattice but is to be one, or an argument is out of range.
     """
 
     def __init__(
@@ -61,7 +60,6 @@ class Motion:
         waves: int = MOST_WAVES,
     ) -> None:
         require_type("network", network, Network)
-        _refuse_shear(network)
         require_one_of("path", path, PATHS)
         whole_number("threads", threads, 1)
         whole_number("waves", waves, 1)
@@ -238,17 +236,8 @@ def advance(
     return motion.advance(*moving, dt, steps, kinetic=kinetic, to_peak=to_peak)
 
 
-def _refuse_shear(network: Network) -> None:
-    if network.shear is not None:
-        raise ProblemError(
-            "network: its shear springs have no compiled form, which relaxations and long motions "
-            "take; ask for equilibrium, or take a volume energy"
-        )
-
-
 def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:
     """Springs, and cells as one tuple; where there are none, an empty one."""
-    _refuse_shear(network)
     each = network.springs, network.vector, network.stiffness, network.rest_length
     cells = network.volumes
     if cells is None:

@@ -36,7 +36,6 @@ from msvalidate.network import Network
 from msvalidate.network.laws.accurate_cells import (
     Cells,
     Pulls,
-    ShearSprings,
     difference_of_motion,
     exact_vectors,
 )
@@ -51,7 +50,7 @@ CHUNK = 4096
 
 
 class _Part(Protocol):
-    """What pulls at points: springs, cells, or shear springs, at one displacement."""
+    """What pulls at points: springs or cells, at one displacement."""
 
     def pulls(self) -> Pulls:
         """Forces on points."""
@@ -81,8 +80,6 @@ class State:
         if network.volumes is not None:
             kappa = self.length ** (network.dim - 2) / self.stiffness
             self.parts.append(Cells(network.volumes, u, self.length, kappa))
-        if network.shear is not None:
-            self.parts.append(ShearSprings(network.shear, u, self.length, self.stiffness))
 
     def scaled_motion(self, motion: Pair) -> Pair:
         """A motion (n, d) in m as (d, n) over `length`."""
@@ -207,11 +204,9 @@ def _next_power_of_two(size: float) -> float:
 
 
 def _largest_stiffness(network: Network, length: float) -> float:
-    """The largest stiffness (N/m) of springs, cells and shear springs."""
+    """The largest stiffness (N/m) of springs and cells."""
     sizes = [network.stiffness.max(initial=0.0)]
     if network.volumes is not None:
         kappa = np.abs(network.volumes.stiffness).max(initial=0.0)
         sizes.append(kappa * length ** (network.dim - 2))
-    if network.shear is not None:
-        sizes.append(np.abs(network.shear.stiffness).max(initial=0.0))
     return float(max(sizes))

@@ -14,7 +14,6 @@ import numpy as np
 
 from msvalidate.network import Network, refuse_zero_length
 from msvalidate.network.accurate import AT_REST
-from msvalidate.network.laws import local_shear
 from msvalidate.network.laws import volumes as cells
 from msvalidate.problem import Array
 
@@ -27,8 +26,7 @@ class Displaced:
     network
         Springs, and what stands beside them.
     near
-        The same network, its points counted from one of them: cells and shear springs go by its
-        positions.
+        The same network, its points counted from one of them: cells go by its positions.
     """
 
     def __init__(self, network: Network, near: Network) -> None:
@@ -63,14 +61,12 @@ class Displaced:
         force = network.assemble_forces((tension / length)[:, None] * vector)
         if near.volumes:
             force = force + cells.force(near.volumes, near.points + displacement)
-        if near.shear:
-            force = force + local_shear.force(near.shear, near.points + displacement)
         return force
 
     @property
     def rounded(self) -> float:
         """The largest length (m) that is rounded in a force, but for displacements."""
         spring = float(np.abs(self.beyond_rest).max())
-        if not (self.near.volumes or self.near.shear):
+        if not self.near.volumes:
             return spring
         return max(spring, float(np.abs(self.near.points).max()))

@@ -2,8 +2,7 @@
 
 A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
 energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. Beside the springs may stand
-cells that resist a change of volume, `laws.volumes`, and springs that resist shear,
-`laws.local_shear`.
+cells that resist a change of volume, `laws.volumes`.
 
 This is the plain NumPy form; `msvalidate.kernels` holds the compiled one of springs and cells.
 """
@@ -11,7 +10,9 @@ This is the plain NumPy form; `msvalidate.kernels` holds the compiled one of spr
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cached_property
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,9 +27,7 @@ from msvalidate.network.checks import (
     refuse_tiny,
 )
 from msvalidate.network.folds import Simplices, simplices_of
-from msvalidate.network.laws import local_shear
 from msvalidate.network.laws import volumes as cells
-from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.layout import Layout, make_layout
 from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError, SolverError
@@ -41,6 +40,9 @@ from msvalidate.problem.checks import (
     require_type,
 )
 from msvalidate.problem.records import dataclass, replace
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +71,6 @@ class Network:
         (n, d) external force (N).
     volumes
         Cells of the same points that resist a change of volume, if there are any.
-    shear
-        Springs between the same points that resist shear, if there are any.
     cells
         (c, corners) points of the cells that a deformed network is looked at for folds by, in VTK
         order; by default those of `volumes`, or the triangles that springs make in the plane.
@@ -90,7 +90,6 @@ class Network:
     displacement: Array
     force: Array
     volumes: Volumes | None = None
-    shear: LocalShear | None = None
     cells: Index | None = None
 
     def __post_init__(self) -> None:
@@ -128,12 +127,10 @@ class Network:
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
         refuse_first_bad("spring length", distance, together, "m; its two points coincide")
         object.__setattr__(self, "held", held)
-        for name, kind in (("volumes", Volumes), ("shear", LocalShear)):
-            part = getattr(self, name)
-            if part is not None:
-                require_type(name, part, kind)
-                if not np.array_equal(part.points, self.points):
-                    raise ProblemError(f"{name}: of other points than the network's; give its own")
+        if self.volumes is not None:
+            require_type("volumes", self.volumes, Volumes)
+            if not np.array_equal(self.volumes.points, self.points):
+                raise ProblemError("volumes: of other points than the network's; give its own")
         if self.cells is not None:
             object.__setattr__(self, "cells", check_cells(self.cells, n, d))
         for array in (self.springs, self.held):
@@ -156,12 +153,24 @@ class Network:
         vector.setflags(write=False)
         return vector
 
+    @property
+    def resisting(self) -> Index:
+        """Points (c, corners) of the cells that resist a change of volume; (0, 1) of none."""
+        none = np.zeros((0, 1), dtype=np.intp)
+        return none if self.volumes is None else self.volumes.cells
+
+    def of_cells(
+        self, value: Callable[Concatenate[Volumes, P], T], *given: P.args, **named: P.kwargs
+    ) -> T | float:
+        """A value that adds up over springs and cells: the cells' part, 0.0 of none."""
+        return 0.0 if self.volumes is None else value(self.volumes, *given, **named)
+
     @cached_property
     def layout(self) -> Layout:
         """How its points and springs lie in memory for the compiled sweep."""
-        cells = np.zeros((0, 1), dtype=np.intp) if self.volumes is None else self.volumes.cells
         n, d = self.points.shape
-        return make_layout(n, d, self.springs, self.stiffness, self.rest_length, cells)
+        each = self.springs, self.stiffness, self.rest_length, self.resisting
+        return make_layout(n, d, *each)
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -171,9 +180,7 @@ class Network:
     @cached_property
     def simplices(self) -> Simplices | None:
         """What shows that it is folded; None where there is nothing to look at."""
-        cells = self.cells
-        if cells is None and self.volumes is not None:
-            cells = self.volumes.cells
+        cells = self.resisting if self.cells is None else self.cells
         return simplices_of(self.points, self.springs, cells)
 
     @cached_property
@@ -227,16 +234,18 @@ def spring_network(
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
-    shear: LocalShear | None = None,
+    shear: None = None,
     cells: ArrayLike | None = None,
 ) -> Network:
     """Network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, shear, cells
+    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
         distances in `points`, an unstressed network; the rest defaults to none.
+    shear
+        Of old; refused.
 
     Raises
     ------
@@ -244,6 +253,8 @@ def spring_network(
         If an array does not fit, a spring joins a point to itself, names a point that is not
         there or has no length, or a value is out of range.
     """
+    if shear is not None:
+        raise ProblemError("shear: shear springs are gone; take a volume energy, `volumes`")
     x = finite_coordinates("points", points, "n", (2, 3))
     pairs = check_springs(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
@@ -261,17 +272,15 @@ def spring_network(
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
         volumes=volumes,
-        shear=shear,
         cells=None if cells is None else integers("cells", cells),
     )
 
 
 def energy(network: Network, position: Array) -> float:
-    """Energy (J) stored in springs, cells and shear springs at `position` (n, d) in m."""
+    """Energy (J) stored in springs and cells at `position` (n, d) in m."""
     _, length = spring_vectors(network, position)
     stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
-    stored += cells.energy(network.volumes, position) if network.volumes else 0.0
-    return stored + (local_shear.energy(network.shear, position) if network.shear else 0.0)
+    return stored + network.of_cells(cells.energy, position)
 
 
 def internal_force(network: Network, position: Array) -> Array:
@@ -279,16 +288,14 @@ def internal_force(network: Network, position: Array) -> Array:
     vector, length = spring_vectors(network, position)
     tension = network.stiffness * (length - network.rest_length)
     force = network.assemble_forces((tension / length)[:, None] * vector)
-    if network.volumes:
-        force = force + cells.force(network.volumes, position)
-    return force + local_shear.force(network.shear, position) if network.shear else force
+    return force + network.of_cells(cells.force, position)
 
 
 def tangent(network: Network, position: Array) -> csr_array:
     """Tangent stiffness (n·d, n·d) in N/m at `position`, row n·d of point-major components.
 
-    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells and
-    shear springs add theirs.
+    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells add
+    theirs.
 
     Source: [Crisfield1991], chapter 3 (truss elements); derived by differentiation of
     `internal_force`.
@@ -310,14 +317,10 @@ def tangent_blocks(network: Network, position: Array) -> bsr_array:
         return elastic + across if a == b else elastic
 
     K = network.blocks.summed(network.springs, network.dim, entry)
-    added = []
-    if network.volumes:
-        added.append(cells.tangent(network.volumes, position))
-    if network.shear:
-        added.append(local_shear.tangent(network.shear, position))
-    if not added:
+    if network.volumes is None:
         return K
-    return bsr_array(sum(added, csr_array(K)), blocksize=(network.dim, network.dim))
+    added = csr_array(K) + cells.tangent(network.volumes, position)
+    return bsr_array(added, blocksize=(network.dim, network.dim))
 
 
 def mode_energy(network: Network, position: Array, motion: Array) -> float:
@@ -334,11 +337,7 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     slack[np.abs(slack) < 1e-12] = 0.0
     across = (change**2).sum(axis=1) - along**2
     stored = float(network.stiffness @ (along**2 + slack * across))
-    if network.volumes:
-        stored += cells.mode_energy(network.volumes, position, motion)
-    if network.shear:
-        stored += local_shear.mode_energy(network.shear, position, motion)
-    return stored
+    return stored + network.of_cells(cells.mode_energy, position, motion)
 
 
 def spring_vectors(network: Network, position: Array) -> tuple[Array, Array]:

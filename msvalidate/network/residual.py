@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from msvalidate.network import Network, spring_vectors
-from msvalidate.network.laws import local_shear
 from msvalidate.network.laws import volumes as cells
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.checks import require_type
@@ -29,10 +28,7 @@ def force_scale(network: Network, position: Array) -> float:
         met = np.linalg.norm(network.force, axis=1)
         for end in (0, 1):
             met = met + np.bincount(network.springs[:, end], tension, len(position))
-        if network.volumes:
-            met = met + cells.force_magnitudes(network.volumes, position)
-        if network.shear:
-            met = met + local_shear.force_magnitudes(network.shear, position)
+        met = met + network.of_cells(cells.force_magnitudes, position)
     scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
     if not math.isfinite(scale):
         raise SolverError(
@@ -55,8 +51,5 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     reach = float(np.abs(network.points).max()) if reach is None else reach
     pull = network.stiffness * (reach + network.rest_length)
     met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
-    if network.volumes:
-        met = met + cells.roundoff_magnitudes(network.volumes, reach)
-    if network.shear:
-        met = met + local_shear.roundoff_magnitudes(network.shear, reach)
+    met = met + network.of_cells(cells.roundoff_magnitudes, reach)
     return np.asarray(np.finfo(float).eps * met)[:, None]

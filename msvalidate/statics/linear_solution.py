@@ -119,7 +119,7 @@ class _System:
         self.K = tangent_blocks(self.network, self.network.points)
         self.regular = solver.regular(self.network, self.network.points, self.K)
         if negative_modes(self.state, self.regular, self.free):
-            if self.state.unstressed and not (self.network.volumes or self.network.shear):
+            if self.state.unstressed and not self.network.volumes:
                 # Springs at rest resist every motion or none: the sign is rounding.
                 refuse_inaccurate(math.inf, TITLE, self._explain_rounding())
             raise SolverError(

@@ -79,12 +79,11 @@ def centre_points(network: Network) -> Network:
     if np.abs(points).max() <= FAR * size:
         return network
     moved = points - points[len(points) // 2]
-    volumes, shear = network.volumes, network.shear
+    volumes = network.volumes
     return replace(
         network,
         points=moved,
         volumes=None if volumes is None else replace(volumes, points=moved),
-        shear=None if shear is None else replace(shear, points=moved),
     )
 
 

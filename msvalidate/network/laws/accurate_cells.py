@@ -1,4 +1,4 @@
-"""Forces of cells and shear springs in twice the digits of doubles; see `accurate`."""
+"""Forces of cells in twice the digits of doubles; see `accurate`."""
 
 from __future__ import annotations
 
@@ -13,24 +13,14 @@ from msvalidate.linear_algebra.double_double import (
     as_pair,
     cross_product,
     divide,
-    dot_product,
     ends_of,
     entries_at,
-    halve,
-    invert_symmetric,
-    matrix_product,
     multiply,
     negate,
-    scatter_sum,
-    stack_rows,
     subtract,
-    sum_doubles,
     sum_pairs,
-    symmetric_part,
-    transpose,
     two_sum,
 )
-from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Array, Index
 
@@ -129,120 +119,6 @@ class Cells:
         )
         share = divide(as_pair(np.ones(1)), as_pair(np.array([round(1 / part)], dtype=float)))
         return multiply(gradient, share)
-
-
-class ShearSprings:
-    """Springs that resist shear, by the deformation gradients at their ends: see `local_shear`."""
-
-    def __init__(self, shear: LocalShear, u: Pair | None, length: float, stiffness: float) -> None:
-        self.springs, self.count = shear.springs, len(shear.points)
-        self.ends = np.ascontiguousarray(shear.springs.T)
-        self.opposite = ends_of(*self.ends)
-        self.both = ends_of(self.ends.ravel())
-        self.D = exact_vectors(shear.points.T / length, self.springs)
-        self.square = dot_product(self.D, self.D)
-        self.k = as_pair(shear.stiffness / stiffness)
-        self.reach = self._reach(as_pair(shear.weights))
-        d = shear.dim
-        one = as_pair(np.repeat(np.eye(d)[:, :, None], self.count, axis=2))
-        if u is None:
-            self.F, self.M = one, as_pair(np.zeros(one.hi.shape))
-            return
-        H = self._gradient(u)
-        self.F = add(one, H)
-        # E without the digits that FᵀF shares with 1
-        E = symmetric_part(add(H, halve(matrix_product(transpose(H), H))))
-        self.M = self._moments(self._shift(E))
-
-    def pulls(self) -> Pulls:
-        """Forces on points, over `stiffness` x `length` of the state."""
-        return self._pulled(matrix_product(self.F, self.M))
-
-    def change(self, motion: Pair) -> Pulls:
-        """Change of these forces by a small motion (d, n)."""
-        H = self._gradient(motion)
-        moments = self._moments(self._shift(symmetric_part(matrix_product(transpose(self.F), H))))
-        change = matrix_product(self.F, moments)
-        if self.M.hi.any():
-            change = add(change, matrix_product(H, self.M))
-        return self._pulled(change)
-
-    def _reach(self, weight: Pair) -> list[Pair]:
-        """Vectors (d, m) in the least squares of both ends: w A⁻¹D."""
-        d = self.D.hi.shape[0]
-        outer = {}
-        for a in range(d):
-            for b in range(a, d):
-                product = multiply(weight, multiply(entries_at(self.D, a), entries_at(self.D, b)))
-                both = Pair(*(np.concatenate([x, x]) for x in product))
-                outer[a, b] = outer[b, a] = sum_doubles(scatter_sum(both, self.both, self.count))
-        weights = invert_symmetric(outer, d, np.bincount(self.both.first, minlength=self.count) > 0)
-        out = []
-        for end in self.ends:
-            rows = [
-                sum_pairs(
-                    [
-                        multiply(entries_at(weights[b, c], end), entries_at(self.D, c))
-                        for c in range(d)
-                    ]
-                )
-                for b in range(d)
-            ]
-            out.append(multiply(weight, stack_rows(rows)))
-        return out
-
-    def _gradient(self, u: Pair) -> Pair:
-        """∂u_a/∂X_b (d, d, n)."""
-        w = difference_of_motion(u, self.springs)
-        d = w.hi.shape[0]
-        rows = []
-        for a in range(d):
-            row = []
-            for b in range(d):
-                ends = [multiply(entries_at(one, b), entries_at(w, a)) for one in self.reach]
-                both = Pair(*(np.concatenate(x) for x in zip(*ends, strict=True)))
-                row.append(sum_doubles(scatter_sum(both, self.both, self.count)))
-            rows.append(stack_rows(row))
-        return stack_rows(rows)
-
-    def _shift(self, E: Pair) -> Pair:
-        """Shear s (d, m) of the springs: what the mean strain does across them."""
-        i, j = self.ends
-        mean = halve(add(entries_at(E, (..., i)), entries_at(E, (..., j))))
-        d = self.D.hi.shape[0]
-        turned = stack_rows([dot_product(entries_at(mean, a), self.D) for a in range(d)])
-        along = divide(dot_product(turned, self.D), self.square)
-        return subtract(turned, multiply(along, self.D))
-
-    def _moments(self, shift: Pair) -> Pair:
-        """∂U/∂E (d, d, n): a quarter of k_t (s⊗D + D⊗s) of every spring at each of its ends."""
-        pull = multiply(self.k, shift)
-        d = pull.hi.shape[0]
-        rows = []
-        for a in range(d):
-            row = []
-            for b in range(d):
-                one = add(
-                    multiply(entries_at(pull, a), entries_at(self.D, b)),
-                    multiply(entries_at(pull, b), entries_at(self.D, a)),
-                )
-                both = Pair(*(np.concatenate([x, x]) / 4 for x in one))
-                row.append(sum_doubles(scatter_sum(both, self.both, self.count)))
-            rows.append(stack_rows(row))
-        return stack_rows(rows)
-
-    def _pulled(self, stress: Pair) -> Pulls:
-        """Forces of moments F M (d, d, n) through the gradients that they work on."""
-        d = stress.hi.shape[0]
-        sums = []
-        for a in range(d):
-            shares = [
-                multiply(entries_at(stress, (a, b, end)), entries_at(reach, b))
-                for end, reach in zip(self.ends, self.reach, strict=True)
-                for b in range(d)
-            ]
-            sums.append(sum_pairs(shares))
-        return Pulls(stack_rows(sums), self.opposite)
 
 
 def _over_corners(a: Pair, b: Pair) -> Pair:

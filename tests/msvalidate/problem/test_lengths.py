@@ -13,8 +13,7 @@ from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import isotropic_moduli, moduli
 from msvalidate.lattice import patterns
 from msvalidate.network import energy, mode_energy, spring_network, tangent
-from msvalidate.network.laws import local_shear, volumes
-from msvalidate.network.laws.local_shear import LocalShear
+from msvalidate.network.laws import volumes
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.residual import force_scale
 
@@ -80,15 +79,6 @@ def test_force_scale_counts_a_swollen_cell():
     # The pressure κ (λ² - 1) on half of each of two sides of length λ 0.37 m.
     expected = 2.0 * (1.1**2 - 1) * 1.1 * SIDE / math.sqrt(2)
     assert force_scale(network, 1.1 * SQUARE) == pytest.approx(expected, rel=1e-12)
-
-
-def test_force_scale_counts_shear_springs():
-    shear = LocalShear(SQUARE, EDGES, np.full(5, 3.0), np.ones(5))
-    network = spring_network(SQUARE, EDGES, 0.0, shear=shear)
-    sheared = SQUARE + 0.1 * SQUARE[:, ::-1] * [1, 0]
-    most = np.linalg.norm(local_shear.force(shear, sheared), axis=1).max()
-    assert most > 0.01
-    assert most <= force_scale(network, sheared) < 100 * most
 
 
 def test_zeners_ratio_is_that_of_two_shears():
