@@ -96,7 +96,7 @@ FORMULAS = {  # printed -> values of its symbols, what it comes to by another wa
     "2 C66/(C11 - C12)": (entries(square(1, 2)), anisotropy(square(1, 2)), EXACT),
     "C1122 = C1212": (entries(TRIANGULAR), TRIANGULAR[0, 1], EXACT),
     "k (L - L0)": ({"k": 5, "L": 3, "L0": 2}, internal_force(SPRING, LONGER[:2])[0, 0], EXACT),
-    "κ(V/V0 - 1)² V0/2": ({"κ": 5, "V": 1.5, "V0": 1}, volumes.energy(CELL, LONGER), EXACT),
+    "κ(V/V0 - 1)² V0/2": ({"κ": 5, "V": 1.5, "V0": 1}, volumes.energy(CELL, LONGER - CELL.points), EXACT),
     "1/(4πεr)": (  # the field of a unit charge is its flux through a sphere
         {"πεr": math.pi * 2 * 3}, quad(lambda r: 1 / 2 / (4 * math.pi * r**2), 3, np.inf)[0], 1e-9
     ),

@@ -79,10 +79,10 @@ def cut_network(
     problem, lattice
         The lattice must be cut to the problem's domain.
     constants
-        Spring constants (N/m) per kind of spring of a lattice without end, or a calibration by
-        springs or a volume energy; by default those of the problem's isotropic material, if the
-        lattice can be it by springs alone. With zones a tuple of these, one for each of the
-        problem's materials, as `calibrate_zones` gives it.
+        Spring constants (N/m) per kind of spring of a lattice without end, or a calibration; by
+        default those of the problem's isotropic material, if the lattice can be it by springs
+        alone. With zones a tuple of these, one for each of the problem's materials, as
+        `calibrate_zones` gives it.
     volume
         κ of a whole cell, in N/m with the thickness in the plane, in Pa in space: see
         `msvalidate.network.laws.volumes`. A cut cell has the part of it that it has of the body.
@@ -95,12 +95,7 @@ def cut_network(
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
     refuse_other_domain(problem, lattice)
-    k, kappa, k_t = stiffness_by_place(problem, lattice, constants, volume)
-    if k_t.any():
-        raise ProblemError(
-            "shear springs: strains of points at a cut outline are not the body's; calibrate by "
-            "route 'volume energy'"
-        )
+    k, kappa = stiffness_by_place(problem, lattice, constants, volume)
     held, displacement = prescribed_displacements_at(
         problem, lattice.points, support_selector(lattice)
     )

@@ -8,7 +8,6 @@ from msvalidate.bodies.zones import OneOrEach, density_by_point, stiffness_by_pl
 from msvalidate.lattice import CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network
-from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import (
     SIDES,
@@ -71,7 +70,7 @@ def lattice_network(
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
     refuse_other_domain(problem, lattice)
-    k, kappa, k_t = stiffness_by_place(problem, lattice, constants, volume)
+    k, kappa = stiffness_by_place(problem, lattice, constants, volume)
     weight = boundary_weights(lattice, weights)
     held, displacement = prescribed_displacements(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
@@ -85,7 +84,6 @@ def lattice_network(
         displacement=displacement,
         force=force,
         volumes=_volumes(lattice, kappa),
-        shear=_shear(lattice, k_t * lattice.factor * weight),
         cells=lattice.cells,
     )
 
@@ -97,13 +95,6 @@ def refuse_other_domain(problem: Problem, lattice: Lattice) -> None:
             f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
             "build it from the problem's own"
         )
-
-
-def _shear(lattice: Lattice, stiffness: Array) -> LocalShear | None:
-    """Springs that resist shear, where there are any; strains count each by its share."""
-    if not stiffness.any():
-        return None
-    return LocalShear(lattice.points, lattice.springs, stiffness, lattice.share)
 
 
 def _volumes(lattice: Lattice, kappa: Array) -> Volumes | None:

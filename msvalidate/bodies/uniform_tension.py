@@ -54,7 +54,7 @@ def check_uniform_tension(
     if isinstance(lattice, CutLattice) or not isinstance(lattice.domain, Box):
         return NOT_KNOWN
     small, scale = _smaller_lattice(lattice)
-    stiff = min(found.volume, *found.constants, *found.shear) >= 0
+    stiff = min(found.volume, *found.constants) >= 0
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is not known
             body = _measure_tension(_on_rollers(material, small, found), small.points, stiff=stiff)

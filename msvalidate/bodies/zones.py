@@ -92,8 +92,8 @@ def calibrate_zones(
 
 def stiffness_by_place(
     problem: Problem, lattice: Lattice, constants: OneOrEach | None, volume: float
-) -> tuple[Array, Array, Array]:
-    """Constants of springs (m,), κ of cells (c,), and constants of shear springs (m,).
+) -> tuple[Array, Array]:
+    """Constants of springs (m,) and κ of cells (c,).
 
     Parameters
     ----------
@@ -105,13 +105,12 @@ def stiffness_by_place(
     Raises
     ------
     ProblemError
-        As `spring_stiffnesses`; with zones, if there is not one entry for each material, or it has
-        shear springs.
+        As `spring_stiffnesses`; with zones, if there is not one entry for each material.
     """
     if not problem.zones:
         alone = cast("Constants | Calibration | None", constants)  # others are refused there
-        k, kappa, k_t = spring_stiffnesses(problem.material, lattice, alone, volume)
-        return k[lattice.kind], np.full(len(lattice.cells), kappa), k_t[lattice.kind]
+        k, kappa = spring_stiffnesses(problem.material, lattice, alone, volume)
+        return k[lattice.kind], np.full(len(lattice.cells), kappa)
     if finite_number("volume stiffness", volume):
         raise ProblemError(
             f"volume stiffness: {format_value(volume)} for {len(problem.materials)} materials; "
@@ -121,17 +120,12 @@ def stiffness_by_place(
         spring_stiffnesses(material, lattice, given)
         for material, given in zip(problem.materials, _each(problem, constants), strict=True)
     ]
-    if any(k_t.any() for _, _, k_t in each):
-        raise ProblemError(
-            "shear springs: strains of points between two materials are neither's; calibrate by "
-            "route 'volume energy'"
-        )
     fraction = material_fractions(problem, lattice)
     shear = np.array([_shear_modulus(material) for material in problem.materials])
-    found = _gifts(lattice, fraction / shear, np.array([k for k, _, _ in each])).sum(axis=1)
+    found = _gifts(lattice, fraction / shear, np.array([k for k, _ in each])).sum(axis=1)
     bulk = shear * (1 + 2 / lattice.points.shape[1])
-    volumes = np.array([kappa for _, kappa, _ in each])
-    return found, _volume_stiffness(fraction, shear, bulk, volumes), np.zeros(len(found))
+    volumes = np.array([kappa for _, kappa in each])
+    return found, _volume_stiffness(fraction, shear, bulk, volumes)
 
 
 def _shear_modulus(material: Material) -> float:

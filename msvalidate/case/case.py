@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from msvalidate.case.schema import QUANTITIES
-from msvalidate.constants.routes import ROUTES
+from msvalidate.constants.routes import check_route
 from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.pattern import Pattern
@@ -116,7 +116,7 @@ class Case:
         require_one_of("lattice", self.lattice, (*sorted(known), MESH_EDGES))
         self._check_spacing()
         if self.route is not None:
-            require_one_of("route", self.route, ROUTES)
+            check_route(self.route)
         if self.constants is not None:
             self._check_constants(finite("constants", self.constants, "k"))
             if self.route is not None:

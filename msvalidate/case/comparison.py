@@ -294,7 +294,7 @@ def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:
     some = places[:: max(1, len(places) // STRESSED_POINTS)]
     at = lattice.points[some]
     if isinstance(lattice, PatternLattice):
-        with suppress(ProblemError):  # springs that run from cell to cell, or resist shear
+        with suppress(ProblemError):  # springs that run from cell to cell
             return at, springs.point_stress(law.thickness)[some]
     tensor, x, u = elastic_tensor(law), lattice.points, springs.rest.displacement
     top = 4 if at.shape[1] == 2 else 2  # in space few points lie off a surface of degree 4

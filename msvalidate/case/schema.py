@@ -13,7 +13,8 @@ import msgspec
 from msgspec import Meta, Struct
 
 SCHEMA = 1
-"""Version of the format. Files of older versions are read for ever."""
+"""Version of the format. Files of older versions are read for ever, but for what is gone: route
+"shear springs" is refused, and the message says what to take instead."""
 QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "point stress")
 """What springs and elements are compared by."""
 

@@ -58,8 +58,6 @@ class Calibration:
     volume
         κ of the energy of a cell's volume, 0 if there is none: N/m in the plane (thickness
         included), Pa in a solid; the same for cells of any size.
-    shear
-        k_t of the shear springs (N/m), one a kind, 0 if there are none.
     E, nu
         Young's modulus (Pa) and Poisson's ratio of the material that the tensor is.
     zener
@@ -78,7 +76,6 @@ class Calibration:
 
     constants: Constants
     volume: float
-    shear: Constants
     E: float
     nu: float
     zener: float

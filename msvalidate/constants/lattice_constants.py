@@ -9,7 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.routes import ROUTES, calibrate_by_first_route, refuse_soft_cells
+from msvalidate.constants.routes import (
+    ROUTES,
+    calibrate_by_first_route,
+    check_route,
+    refuse_soft_cells,
+)
 from msvalidate.constants.spring_constants import edge_constants, target_of
 from msvalidate.constants.stiffness import ALIKE, is_same_tensor, isotropic_tensor
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
@@ -19,7 +24,6 @@ from msvalidate.problem.checks import (
     finite_number,
     format_value,
     length_in_metres,
-    require_one_of,
     require_type,
 )
 
@@ -53,7 +57,7 @@ def calibrate_by_route(
             "m; choose units that give ordinary numbers"
         )
     if route is not None:
-        require_one_of("route", route, ROUTES)
+        check_route(route)
     lead = calibrate_by_first_route if route is None else ROUTES[route]
     found = lead(target_of(material, pattern), pattern, unit)
     if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
@@ -82,8 +86,8 @@ def spring_stiffnesses(
     lattice: Lattice,
     given: Constants | Calibration | None = None,
     volume: float = 0.0,
-) -> tuple[Array, float, Array]:
-    """Constants of springs (k,), κ of cells, and constants of shear springs (k,), one a kind.
+) -> tuple[Array, float]:
+    """Constants of springs (k,), one a kind, and κ of cells.
 
     Parameters
     ----------
@@ -106,16 +110,15 @@ def spring_stiffnesses(
                 f"out"
             )
         _refuse_other_material(given, lattice, material)
-        constants, volume, shear = given.constants, given.volume, given.shear
+        constants, volume = given.constants, given.volume
     else:
         constants = default_constants(material, lattice) if given is None else given
-        shear = (0.0,) * lattice.kinds
-    k, k_t = finite("spring constants", constants), finite("shear springs", shear)
-    if k.shape != (lattice.kinds,) or k_t.shape != k.shape:
+    k = finite("spring constants", constants)
+    if k.shape != (lattice.kinds,):
         raise ProblemError(
             f"spring constants: {format_value(constants)}; give {lattice.kinds}, one a kind"
         )
-    return k, volume, k_t
+    return k, volume
 
 
 def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:

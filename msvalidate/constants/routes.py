@@ -1,7 +1,6 @@
-"""Three routes from a pattern to an isotropic material, or why one does not lead there.
+"""Two routes from a pattern to an isotropic material, or why one does not lead there.
 
-The first is taken where it leads to the material, or else the second; the third, the other
-published one, leads no further and is for those who ask for it:
+The first is taken where it leads to the material, or else the second:
 
 - ``springs``: central springs alone. Where every point is a centre of symmetry they obey Cauchy's
   relation λ = μ, so there is one ratio: 1/3 in the plane, 1/4 in a solid.
@@ -10,9 +9,6 @@ published one, leads no further and is for those who ask for it:
   [Golec2020]). With E and nu of the d axes, in-plane ones for d=2,
 
       κ = E ((d + 1) nu - 1) / (2 (1 + nu) (1 - (d - 1) nu)).
-
-- ``shear springs``: springs that resist shear too, by k_t = α k_n (see `local_shear`):
-  α = (1 - (d + 1) nu)/(1 + nu).
 
 What is said of E, nu and the anisotropy is read off the tensor that the constants make.
 """
@@ -26,11 +22,11 @@ import numpy as np
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.homogenise import deforms_affinely, homogenise
 from msvalidate.constants.spring_constants import Target, isotropic_constants, target_at_cauchy
-from msvalidate.constants.stable_range import least_stable_ratio, least_stable_volume
+from msvalidate.constants.stable_range import least_stable_volume
 from msvalidate.constants.stiffness import ALIKE, UNIT, moduli
 from msvalidate.lattice import Constants, Pattern
-from msvalidate.network.laws.local_shear import shear_tensor
 from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import require_one_of
 
 
 def calibrate_by_first_route(target: Target, pattern: Pattern, spacing: float) -> Calibration:
@@ -59,8 +55,7 @@ def calibrate_by_first_route(target: Target, pattern: Pattern, spacing: float) -
 def _springs_alone(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     constants = isotropic_constants(target, pattern, spacing)
     tensor = homogenise(pattern, constants, spacing).tensor
-    none = (0.0,) * pattern.kinds
-    return _calibration(target, pattern, spacing, constants, 0.0, none, "springs", tensor)
+    return _calibration(target, pattern, spacing, constants, 0.0, "springs", tensor)
 
 
 def _with_volume_energy(target: Target, pattern: Pattern, spacing: float) -> Calibration:
@@ -77,43 +72,21 @@ def _with_volume_energy(target: Target, pattern: Pattern, spacing: float) -> Cal
     springs = _cauchy_springs(E / (2 * (1 + nu)), pattern, spacing)
     normal = np.arange(len(springs.tensor)) < d
     tensor = springs.tensor + kappa * np.outer(normal, normal)
-    return _calibration(
-        target, pattern, spacing, springs.constants, kappa, springs.shear, "volume energy", tensor
-    )
-
-
-def _with_shear_springs(target: Target, pattern: Pattern, spacing: float) -> Calibration:
-    """Springs whose shear springs bring their μ to the material's."""
-    E, nu, d = target.E, target.nu, pattern.dim
-    _refuse_loose_points(pattern)
-    alpha = (1 - (d + 1) * nu) / (1 + nu)
-    part = 1 + d / 2 * alpha
-    least = least_stable_ratio(pattern, _cauchy_springs(1.0, pattern, spacing).constants)
-    if part <= 0 or alpha <= least:
-        least = max(least, -2 / d)
-        nearest = (1 - least) / (d + 1 + least)
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {nu:.6g} along its axes takes shear springs of "
-            f"{alpha:.6g} times the others, unstable from {least:.6g} down: take nu below "
-            f"{nearest:.6g}"
-        )
-    springs = _cauchy_springs(E / (2 * (1 + nu)) / part, pattern, spacing)
-    shear = tuple(alpha * k for k in springs.constants)
-    vectors, kind = spacing * pattern.vectors, pattern.kind
-    volume = spacing**d * float(np.prod(pattern.size))
-    added = shear_tensor(vectors, np.array(shear)[kind] * pattern.factor, volume)
-    tensor = springs.tensor + added
-    return _calibration(
-        target, pattern, spacing, springs.constants, 0.0, shear, "shear springs", tensor
-    )
+    return _calibration(target, pattern, spacing, springs.constants, kappa, "volume energy", tensor)
 
 
 ROUTES: Mapping[str, Callable[[Target, Pattern, float], Calibration]] = {
     "springs": _springs_alone,
     "volume energy": _with_volume_energy,
-    "shear springs": _with_shear_springs,
 }
 """The ways to give a lattice the moduli of a material."""
+
+
+def check_route(route: str) -> None:
+    """Raise `ProblemError` for a name that is no route."""
+    if route == "shear springs":
+        raise ProblemError("route: 'shear springs' is gone; take 'volume energy'")
+    require_one_of("route", route, ROUTES)
 
 
 def _calibration(
@@ -122,7 +95,6 @@ def _calibration(
     spacing: float,
     constants: Constants,
     volume: float,
-    shear: Constants,
     route: str,
     tensor: Array,
 ) -> Calibration:
@@ -135,7 +107,6 @@ def _calibration(
     return Calibration(
         constants=constants,
         volume=volume,
-        shear=shear,
         E=E,
         nu=nu,
         zener=found.zener,

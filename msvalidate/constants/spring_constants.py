@@ -154,8 +154,8 @@ def _affine_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> 
     if abs(nu - cauchy) > ALIKE:
         raise ProblemError(
             f"{pattern.name} lattice: nu = {nu:.6g}; central springs make it isotropic at "
-            f"{cauchy:.6g} only (λ = μ): take that ratio, a volume energy or shear springs, or "
-            "give the constants"
+            f"{cauchy:.6g} only (λ = μ): take that ratio or a volume energy, or give "
+            "the constants"
         )
     return tuple(constants.tolist())
 

@@ -48,8 +48,7 @@ class Motion:
     Raises
     ------
     ProblemError
-        If there are shear springs, the network is no uniform lattice but is to be one, or an
-        argument is out of range.
+        If the network is no uniform lattice but is to be one, or an argument is out of range.
     """
 
     def __init__(

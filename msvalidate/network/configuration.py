@@ -60,14 +60,12 @@ class Configuration:
     def energy(self) -> float:
         """Energy (J) stored in springs and cells."""
         stored = float(0.5 * self.network.stiffness @ self.elongation**2)
-        volumes = self.network.volumes
-        return stored + (cells.energy(volumes, self.displacement) if volumes else 0.0)
+        return stored + self.network.of_cells(cells.energy, self.displacement)
 
     def force(self) -> Array:
         """Force (n, d) in N of all springs and cells on the points."""
         force = self.network.assemble_forces(self.slack[:, None] * self.vector)
-        volumes = self.network.volumes
-        return force + cells.force(volumes, self.displacement) if volumes else force
+        return force + self.network.of_cells(cells.force, self.displacement)
 
     def force_change(self, motion: Array) -> Array:
         """Change (n, d) in N of `force` by a small motion (n, d) in m, to first order: -K motion.
@@ -93,10 +91,8 @@ class Configuration:
         along = (self.vector * w).sum(axis=1) / self.length
         across = (w**2).sum(axis=1) - along**2
         stored = float(self.network.stiffness @ along**2 + self.slack @ across)
-        volumes = self.network.volumes
-        if volumes:
-            stored -= float((motion * cells.force_change(volumes, self.displacement, motion)).sum())
-        return stored
+        change = self.network.of_cells(cells.force_change, self.displacement, motion)
+        return stored - float(np.sum(motion * change))
 
     def tangent(self) -> bsr_array:
         """Tangent stiffness (n·d, n·d) in N/m, a d × d block for every two points that are joined.
@@ -115,7 +111,7 @@ class Configuration:
             return elastic + across if a == b else elastic
 
         K = network.blocks.summed(network.springs, network.dim, entry)
-        if not network.volumes:
+        if network.volumes is None:
             return K
         whole = csr_array(K) + cells.tangent(network.volumes, self.displacement)
         return bsr_array(whole, blocksize=(network.dim, network.dim))
@@ -126,8 +122,7 @@ class Configuration:
         met = np.zeros(len(network.points))
         for end in (0, 1):
             met += np.bincount(network.springs[:, end], tension, len(met))
-        volumes = network.volumes
-        return met + cells.force_magnitudes(volumes, self.displacement) if volumes else met
+        return met + network.of_cells(cells.force_magnitudes, self.displacement)
 
     def largest_rotation(self, motion: Array) -> float:
         """Largest change of a spring's vector in a motion (n, d), over its length; NaN counts."""

@@ -6,7 +6,9 @@ Beside the springs may stand cells that resist a change of volume (`laws.volumes
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +33,9 @@ from msvalidate.problem.checks import (
     require_type,
 )
 from msvalidate.problem.records import dataclass, replace
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 AT_REST = 2.0**-50
 """Stretch up to which a rest length is the distance of a spring's points, rounded to a double: the
@@ -146,6 +151,18 @@ class Network:
         vector.setflags(write=False)
         return vector
 
+    @property
+    def resisting(self) -> Index:
+        """Points (c, corners) of the cells that resist a change of volume; (0, 1) of none."""
+        none = np.zeros((0, 1), dtype=np.intp)
+        return none if self.volumes is None else self.volumes.cells
+
+    def of_cells(
+        self, value: Callable[Concatenate[Volumes, P], T], *given: P.args, **named: P.kwargs
+    ) -> T | float:
+        """A value that adds up over springs and cells: the cells' part, 0.0 of none."""
+        return 0.0 if self.volumes is None else value(self.volumes, *given, **named)
+
     @cached_property
     def distance(self) -> Array:
         """Distance (m,) in m of each spring's points."""
@@ -160,9 +177,9 @@ class Network:
     @cached_property
     def layout(self) -> Layout:
         """How its points and springs lie in memory for the compiled sweep."""
-        cells = np.zeros((0, 1), dtype=np.intp) if self.volumes is None else self.volumes.cells
         n, d = self.points.shape
-        return make_layout(n, d, self.springs, self.stiffness, self.rest_length, cells)
+        each = self.springs, self.stiffness, self.rest_length, self.resisting
+        return make_layout(n, d, *each)
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -172,9 +189,7 @@ class Network:
     @cached_property
     def simplices(self) -> Simplices | None:
         """What shows that it is folded; None where there is nothing to look at."""
-        cells = self.cells
-        if cells is None and self.volumes is not None:
-            cells = self.volumes.cells
+        cells = self.resisting if self.cells is None else self.cells
         return simplices_of(self.points, self.springs, cells)
 
     def assemble_forces(self, pull: Array) -> Array:
@@ -214,6 +229,7 @@ def spring_network(
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
+    shear: None = None,
     cells: ArrayLike | None = None,
 ) -> Network:
     """Network from any list of points and springs.
@@ -223,6 +239,8 @@ def spring_network(
     points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
         distances in `points`, an unstressed network; the rest defaults to none.
+    shear
+        Of old; refused.
 
     Raises
     ------
@@ -230,6 +248,8 @@ def spring_network(
         If an array does not fit, a spring joins a point to itself, names a point that is not
         there or has no length, or a value is out of range.
     """
+    if shear is not None:
+        raise ProblemError("shear: shear springs are gone; take a volume energy, `volumes`")
     x = finite_coordinates("points", points, "n", (2, 3))
     pairs = check_springs(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)

@@ -93,6 +93,5 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     reach = float(np.abs(network.points).max()) if reach is None else reach
     pull = network.stiffness * (reach + network.rest_length)
     met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
-    if network.volumes:
-        met = met + cells.roundoff_magnitudes(network.volumes, reach)
+    met = met + network.of_cells(cells.roundoff_magnitudes, reach)
     return np.asarray(EPS * met)[:, None]

@@ -129,8 +129,6 @@ def _largest_point_stiffness(network: Network) -> float:
     """
     k = np.repeat(network.stiffness, 2)
     met = 1.0 * np.bincount(network.springs.ravel(), k, len(network.points))
-    if network.volumes is not None:
-        if network.volumes.stiffness.min() < 0:
-            return 0.0
-        met = met + stiffness_magnitudes(network.volumes)
-    return float(met.max())
+    if network.of_cells(lambda cells: cells.stiffness.min()) < 0:
+        return 0.0
+    return float((met + network.of_cells(stiffness_magnitudes)).max())

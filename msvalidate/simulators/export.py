@@ -220,14 +220,13 @@ def _spring_request(
         case = replace(case, cells=cells, spacing=None)
     others, gravity = _loads_apart(case.problem)
     lattice, network, _ = make_network(replace(case, problem=others), spacing_of(case))
-    more = "cells that resist a change of volume" if network.volumes is not None else ""
-    more = more or ("springs that resist shear" if network.shear is not None else "")
-    if more:
+    if network.volumes is not None:
         material = case.problem.material
         nu = getattr(material, "nu", 0.0)
         raise ProblemError(
-            f"--springs: at ratio {nu:g} the {lattice.name} lattice has {more} beside its "
-            "springs; take a ratio or a lattice that springs alone can be, or give constants"
+            f"--springs: at ratio {nu:g} the {lattice.name} lattice has cells that resist a "
+            "change of volume beside its springs; take a ratio or a lattice that springs alone can "
+            "be, or give constants"
         )
     return Request(
         task="rest",

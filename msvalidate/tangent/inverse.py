@@ -304,11 +304,9 @@ def elimination_order(network: Network) -> Index:
 
 def connected_pairs(network: Network) -> Index:
     """Pairs (p, 2) of points that springs and cells join."""
-    pairs = [network.springs]
-    if network.volumes is not None:
-        cells = network.volumes.cells
-        pairs += [cells[:, [a, b]] for a, b in combinations(range(cells.shape[1]), 2)]
-    return np.concatenate(pairs)
+    cells = network.resisting
+    pairs = [cells[:, [a, b]] for a, b in combinations(range(cells.shape[1]), 2)]
+    return np.concatenate([network.springs, *pairs])
 
 
 def _refuse_unsettled(told: bool) -> None:

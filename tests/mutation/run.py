@@ -78,7 +78,6 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
             "supports",
             "unstable",
             "lengths",
-            "local_shear",
         ),
         25,
     ),

@@ -73,18 +73,16 @@ def test_long_waves_feel_the_moduli():
     np.testing.assert_allclose(K, np.diag([lam + 2 * mu, mu]), atol=1e-6)
 
 
-@pytest.mark.parametrize(("route", "coupled"), [("volume energy", 8), ("shear springs", 48)])
-def test_a_point_of_squares_is_coupled_with(route, coupled):
-    way = Way("square", route)
+def test_a_point_of_squares_is_coupled_with_eight():
+    way = Way("square", "volume energy")
     stencil = routes.wave_stiffness(way.pattern, routes.calibrate_way(way, 0.45))
-    assert stencil.coupled == coupled
+    assert stencil.coupled == 8
 
 
 def test_ratios_that_a_part_leaves_open():
-    square, cube = Way("square", "volume energy"), Way("cubic18", "shear springs")
+    square = Way("square", "volume energy")
     assert routes.reachable_ratios(square, -1.0) == (0.0, 1.0)
     assert routes.reachable_ratios(square, -2.5) == (-1.0, 1.0)
-    assert routes.reachable_ratios(cube, -2 / 3) == pytest.approx((-1.0, 0.5))
 
 
 def test_a_rigid_motion_stretches_no_block():

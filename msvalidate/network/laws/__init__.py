@@ -1,1 +1,1 @@
-"""What acts between points beside springs: energies of cells, and springs that resist shear."""
+"""What acts between points beside springs: energies of cells."""

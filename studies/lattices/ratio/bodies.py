@@ -1,13 +1,11 @@
 """Bodies: what does a finite block lose by each route, and how does that fall with its size?
 
 Question   Strain along and across a pull of blocks with free sides, and how unevenly they stretch.
-Candidate  Static equilibrium of springs alone at Cauchy's ratio, with the volume energy, and with
-           shear springs, at ratios on both sides of Cauchy's.
+Candidate  Static equilibrium of springs alone at Cauchy's ratio, and with the volume energy at
+           ratios on both sides of Cauchy's.
 Reference  The uniform strain of the material asked for, on which the tractions do the work.
-Expected   Springs and volumes: exact where no spring crosses a side. Shear springs read strain from
-           one side at the boundary: in square lattices that leaves forces at the corners only, of a
-           part 1/N² of the cells, in cubic ones along edges, of the same part, so an error of order
-           2. Where springs cross sides, points there have lost neighbours: order 1 by any route.
+Expected   Exact where no spring crosses a side. Where springs do, points there have lost
+           neighbours: order 1 by any route.
 """
 
 from __future__ import annotations
@@ -93,7 +91,7 @@ def blocks(setting: Setting) -> list[Block]:
     every = QUICK if setting.quick else SIZES
     for way in (Way(name, route) for d in every for name in LATTICES[d] for route in ROUTES):
         d = way.pattern.dim
-        ratios = RATIOS[d] if way.route in ADDED else (CAUCHY[d],)
+        ratios = RATIOS[d] if way.route == ADDED else (CAUCHY[d],)
         sizes = cases.sizes(_case(way), every[d])
         found += [Block(way, nu, across) for nu in ratios for across in sizes]
     return found
@@ -153,9 +151,7 @@ def approach(table: pd.DataFrame, kinds: list[tuple[Way, float]]) -> pd.DataFram
 
 def order_expected(way: Way) -> float | str:
     """Order of the error of a stretched block on paper."""
-    if way.lattice not in ALIGNED:
-        return 1.0
-    return 2.0 if way.route == "shear springs" else "exact"
+    return "exact" if way.lattice in ALIGNED else 1.0
 
 
 def findings(table: pd.DataFrame, orders: pd.DataFrame) -> tuple[str, ...]:
@@ -248,11 +244,9 @@ def draw(tables: Tables) -> Figure:
                 **style,
             )
         cells = np.array(sorted(set(part["cells"])), dtype=float)
-        for power, dashes in ((1, ":"), (2, "--")):
-            such = part[part["block_order_expected"] == power]["stretch_error"].abs()
-            # From 1.5 times the largest error, so that no curve hides it.
-            line = 1.5 * such.max() * (cells / cells[0]) ** -power
-            axis.loglog(cells, line, dashes, color="grey", label=f"slope -{power}")
+        # From 1.5 times the largest error, so that no curve hides it.
+        line = 1.5 * part["stretch_error"].abs().max() * cells[0] / cells
+        axis.loglog(cells, line, ":", color="grey", label="slope -1")
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
         axis.set(title=title, xlabel="cells along the block (1)")
     axes[0].set_ylabel("error of strain along the pull (1)")

@@ -1,18 +1,15 @@
 """Routes: how far does each way to a Poisson's ratio go, and what does it ask in return?
 
-Question   From which ratio to which a lattice is stable by springs alone, by the volume energy and
-           by shear springs; how wrong a stretched block is, and how that falls with its size; how
-           stiff its stiffest wave is, and with how many points each point is coupled.
-Candidate  Springs, and beside them κ of every cell's volume or shear springs k_t = α k_n that read
-           their shear from local strain.
-Reference  Moduli above zero: κ > -(1 + 2/d) μ and α > -2/d, d axes. Waves: those of an endless
-           lattice, from a point's own row of stiffness. A uniform strain, exact.
+Question   From which ratio to which a lattice is stable by springs alone and by the volume energy;
+           how wrong a stretched block is, and how that falls with its size; how stiff its stiffest
+           wave is, and with how many points each point is coupled.
+Candidate  Springs, and beside them κ of every cell's volume.
+Reference  Moduli above zero: κ > -(1 + 2/d) μ, d axes. Waves: those of an endless lattice, from a
+           point's own row of stiffness. A uniform strain, exact.
 Expected   With volumes only the moduli count, for a free block's softest motion is a uniform
-           strain, and a stretched block is exact wherever springs alone are. Waves of long length
-           stop shear springs at -2/d, and a body before that: its strains are one-sided at corners
-           (plane) and edges (space), which also cost a stretched block an error of order 2. Where
-           springs cross sides all three have an error of order 1. The stiffest wave of cells that
-           follow it alternates along x: 4 (λ + 2μ) h^(d - 2) = ω² m.
+           strain, and a stretched block is exact wherever springs alone are. Where springs cross
+           sides both have an error of order 1. The stiffest wave of cells that follow it alternates
+           along x: 4 (λ + 2μ) h^(d - 2) = ω² m.
 """
 
 from __future__ import annotations
@@ -31,7 +28,7 @@ from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import ROUTES
-from msvalidate.constants.stable_range import least_stable_ratio, least_stable_volume
+from msvalidate.constants.stable_range import least_stable_volume
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
@@ -56,7 +53,7 @@ ALIGNED = ("square", "cubic18", "cubic26")
 LEAST = ("least_moduli", "least_waves", "least_body")
 LOWEST = {2: -2.0, 3: -5 / 3}
 """κ/μ = -(1 + 2/d), where the ratio is -1."""
-ADDED = ("volume energy", "shear springs")
+ADDED = "volume energy"
 TOLERANCES = (
     Tolerance(
         "volume energy: least κ/μ of free blocks whose springs cross no side, from -(1 + 2/d)",
@@ -65,15 +62,10 @@ TOLERANCES = (
         "eigenvalue",
     ),
     Tolerance(
-        "least κ/μ and k_t/k_n of endless lattices, by rows of stiffness and by Fourier sums",
+        "least κ/μ of endless lattices, by rows of stiffness and by Fourier sums",
         1e-7, "1",
         "two routes to one eigenvalue; of the stiffness of waves of phase 1e-3 a part of 1e-6 is "
         "left, so that rounding of a hundred terms of 1e-16 makes 1e-8 of it",
-    ),
-    Tolerance(
-        "shear springs: least α of endless lattices, from -2/d", 5e-7, "1",
-        "the longest wave tried has phase φ = 1e-3; squares of sines of half of it are off by "
-        "φ²/12 of themselves, above and below a line, along three axes at most: φ²/2",
     ),
     Tolerance(
         "volume energy: ω² m of square and cubic lattices, from 4 (λ + 2μ) h^(d - 2), relative",
@@ -83,9 +75,8 @@ TOLERANCES = (
 )  # fmt: skip
 COLUMNS = {
     "lattice": cases.COLUMNS["lattice"],
-    "route": "what makes the ratio: springs alone, volume energy or shear springs",
-    "least_moduli": "least of what is added to springs, κ/μ or k_t/k_n, for moduli above zero, or "
-    '"none" (1)',
+    "route": "what makes the ratio: springs alone or volume energy",
+    "least_moduli": 'least κ/μ for moduli above zero, or "none" (1)',
     "least_waves": 'the same for every wave of the endless lattice to cost energy, or "none" (1)',
     "least_body": "the same for every motion of a free block of 8 x 8 or 3 x 3 x 3 cells, about, "
     'or "none" (1)',
@@ -125,13 +116,12 @@ def run(setting: Setting) -> Evidence:
     found = setting.sweep(measure, ways(setting), "ranges of Poisson's ratio")
     table = pd.DataFrame([row for row, _ in found])
     fourier = pd.Series([ratio for _, ratio in found])
-    shear, added = table["route"] == "shear springs", table["route"].isin(ADDED)
+    added = table["route"] == ADDED
     known = table["omega2_theory_over"] != "none"
-    free = table[known & (table["route"] == "volume energy")]
+    free = table[known & added]
     values = (
         _worst(free["least_body"], free["least_moduli"]),
         _worst(table[added]["least_waves"], fourier[added]),
-        _worst(table[shear]["least_waves"], table[shear]["least_moduli"]),
         _worst(table[known]["omega2_m_over"], table[known]["omega2_theory_over"]),
     )
     return Evidence(
@@ -150,27 +140,25 @@ def _worst(values: pd.Series, references: pd.Series) -> Observed:
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
-    """How far each route goes, and at what price."""
-    said = []
-    for route, rows in table[table["route"] != "springs"].groupby("route", sort=False):
-        told = ", ".join(
-            f"{row['lattice']} {row['nu_from']:.3g} to {row['nu_to']:.3g}"
-            for _, row in rows.iterrows()
-        )
-        slow = ", ".join(f"{row['step_over']:.2g} ({row['lattice']})" for _, row in rows.iterrows())
-        said.append(
-            f"By {route} free bodies are stable with ratios along the axes of {told}. Forces of a "
-            f"point depend on {rows['coupled'].min():.3g} to {rows['coupled'].max():.3g} others; "
-            f"the largest time step, over that of springs of one μ at Cauchy's ratio, is {slow}."
-        )
-    return tuple(said)
+    """How far the volume energy goes, and at what price."""
+    rows = table[table["route"] == ADDED]
+    told = ", ".join(
+        f"{row['lattice']} {row['nu_from']:.3g} to {row['nu_to']:.3g}" for _, row in rows.iterrows()
+    )
+    slow = ", ".join(f"{row['step_over']:.2g} ({row['lattice']})" for _, row in rows.iterrows())
+    said = (
+        f"By {ADDED} free bodies are stable with ratios along the axes of {told}. Forces of a "
+        f"point depend on {rows['coupled'].min():.3g} to {rows['coupled'].max():.3g} others; "
+        f"the largest time step, over that of springs of one μ at Cauchy's ratio, is {slow}."
+    )
+    return (said,)
 
 
 def measure(way: Way) -> tuple[dict[str, object], float]:
     """A row of the table, and the least of what is added by Fourier sums (0 if nothing is)."""
     pattern = way.pattern
     d = pattern.dim
-    cauchy, probe = CAUCHY[d], PROBE[d] if way.route in ADDED else CAUCHY[d]
+    cauchy, probe = CAUCHY[d], PROBE[d] if way.route == ADDED else CAUCHY[d]
     alone = way._replace(route="springs")
     springs, plain = calibrate_way(alone, cauchy), calibrated_waves(alone, cauchy)
     whole = calibrated_waves(way, probe)
@@ -178,14 +166,13 @@ def measure(way: Way) -> tuple[dict[str, object], float]:
     over = waves.highest(whole) / waves.highest(plain) * (1 + probe) / (1 + cauchy)
     head: dict[str, object] = {"lattice": pattern.name, "route": way.route}
     least, fourier = (
-        limits(way, springs) if way.route in ADDED else (dict.fromkeys(LEAST, "none"), 0.0)
+        limits(way, springs) if way.route == ADDED else (dict.fromkeys(LEAST, "none"), 0.0)
     )
     ends = (
         (cauchy, cauchy)
-        if way.route not in ADDED
+        if way.route != ADDED
         else reachable_ratios(way, float(str(least[LEAST[2]])))
     )
-    aligned = way.lattice in ALIGNED and way.route != "shear springs"
     row = (
         head
         | least
@@ -196,7 +183,7 @@ def measure(way: Way) -> tuple[dict[str, object], float]:
             "nu_of_wave": probe,
             "omega2_m_over": over,
             "omega2_theory_over": (2 * probe / (1 - (d - 1) * probe) + 2) / 3
-            if aligned
+            if way.lattice in ALIGNED
             else "none",
             "step_over": over**-0.5,
         }
@@ -205,26 +192,17 @@ def measure(way: Way) -> tuple[dict[str, object], float]:
 
 
 def limits(way: Way, springs: Calibration) -> tuple[dict[str, object], float]:
-    """Least multiple of what a route adds to `springs`, by moduli, waves and a body."""
+    """Least κ/μ beside `springs`, by moduli, waves and a body."""
     pattern = way.pattern
     d = pattern.dim
-    added = with_added(way, springs)
+    mu = 1 / (2 * (1 + springs.nu))
+    added = replace(springs, volume=mu)
     plain = calibrated_waves(way._replace(route="springs"), springs.nu)
     by_waves = waves.least_part(plain, wave_stiffness(pattern, added).less(plain))
-    values = (-(1 + 2 / d) if added.volume else -2 / d, by_waves, of_body(way, springs, added))
-    mu = 1 / (2 * (1 + springs.nu))
-    if added.volume:
-        fourier = least_stable_volume(pattern, springs.constants) / mu
-    else:
-        fourier = least_stable_ratio(pattern, springs.constants)
-    return dict(zip(LEAST, values, strict=True)), fourier
-
-
-def with_added(way: Way, springs: Calibration) -> Calibration:
-    """Springs and one part of what a route adds: κ = μ, or k_t = k_n."""
-    if way.route == "shear springs":
-        return replace(springs, shear=springs.constants)
-    return replace(springs, volume=1 / (2 * (1 + springs.nu)))
+    values = (-(1 + 2 / d), by_waves, of_body(way, springs, added))
+    return dict(zip(LEAST, values, strict=True)), (
+        least_stable_volume(pattern, springs.constants) / mu
+    )
 
 
 def calibrate_way(way: Way, nu: float) -> Calibration:
@@ -272,7 +250,5 @@ def of_body(way: Way, springs: Calibration, added: Calibration) -> float:
 def reachable_ratios(way: Way, least: float) -> tuple[float, float]:
     """Lowest and highest ratio along the axes that a least part leaves open."""
     d = way.pattern.dim
-    if way.route == "shear springs":
-        return -1.0, (1 - least) / (d + 1 + least)
     low = max(-1.0, (least + 1) / (d + 1 + (d - 1) * least)) if least > LOWEST[d] else -1.0
     return low, 1 / (d - 1)

@@ -1,4 +1,4 @@
-"""Waves of endless lattices whatever their points are joined by: springs, volumes or shear springs.
+"""Waves of endless lattices whatever their points are joined by: springs or volumes.
 
 The rows of a point in the middle of a block are those of any point: its blocks K_j of stiffness,
 one for every point that it is coupled with, make the stiffness of a wave of phases q,
@@ -23,8 +23,7 @@ from msvalidate.lattice import Lattice, Pattern, fill
 from msvalidate.problem import Array, Box, Index
 
 REACH = 3
-"""Cells from the middle one to the side: with shear springs a point is coupled with others so far,
-through its neighbour's spring to a point whose strain is read from a third."""
+"""Cells from the middle one to the side: more than springs and cells reach."""
 PHASES = 8
 """Of waves along each axis, even, so that pi is one."""
 LONG = 1e-3

@@ -14,7 +14,13 @@ from msvalidate import kernels
 from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.kernels import general
 from msvalidate.kernels.general import Sweep, Threads
-from msvalidate.network import Network, energy, internal_force, spring_network
+from msvalidate.network import (
+    Network,
+    configuration_at,
+    energy,
+    internal_force,
+    spring_network,
+)
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import ProblemError, SolverError

@@ -16,7 +16,13 @@ from hypothesis import strategies as st
 from msvalidate import kernels
 from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.kernels.cells import push
-from msvalidate.network import energy, internal_force, spring_network, tangent
+from msvalidate.network import (
+    configuration_at,
+    energy,
+    internal_force,
+    spring_network,
+    tangent,
+)
 from msvalidate.network.laws.volumes import Volumes, dilatation, force, force_magnitudes
 from msvalidate.network.laws.volumes import energy as volume_energy
 from msvalidate.network.residual import force_scale

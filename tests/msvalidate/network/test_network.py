@@ -11,7 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.network import energy, internal_force, spring_network, tangent, tangent_blocks
+from msvalidate.network import (
+    Configuration,
+    configuration_at,
+    energy,
+    internal_force,
+    spring_network,
+    tangent,
+    tangent_blocks,
+)
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import ProblemError

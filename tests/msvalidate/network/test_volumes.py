@@ -213,14 +213,14 @@ def test_cells_that_are_none_are_refused_where_volumes_are_asked():
         volumes.force,
         volumes.force_magnitudes,
         volumes.tangent,
-        lambda v, x: volumes.mode_energy(v, x, SQUARE),
-        lambda v, x: volumes.mode_energy(v, SQUARE, x),
+        lambda v, u: volumes.force_change(v, u, SQUARE),
+        lambda v, u: volumes.force_change(v, SQUARE, u),
         volumes.dilatation,
-        lambda v, x: volumes.dilatation(v, x, linear=True),
+        lambda v, u: volumes.dilatation(v, u, linear=True),
     ],
 )
 @table("given_", [SQUARE[:3], np.concatenate([SQUARE, SQUARE]), np.nan * SQUARE])
-def test_positions_that_do_not_fit_are_refused(asked, given_):
+def test_displacements_that_do_not_fit_are_refused(asked, given_):
     with pytest.raises(ProblemError, match=r"give an array \(4, 2\)|every value must be finite"):
         asked(one_cell(SQUARE), given_)
 

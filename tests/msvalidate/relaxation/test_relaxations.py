@@ -11,7 +11,7 @@ import pytest
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import INTEGRATORS, LEAPFROG
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.network import internal_force, spring_network, tangent
+from msvalidate.network import configuration_at, internal_force, spring_network, tangent
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
 from msvalidate.relaxation.method import Method

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from msvalidate.dynamics.divergence import StabilityWarning
-from msvalidate.network import energy, internal_force, spring_network
+from msvalidate.network import configuration_at, energy, internal_force, spring_network
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import (
     BodyForce,

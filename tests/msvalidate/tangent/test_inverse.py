@@ -10,7 +10,7 @@ import pytest
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.network import spring_network, tangent
+from msvalidate.network import configuration_at, spring_network, tangent
 from msvalidate.problem import (
     Box,
     Isotropic,

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 
 from msvalidate.linear_algebra import factor
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.network import spring_network, tangent
+from msvalidate.network import Configuration, configuration_at, spring_network, tangent
 from msvalidate.problem import Box, Region, SolverError, Support, Traction
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
@@ -300,7 +300,7 @@ def test_a_matrix_that_is_negative_is_told_by_its_motion():
     A, cycle = system(pair)
     assert cycle.indefinite_motion is not None
     assert cycle.indefinite_motion @ (A @ cycle.indefinite_motion) < 0
-    assert not is_positive(A, pair, pair.points, cycle)
+    assert not is_positive(A, Configuration(pair), cycle)
 
 
 def test_few_cycles_are_no_solution(lattice_body):
