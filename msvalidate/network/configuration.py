@@ -108,7 +108,7 @@ class Configuration:
             # n nᵀ first, so that it is rounded alike in springs of any stiffness: long and slender
             # bodies keep two digits more.
             elastic = along * (n[:, a] * n[:, b])
-            return elastic + across if a == b else elastic
+            return np.asarray(elastic + across if a == b else elastic)
 
         K = network.blocks.summed(network.springs, network.dim, entry)
         if network.volumes is None:

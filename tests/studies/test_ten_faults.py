@@ -45,14 +45,14 @@ def shear_halved(patch):
 
 
 def tangent_with_a_wrong_sign(patch):
-    true = network.tangent_blocks
+    true = network.Configuration.tangent
 
-    def blocks(net, position):
+    def blocks(at):
         # A network at rest as it lies has the elastic part alone.
-        length = network.spring_vectors(net, position)[1]
-        return 2 * true(replace(net, rest_length=length), position) - true(net, position)
+        rest = replace(at.network, rest_length=at.length)
+        return 2 * true(network.Configuration(rest, at.displacement)) - true(at)
 
-    everywhere(patch, true, blocks)
+    patch.setattr(network.Configuration, "tangent", blocks)
 
 
 def swapped(voigt):

@@ -18,7 +18,6 @@ from msvalidate.network import (
     internal_force,
     spring_network,
     tangent,
-    tangent_blocks,
 )
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.residual import force_roundoff, force_scale
@@ -214,9 +213,6 @@ def test_the_tangent_is_the_sum_of_its_springs(networks, data, doubled):
     expected = expected.reshape(n * d, n * d)
     within = 1e-14 * np.abs(expected).max()  # order of summation
     np.testing.assert_allclose(tangent(network, position).toarray(), expected, atol=within)
-    np.testing.assert_array_equal(
-        tangent_blocks(network, position).toarray(), tangent(network, position).toarray()
-    )
 
 
 def test_springs_side_by_side_add():
