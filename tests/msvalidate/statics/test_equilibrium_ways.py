@@ -96,10 +96,6 @@ def test_a_displacement_that_positions_have_no_digits_for_is_right_or_refused(st
     force[3, 1] = -0.01
     held = [[True, True], [False, True], [False, False], [False, False]]
     network = spring_network(points, springs, np.full(6, stiffness), held=held, force=force)
-    if stiffness == 1e307:
-        with pytest.raises(SolverError, match="where doubles run out of digits; choose units"):
-            equilibrium(network, geometry)
-        return
     move = equilibrium(network, geometry).displacement[3] * stiffness
     assert move == pytest.approx([0.00625, -0.00875], rel=1e-14)
 
