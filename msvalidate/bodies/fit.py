@@ -126,7 +126,7 @@ def fitted_constants(
     """
     number = _count_kinds(networks, kind)
     cases = _load_cases(networks, wanted, np.asarray(kind), number, weights)
-    with_volumes = networks[0].volumes is not None
+    with_volumes = len(cases[0].parts) > number
     p = _starting_constants(cases, number, with_volumes, start)
     unit = float(p.max())
     found = _least_squares(cases, p / unit, unit, number)
@@ -202,9 +202,8 @@ def _correct_constants(
 
 def _refined_equilibrium(network: Network, p: Array, kind: Index) -> Equilibrium:
     """The equilibrium with constants p, refined to the last digit."""
-    volumes = network.volumes
-    if volumes is not None:
-        volumes = replace(volumes, stiffness=float(p[-1]) * volumes.stiffness)
+    cells = network.volumes
+    volumes = cells and replace(cells, stiffness=float(p[-1]) * cells.stiffness)
     return equilibrium(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
 
 

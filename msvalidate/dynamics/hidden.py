@@ -48,7 +48,7 @@ def is_at_rest(network: Network, start: MotionState) -> bool:
         return False
     with np.errstate(over="ignore"):
         left = np.abs(np.where(free, start.a, 0.0)) * network.mass[:, None]
-        return bool((left <= AT_REST * force_roundoff(network, _body_size(network))).all())
+        return bool((left <= AT_REST * force_roundoff(network, network.size)).all())
 
 
 def refuse_lost_digits(network: Network, run: MotionRecord) -> None:
@@ -59,7 +59,7 @@ def refuse_lost_digits(network: Network, run: MotionRecord) -> None:
     """
     moved = max(max_abs(run.start.x), max_abs(run.end.x))
     at, lengths = _position_rounding(network, run), EPS * run.rounded
-    slender = lengths * max(_body_size(network) / float(network.rest_length.min()), 1.0)
+    slender = lengths * max(network.size / float(network.rest_length.min()), 1.0)
     if moved * DIGITS >= max(at, slender):
         return
     local = _expected_displacement(network, run)
@@ -89,7 +89,7 @@ def _expected_displacement(network: Network, run: MotionRecord) -> float:
     v/ω and f/k with ω² = k/m, k all that meets at the point: no less than these does a free point
     move, if it has the time.
     """
-    size = _body_size(network)
+    size = network.size
     k = force_roundoff(network, size) / (EPS * size)
     mass, free = network.mass[:, None], ~network.held
     force = np.maximum(np.abs(run.start.a) * mass, np.abs(network.force))
@@ -111,7 +111,3 @@ def _position_rounding(network: Network, run: MotionRecord) -> float:
     """Rounding (m) of the largest coordinate that is free to move."""
     ends = [np.abs(network.points + one.x) for one in (run.start, run.end)]
     return 0.5 * EPS * max_abs(np.where(network.held, 0.0, np.maximum(*ends)))
-
-
-def _body_size(network: Network) -> float:
-    return float(np.ptp(network.points, axis=0).max())

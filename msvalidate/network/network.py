@@ -144,6 +144,11 @@ class Network:
         """Positions (n, d) in m with the prescribed displacements imposed and all else unmoved."""
         return self.points + self.displacement
 
+    @property
+    def size(self) -> float:
+        """Largest extent (m) along an axis."""
+        return float(np.ptp(self.points, axis=0).max())
+
     @cached_property
     def vector(self) -> Array:
         """Vectors (m, d) in m from the first point of each spring to the second."""

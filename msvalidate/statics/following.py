@@ -154,7 +154,9 @@ def newton_step_along(
         try:
             at = Configuration(network, u)
             balance = at.force() + force
-            small = TOLERANCE * force_scale(at) + 4 * force_roundoff(network, max_abs(u))
+            small = TOLERANCE * force_scale(at) + 4 * force_roundoff(
+                network, network.size + max_abs(u)
+            )
             K = tangent_at(at, solver)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help

@@ -119,7 +119,7 @@ def load_path(
     present = Configuration(network, u).length if tightened else None
     begun = LoadPath(network, u, stops, given, start is not None, present)
     left = Configuration(begun.network_at(0.0), u).force() + begun.load(0.0)
-    rounding = 4 * force_roundoff(network, max_abs(u))
+    rounding = 4 * force_roundoff(network, network.size + max_abs(u))
     left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
     return replace(begun, released=left)
 
