@@ -29,6 +29,8 @@ DOUBTFUL = 1e-3
 """Contraction above which a factor is tried on a motion that is known before it is believed."""
 STANDING = 0.5
 """Ratio of two corrections from which they are rounding of residuals, if the factor is believed."""
+ROUNDED = 64 * EPS
+"""Correction, over the largest displacement, that is rounding where it no longer falls."""
 SLOWEST = 0.9
 """Ratio of corrections to which a geometric series of them is summed."""
 MOST_STEPS = 10
@@ -93,7 +95,8 @@ def refine_solution(
         # One small ratio may be luck, or the end of an error of another kind.
         part = min(max([rate, *ratios[-2:]]), SLOWEST) if ratios else SLOWEST
         error = 2 * part / (1 - part) * size / scale
-        standing = bool(ratios) and ratios[-1] > STANDING and rate <= DOUBTFUL
+        believed = rate <= DOUBTFUL or size <= ROUNDED * scale
+        standing = bool(ratios) and ratios[-1] > STANDING and believed
         if not size or standing or error <= ENOUGH:
             break
     return Refined(u, error, len(steps))
