@@ -433,12 +433,6 @@ BAD = [
         "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
     ),
     (
-        "steps too long for springs' lengths",
-        lambda: euler_cromer(FALLING, STILL, 1e9, 1, compiled=False, warn=False),
-        SolverError,
-        "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
-    ),
-    (
         "steps too long for Newton's method",
         lambda: motion(FALLING, SWUNG, INTEGRATORS["average_acceleration"], 1e9, 1),
         ConvergenceError,
