@@ -121,8 +121,7 @@ class Solution:
         ProblemError
             If a point lies outside the body.
         """
-        rest = self.solved.remainder if self.solved else None
-        return engineering_strain(displacement_gradient(self.body, self.displacement, points, rest))
+        return engineering_strain(displacement_gradient(self.body, self.displacement, points))
 
     def stress(self, points: ArrayLike) -> Array:
         """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
@@ -141,8 +140,7 @@ class Solution:
         if law is None:
             raise ProblemError("stress: the solution was made without a material; give it one")
         if isinstance(law, CellMaterials):
-            rest = self.solved.remainder if self.solved else None
-            point, cell, each = gradient_in_cells(self.body, self.displacement, points, rest)
+            point, cell, each = gradient_in_cells(self.body, self.displacement, points)
             strain, number = engineering_strain(each), law.number[cell]
             found = np.empty_like(strain)
             for i, one in enumerate(law.materials):
