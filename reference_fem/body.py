@@ -36,7 +36,7 @@ from reference_fem.elasticity import elastic_tensor, make_solver
 from reference_fem.materials import CellMaterials, Materials, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
-from reference_fem.mixed import lame_constants, mixed_solution
+from reference_fem.mixed import mixed_solution, shear_and_compliance
 from reference_fem.stress import (
     displacement_gradient,
     engineering_strain,
@@ -157,7 +157,7 @@ class Solution:
         if self.pressure is None:
             return np.asarray(strain @ elastic_tensor(material).T)
         d, pairs = self.body.dim, len(VOIGT[self.body.dim]) - self.body.dim
-        mu, _ = lame_constants(material)
+        mu, _ = shear_and_compliance(material)
         return np.asarray(strain * ([2 * mu] * d + [mu] * pairs))
 
     @property

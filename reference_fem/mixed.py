@@ -34,7 +34,7 @@ from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
-from reference_fem.materials import Materials, by_material, numbers_of
+from reference_fem.materials import Materials, by_material, lame_constants, numbers_of
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.mesh.gradients import gradients_at_points
@@ -254,7 +254,7 @@ def _mixed_system(body: Discretisation, material: Materials) -> _System:
 
     Each material has pressures of its own, for they jump where materials meet.
     """
-    each = [(lame_constants(one), cells) for one, cells in by_material(material, body)]
+    each = [(shear_and_compliance(one), cells) for one, cells in by_material(material, body)]
     if body.element.degree != 2:
         raise ProblemError(
             f"mixed elements: {body.element.name} has displacements of degree 1; take one of "
@@ -293,7 +293,7 @@ def _pressure_matrices(body: Discretisation, cells: Mask | None) -> tuple[csr_ar
     return B[own], mass[own][:, own]
 
 
-def lame_constants(material: Material) -> tuple[float, float]:
+def shear_and_compliance(material: Material) -> tuple[float, float]:
     """Lamé's μ (Pa) and 1/λ (1/Pa), finite at nu = 1/2.
 
     Raises
@@ -306,15 +306,15 @@ def lame_constants(material: Material) -> tuple[float, float]:
         raise ProblemError(
             "mixed elements: the material is anisotropic; take displacement elements"
         )
-    E, nu = material.E, material.nu
     if material.state == "plane_stress":
         raise ProblemError(
             "mixed elements: plane stress leaves thickness free to change, so that nothing locks "
             "at nu = 1/2; take displacement elements"
         )
-    if nu <= 0:
+    if material.nu <= 0:
         raise ProblemError(
-            f"mixed elements: nu = {nu:g} has no pressure that grows with volume (λ <= 0); take "
-            "displacement elements, or nu above 0"
+            f"mixed elements: nu = {material.nu:g} has no pressure that grows with volume (λ <= 0);"
+            " take displacement elements, or nu above 0"
         )
-    return E / (2 * (1 + nu)), (1 + nu) * (1 - 2 * nu) / (E * nu)
+    mu, lam = lame_constants(material)
+    return mu, 1 / lam

@@ -184,7 +184,7 @@ class Dielectric:
     def _charge(self, potential: Array) -> Array:
         """∫ε ∇φ·∇φi (n,) in the unit, cell by cell: charges at the nodes."""
         flux = self._weight * self._cells.of(potential[None])
-        return self._cells.gathered(flux)[0]
+        return np.asarray(self._cells.gathered(flux)[0])
 
     def _energy(self, potential: Array) -> float:
         """∫ε|∇φ|² in the unit, twice the energy."""
