@@ -28,7 +28,6 @@ from msvalidate.dielectric.charges.exact import (
 from msvalidate.dielectric.charges.faces import Faces, faces_of, slab_faces
 from msvalidate.dielectric.charges.forces import forces, tangent
 from msvalidate.dielectric.charges.moments import Charges, Moments, capacitance
-from msvalidate.dielectric.charges.multipole import Multipole
 from msvalidate.dielectric.charges.patches import (
     PatchCharges,
     Patches,
@@ -52,7 +51,6 @@ __all__ = [
     "Electrodes",
     "Faces",
     "Moments",
-    "Multipole",
     "PatchCharges",
     "PatchMoments",
     "Patches",

@@ -167,7 +167,10 @@ def test_bad_input_is_told_in_one_line(make, words):
 )
 def test_a_matrix_beyond_memory_is_refused(make, monkeypatch):
     monkeypatch.setattr(checks, "MOST_DENSE", 3)
-    with pytest.raises(ProblemError, match=r"(segments|patches): \d+, a matrix of .* GB; take at"):
+    with pytest.raises(
+        ProblemError,
+        match=r"(segments|patches): \d+ of them, whose matrix takes .* GB; take at most 3",
+    ):
         make(facing_strips(1.0, 1.0, 2))
 
 
