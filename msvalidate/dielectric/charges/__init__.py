@@ -11,7 +11,6 @@ capacitances are known.
 from msvalidate.dielectric.charges.dielectric import (
     ChargesInAir,
     SlabInAir,
-    capacitance_in_air,
     forces_in_air,
 )
 from msvalidate.dielectric.charges.electrodes import (
@@ -31,9 +30,9 @@ from msvalidate.dielectric.charges.moments import Charges, Moments, capacitance
 from msvalidate.dielectric.charges.patches import (
     PatchCharges,
     Patches,
-    PatchMoments,
     conductors,
     patch_capacitance,
+    patch_charges,
 )
 from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.dielectric.charges.report_model import (
@@ -52,13 +51,11 @@ __all__ = [
     "Faces",
     "Moments",
     "PatchCharges",
-    "PatchMoments",
     "Patches",
     "ReportCharges",
     "ReportModel",
     "SlabInAir",
     "capacitance",
-    "capacitance_in_air",
     "conductors",
     "consistent_forces",
     "disc",
@@ -70,6 +67,7 @@ __all__ = [
     "forces",
     "forces_in_air",
     "patch_capacitance",
+    "patch_charges",
     "plate",
     "report_forces",
     "report_tangent",

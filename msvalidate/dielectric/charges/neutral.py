@@ -13,7 +13,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 from msvalidate.dielectric.charges.checks import condition_number, one_norm
 from msvalidate.problem import Array, SolverError
 
-Solve = Callable[[Array], Array]
+Solve = Callable[..., Array]
 
 
 class Neutral:
@@ -41,6 +41,8 @@ class Neutral:
 def factorise(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
     """The inverse of P (m, m), whose memory its factor takes, and the condition number of P.
 
+    The inverse of one that is not symmetric has an option `adjoint`, of its transpose.
+
     Raises
     ------
     SolverError
@@ -61,8 +63,12 @@ def factorise(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
         ) from error
     condition = condition_number(factor[0], norm, symmetric=symmetric)
     if symmetric:
-        return lambda potential: cho_solve(factor, potential, check_finite=False), condition
-    return lambda potential: lu_solve(factor, potential, trans=1, check_finite=False), condition
+        return lambda right: cho_solve(factor, right, check_finite=False), condition
+
+    def solve(right: Array, *, adjoint: bool = False) -> Array:
+        return np.asarray(lu_solve(factor, right, trans=int(not adjoint), check_finite=False))
+
+    return solve, condition
 
 
 def subtract_middle(voltages: Array) -> tuple[Array, float]:
