@@ -18,7 +18,7 @@ from typing import Any, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem.arrays import LONGEST, MOST_POINTS, Array, Index, Mask
+from msvalidate.problem.arrays import LONGEST, MOST_POINTS, PLACEMENT, Array, Index, Mask
 from msvalidate.problem.errors import ProblemError
 
 MOST_COUNTED = 10**9
@@ -27,6 +27,8 @@ LARGEST_ANGLE = 1e6
 """Angle (rad) beyond which the last digits, which are all that turns leave of it, are rounding."""
 LONGEST_SHOWN = 100
 """Letters of a given value that a message shows."""
+LONGEST_NAME = 100
+"""Letters in a name that stands in messages and titles."""
 
 Size = int | str | tuple[int, ...]
 """A number along one axis of an array; a letter for any, "n>1" for any above 1; one of several."""
@@ -137,11 +139,13 @@ def boolean_mask(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
     return np.array(given, dtype=bool, order="C")
 
 
-def indices(name: str, values: ArrayLike, count: int, *sizes: Size, need: str = "") -> Index:
-    """Return numbers of some of `count` points, from 0, as `integers` does."""
+def indices(
+    name: str, values: ArrayLike, count: int, *sizes: Size, need: str = "", what: str = "points"
+) -> Index:
+    """Return numbers of some of `count` points, or of `what`, from 0, as `integers` does."""
     array = integers(name, values, *sizes, need=need)
     if array.size and (array.min() < 0 or array.max() >= count):
-        ends = f"points {array.min()} to {array.max()}"
+        ends = f"{what} {array.min()} to {array.max()}"
         raise ProblemError(f"{name}: {ends}; there are {count}, from 0")
     return array
 
@@ -211,9 +215,27 @@ def length_in_metres(name: str, value: float) -> float:
     return length
 
 
+def refuse_far_off(name: str, points: Array) -> None:
+    """Raise `ProblemError` for a body (n, d) in m of no size, or too far away for its size."""
+    size, away = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
+    length_in_metres(f"{name}: its longest side", size)
+    if 4 * np.finfo(float).eps * away > PLACEMENT * size:
+        raise ProblemError(
+            f"{name}: {size:g} m long and {away:g} m from the origin, where coordinates no longer "
+            "tell its places apart; move it to the origin"
+        )
+
+
 def finite_angle(name: str, value: ArrayLike) -> float:
     """Return an angle (rad) as a float; raise `ProblemError` unless it is one with a meaning."""
     return finite_number(name, value, least=-LARGEST_ANGLE, most=LARGEST_ANGLE, unit="rad")
+
+
+def check_name(said: str, name: object) -> None:
+    """Raise `ProblemError` for a name that is too long or does not print on a line."""
+    if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
+        need = f"give 1 to {LONGEST_NAME} printable letters on one line as its name"
+        raise ProblemError(f"{said}: {format_value(name)}; {need}")
 
 
 def require_one_of(name: str, value: object, names: Iterable[str]) -> None:
