@@ -1,1 +1,1 @@
-"""Matrices alone: factors, their ordering, refinement, and sums in twice the digits."""
+"""Matrices alone: factors, their ordering, and refinement."""

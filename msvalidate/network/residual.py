@@ -35,13 +35,13 @@ def rounded_otherwise(network: Network) -> Network:
     rng = np.random.default_rng(0)
 
     def shaken(values: Array) -> Array:
-        return np.asarray(values * (1 + 2 * EPS * rng.uniform(-1, 1, values.shape)))
+        return np.asarray(values * (1 + 4 * EPS * (rng.random(values.shape) - 0.5)))
 
     other = copy(network)
     stiffness, vector = shaken(network.stiffness), shaken(network.vector)
-    beyond = network.beyond_rest + (network.beyond_rest != 0) * (
-        shaken(network.distance) - network.distance
-    )
+    beyond = network.beyond_rest
+    if beyond.any():
+        beyond = beyond + (beyond != 0) * (shaken(network.distance) - network.distance)
     other.__dict__.update(
         stiffness=stiffness,
         vector=vector,

@@ -26,6 +26,7 @@ from msvalidate.network import Configuration, Network
 from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import replace
+from msvalidate.tangent.cycles import ROUGHLY, Cycles
 from msvalidate.tangent.inverse import Regular, Solver
 from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, make_cycle, restrained_tangent
 from msvalidate.tangent.stability import negative_modes
@@ -77,12 +78,16 @@ class _System:
         """Change of this force by a small motion (n, d) in m."""
         return np.where(self.free, self.found.at.force_change(motion), 0.0)
 
-    def solve(self, force: Array) -> Array:
+    def solve(self, force: Array, *, roughly: bool = False) -> Array:
         """Motion (n, d) in m that the inverse gives for a force (n, d) in N."""
-        motion = np.zeros(force.shape)
+        motion, inverse = np.zeros(force.shape), self.found.inverse
         if not np.isfinite(force).all():
             raise SolverError(TOO_FAR)
-        motion[self.free] = self.found.inverse.solve(force[self.free])
+        load = force[self.free]
+        if roughly and isinstance(inverse, Cycles):
+            motion[self.free] = inverse.solve(load, ROUGHLY)
+        else:
+            motion[self.free] = inverse.solve(load)
         return motion
 
     def refined(self, start: Array, *, solved: bool) -> Refined:
@@ -99,7 +104,7 @@ class _System:
             known = _trial_motion(self.free, self.found.mode)
             times = error_amplification(self.change, self.solve, rate, known)
         left = self.residual(found.solution, rounded_otherwise(self.network))
-        rounded = max_abs(self.solve(left)) / scale
+        rounded = max_abs(self.solve(left, roughly=True)) / scale
         lost = EPS / 2 + SMALLEST / scale
         return replace(found, error=times * found.error + ROUNDINGS * rounded + lost)
 
