@@ -199,6 +199,7 @@ BAD = [
         "E: expected numbers, got None",
     ),
     ("infinite modulus", lambda: Isotropic(INF, 0.3), ProblemError, "E: inf; every value must be"),
+    ("tiny modulus", lambda: Isotropic(5e-324, 0.3), ProblemError, "E: 4.94066e-324 Pa; take"),
     ("ratio of a list", lambda: Isotropic(1.0, [0.3]), ProblemError, "nu: [0.3] is a list; give o"),
     ("no thickness", lambda: Isotropic(1.0, 0.3, thickness=0.0), ProblemError, "thickness: 0.0 m"),
     ("state in a list", lambda: Isotropic(1.0, 0.3, ["solid"]), ProblemError, "state: ['solid'];"),

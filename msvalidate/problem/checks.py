@@ -85,7 +85,8 @@ def _plain_array(name: str, values: Any) -> np.ndarray:
         raise ProblemError(f"{name}: a masked array; leave out what is masked, or fill it in")
     unit = getattr(values, "units", getattr(values, "unit", None))
     if unit is not None:
-        raise ProblemError(f"{name}: its unit {unit} would be dropped; give numbers in SI units")
+        said = f"its unit {format_value(unit)} would be dropped"
+        raise ProblemError(f"{name}: {said}; give numbers in SI units")
     try:
         return np.asarray(values)
     except (ValueError, TypeError, RuntimeError) as error:

@@ -44,7 +44,8 @@ class Isotropic:
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
-        positive_number("Young's modulus E", self.E, "Pa")
+        if positive_number("Young's modulus E", self.E, "Pa") < np.finfo(float).tiny:
+            raise ProblemError(f"Young's modulus E: {self.E:g} Pa; take a unit in which it is more")
         _check_body(self)
         nu = finite_number("Poisson's ratio nu", self.nu)
         if not -1 < nu <= 0.5:
