@@ -18,13 +18,14 @@ from msvalidate.problem import Array, Mask
 from msvalidate.problem.records import dataclass
 
 MOST = 10
-ENOUGH = 1e-14
-"""A correction this small, relative to the answer, is the last."""
+FIRST, ENOUGH = 1e-12, 1e-14
+"""A first and a later correction this small, relative to the answer, are the last. A later one may
+by chance be much smaller than what rounding leaves; a first one has the factor's rounding too."""
 SETTLED = 1e-9
 """Corrections below this that no longer shrink are what rounding leaves in the residual."""
 SHRINKS = 0.5
 """Share of the correction before, or of a known motion, from which on none is believed."""
-KNOWN = 1e-3
+KNOWN = 0.2
 """Share of a known motion up to which what is left of it need not be looked at again."""
 SAFETY = 16.0
 """Factor on the larger of the last two that rounding made: one in 25 normal variables is that much
@@ -53,7 +54,7 @@ def refine_solution(
     load: Array,
     share: float,
     counted: slice = slice(None),
-    enough: float = ENOUGH,
+    enough: float = FIRST,
 ) -> Refined:
     """The solution of force(u) = load that a start (N,) with what is held at its values leads to.
 
@@ -68,7 +69,7 @@ def refine_solution(
     counted
         Unknowns whose error is judged.
     enough
-        The last correction, relative to the answer.
+        The first correction that is the last as well, relative to the answer.
     """
     u, size, slowest = start, np.inf, share
     for count in range(1, MOST + 1):
@@ -76,7 +77,7 @@ def refine_solution(
         u, last, size = u + change, size, _ratio(change[counted], u[counted])
         if count > 1 and size > SETTLED:
             slowest = max(slowest, size / last)
-        if size <= enough or not size < SHRINKS * last:
+        if size <= (enough if count == 1 else ENOUGH) or not size < SHRINKS * last:
             break
     if not (np.isfinite(size) and slowest < SHRINKS):
         return Refined(u, np.inf, count)

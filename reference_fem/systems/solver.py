@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from functools import cached_property, partial
 from time import perf_counter
 
 import numpy as np
@@ -17,9 +17,16 @@ from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.systems.cells import ElasticForces
 from reference_fem.systems.dissection import elimination_order
-from reference_fem.systems.factor import Factor, factorise, has_cholmod
+from reference_fem.systems.factor import Apply, Factor, factorise, has_cholmod
 from reference_fem.systems.multigrid import MOST_STEPS, Hierarchy
-from reference_fem.systems.refined import ENOUGH, Refined, Vectors, refine_solution, share_left
+from reference_fem.systems.refined import (
+    FIRST,
+    SHRINKS,
+    Refined,
+    Vectors,
+    refine_solution,
+    share_left,
+)
 
 SOLVERS = ("auto", "superlu", "cholmod", "multigrid")
 """Names of solvers. "auto" chooses one of the others."""
@@ -31,9 +38,9 @@ ACCEPTED = 1e-6
 seldom less, and an error that is known to be larger is of use to nobody as a reference."""
 ROUGH_ENOUGH = 3e-11
 """Correction by multigrid that is the last, where one by a factor may go on to rounding."""
-ROUGHLY, HARD = 0.01, 1e-4
-"""Error to which multigrid makes corrections, which are rounding themselves as a rule; and in
-bodies that take more than `LEAST_STEPS`, whose errors it tells less well."""
+ROUGHLY = (0.1, 1e-4)
+"""Error to which multigrid makes corrections, which are rounding themselves as a rule; the second
+where a known motion does not come back by the first."""
 WORTH_CHOLMOD = 20_000
 """Unknowns from which on CHOLMOD is taken where it is there. Below, either factor takes a second at
 most, and answers are the same bits with it and without."""
@@ -172,40 +179,50 @@ class Solver:
                         f"{scale:.3g} N; {self._remedy(displacement=displacement, force=force)}"
                     )
                 left = float(residual / scale) if scale else 0.0
-            found = self._refine(choice, steps, u, load)
+            found = self._refine(choice, u, load)
         seconds = perf_counter() - began
         if not found.error <= ACCEPTED:
             raise SolverError(describe_lost_digits(found.error))
         how = SystemSolution(choice, reason, left, steps, seconds, found.error, found.corrections)
         return found.value.reshape(self.body.dim, -1).T.copy(), how
 
-    def _refine(self, choice: str, steps: int, u: Array, load: Array) -> Refined:
-        """The answer (d·n,), refined by the way that it was found, in so many steps."""
-        left = ROUGHLY if steps <= LEAST_STEPS else HARD
-        rough = choice == "multigrid"
-
-        def inverse(force: Array) -> Array:
-            found, part = np.zeros(len(force)), force[self._free]
-            again = self._hierarchy.solve(part, error=left)[0] if rough else self._factor(part)
-            found[self._free] = again
-            return found
-
+    def _refine(self, choice: str, u: Array, load: Array) -> Refined:
+        """The answer (d·n,), refined by the way that it was found."""
         if not len(self._free):
             return Refined(u, 0.0, 0)
-        way = left if rough else 0.0
+        rough = choice == "multigrid"
         with fits_in_memory(len(self._free), "unknowns"):
-            if way not in self._shares:
-                moves = ~self.held.T.ravel()
-                self._shares[way] = share_left(
-                    self._force, inverse, self.body.points, moves, self.body.dim
-                )
-            share, enough = self._shares[way], ROUGH_ENOUGH if rough else ENOUGH
+            inverse, share = self._roughly if rough else self._directly
+            enough = ROUGH_ENOUGH if rough else FIRST
             return refine_solution(self._force, inverse, u, load, share, enough=enough)
 
     @cached_property
-    def _shares(self) -> dict[float, float]:
-        """What a correction leaves, by the error of multigrid, or 0: the same for every load."""
-        return {}
+    def _directly(self) -> tuple[Vectors, float]:
+        """Displacements (d·n,) of forces by the factor, and what that leaves of an error."""
+        return self._tried(self._factor)
+
+    @cached_property
+    def _roughly(self) -> tuple[Vectors, float]:
+        """As `_directly`, by no more steps of multigrid than leave half an error at most."""
+        for error in ROUGHLY:
+            found = self._tried(partial(self._iterated, error))
+            if found[1] < SHRINKS:
+                break
+        return found
+
+    def _iterated(self, error: float, force: Array) -> Array:
+        return self._hierarchy.solve(force, error=error)[0]
+
+    def _tried(self, solve: Apply) -> tuple[Vectors, float]:
+        free, body = self._free, self.body
+
+        def inverse(force: Array) -> Array:
+            found = np.zeros(len(force))
+            found[free] = solve(force[free])
+            return found
+
+        moves = ~self.held.T.ravel()
+        return inverse, share_left(self._force, inverse, body.points, moves, body.dim)
 
     @cached_property
     def _force(self) -> Vectors:
