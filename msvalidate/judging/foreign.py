@@ -45,18 +45,6 @@ FAULTS: Mapping[str, tuple[Callable[[Network, float], Network], float]] = {
     "diagonals 1 % softer": (faults.stiffen_diagonals, -FAULT),
 }
 """Controls: name -> what is done to the network, and how much of it."""
-TABLE = "candidate_limits"
-"""The table of what became of each limit."""
-COLUMNS = {
-    "judged_quantity": "what was judged",
-    "own_limit": "limit of the study, for numbers in double precision (in the quantity's unit)",
-    "widening": "what the candidate's accuracy may do to the number, measured; "
-    '"unbounded" where it leaves no number',
-    "widened_limit": 'the two together; "unbounded" as above',
-    "candidate_verdict": f"{AGREES}, {DIFFERS} or {NOT_RESOLVED}",
-    "no_longer_noticed": "faults of 1 % that the own limit notices and the widened one may not",
-}
-UNBOUNDED = "unbounded"
 CLOSE = 1.0
 """Widening over its own limit up to which a limit stands for itself, whatever the controls do."""
 
@@ -119,14 +107,7 @@ def judge_candidate(
         widenings, hidden = measure_widenings(ask, evidence, known)
     verdict = _judge(evidence, widenings, hidden, known)
     told = _tell(verdict, known, stated=accuracy is not None)
-    evidence = replace(evidence, findings=(told, *evidence.findings))
-    if widenings:
-        evidence = replace(
-            evidence,
-            tables={**evidence.tables, TABLE: tabulate(evidence, verdict, widenings, hidden)},
-            columns={**evidence.columns, **COLUMNS},
-        )
-    return Judged(evidence, verdict, known)
+    return Judged(replace(evidence, findings=(told, *evidence.findings)), verdict, known)
 
 
 def asks_displacements(run: Run) -> bool:
@@ -245,30 +226,6 @@ def _reason(lost: tuple[str, ...]) -> str:
     if lost:
         return f"then {' and '.join(lost)} may pass, which the limit itself notices"
     return "no fault of 1 % that was tried shows what it then still notices"
-
-
-def tabulate(
-    evidence: Evidence,
-    verdict: pd.DataFrame,
-    widenings: Mapping[str, float],
-    hidden: Mapping[str, tuple[str, ...]],
-) -> pd.DataFrame:
-    """What became of each limit; see `COLUMNS`."""
-    rows = []
-    for tolerance, found in zip(evidence.tolerances, verdict["verdict"], strict=True):
-        widening = widenings[tolerance.quantity]
-        bounded = np.isfinite(widening)
-        rows.append(
-            {
-                "judged_quantity": tolerance.quantity,
-                "own_limit": tolerance.limit,
-                "widening": widening if bounded else UNBOUNDED,
-                "widened_limit": tolerance.limit + widening if bounded else UNBOUNDED,
-                "candidate_verdict": found,
-                "no_longer_noticed": ", ".join(hidden.get(tolerance.quantity, ())) or "none",
-            }
-        )
-    return pd.DataFrame(rows)
 
 
 def _tell(verdict: pd.DataFrame, accuracy: float, *, stated: bool) -> str:
