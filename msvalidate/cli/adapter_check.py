@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import difflib
 import sys
+from datetime import UTC, datetime
+from pathlib import Path
 
 from msvalidate.case import files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
 from msvalidate.cli.cases import Progress
 from msvalidate.cli.terminal import print_lines, tell, tell_error
+from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.asked import Asked, NoAnswerError
@@ -19,24 +23,35 @@ from msvalidate.simulators.laws import LAWS, law_named, predicted
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.record import record_of, text_of
 from msvalidate.simulators.sheet import Sheet, sheet_of
+from msvalidate.simulators.sheet_page import PAGE, sheet_files
 from msvalidate_check import exchange
+
+COMMAND = ("msvalidate", "adapter", "check", "ADAPTER")
+RUN = "-run"
+"""End of the name of the folder in which its latest question stays, beside its page."""
 
 
 class Steps(Progress):
     """Steps of something that takes minutes.
 
     A terminal shows the one that is taken now, written over; elsewhere each that was done is a line
-    of stderr.
+    of stderr. `log` holds these lines too.
     """
 
-    def __init__(self, name: str, *, shown: bool) -> None:
+    def __init__(self, name: str, *, shown: bool, log: Path | None = None) -> None:
         super().__init__(name, shown=shown)
         self._tells = shown and not sys.stderr.isatty()
+        self._log, self._lines = log, list[str]()
 
     def done(self, said: str) -> None:
         """Say what was done."""
+        self._lines.append(f"{self._name}: {said}")
         if self._tells:
-            tell(f"{self._name}: {said}")
+            tell(self._lines[-1])
+        if self._log is not None:
+            text = "\n".join([*self._lines, ""])
+            with contextlib.suppress(OSError):
+                exchange.replace_file(self._log, text.encode)
 
 
 def tell_laws() -> int:
@@ -62,31 +77,30 @@ def check_adapter(args: argparse.Namespace) -> int:
         For options that cannot be, before anything is asked.
     """
     name = label_of(args.adapter)
-    _refuse(args)
-    kept = None if args.out is None else args.out / files.folder_name(name)
+    folder, kept = _folders(args, name)
     material = Isotropic(args.modulus, args.ratio, "solid", args.density)
     parts = tuple(args.only or PARTS)
-    show = Steps(name, shown=not args.quiet)
-    asked = Asked(Program(args.adapter, args.limit, kept), show, show.done)
+    log = None if folder is None else folder.with_name(f"{folder.name}.log")
+    show = Steps(name, shown=not args.quiet, log=log)
+    asked = Asked(Program(args.adapter, args.limit, kept), show, show.done, parts)
+    started = datetime.now(UTC)
     try:
         found = judge_simulator(
             asked, material, dict(args.set), law=args.law, probed=dict(args.probe_set), parts=parts
         )
         sheet = sheet_of(found, asked, parts)
-        if args.json is not None:
-            record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
-            exchange.replace_file(args.json, f"{text_of(record)}\n".encode)
+        _write(args, name, folder, found, sheet, started, show)
     except NoAnswerError as error:
         show.clear()
         where = "" if kept is None else f" ({kept / OUT / LOG})"
         return tell_error(f"{name}: {error}{where}", FAILED)
     finally:  # also when we are interrupted
         show.clear()
-    return _tell(args, name, found, sheet, asked)
+    return _tell(args, name, folder, found, sheet, asked)
 
 
-def _refuse(args: argparse.Namespace) -> None:
-    """Raise `ProblemError` for a law or a place that cannot be."""
+def _folders(args: argparse.Namespace, name: str) -> tuple[Path | None, Path | None]:
+    """Where the page goes and where the latest question stays; refuses what cannot be."""
     args.law = law_named(args.law)
     if args.law and args.law not in LAWS:
         near = [name for name in LAWS if args.law.lower() in name.lower()]
@@ -95,11 +109,41 @@ def _refuse(args: argparse.Namespace) -> None:
         raise ProblemError(f"--law {format_value(args.law)}: not known; see adapter laws{meant}")
     if args.json is not None and not args.json.parent.is_dir():
         raise ProblemError(f"--json {args.json}: no folder {args.json.parent}; make it first")
+    if args.out is None:
+        return None, None
+    folder = args.out / files.folder_name(f"{name}-check")
+    files.refuse_foreign(folder, format_value(args.adapter))
+    return folder, folder.with_name(f"{folder.name}{RUN}")
+
+
+def _write(
+    args: argparse.Namespace,
+    name: str,
+    folder: Path | None,
+    found: Judgement,
+    sheet: Sheet,
+    started: datetime,
+    show: Steps,
+) -> None:
+    """The record and the page, where they were asked for."""
+    record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
+    text = f"{text_of(record)}\n".encode()
+    if args.json is not None:
+        exchange.replace_file(args.json, lambda: text)
+    if folder is None:
+        return
+    show("page")
+    seconds = (datetime.now(UTC) - started).total_seconds()
+    origin = collect_provenance(COMMAND, 0, started, seconds, form="check")
+    settings = {name: str(value) for name, value in dict(args.set).items()}
+    own = sheet_files(name, found, sheet, settings, origin, plots=args.plots)
+    files.publish(folder, {**own, "check.json": text}, format_value(args.adapter))
 
 
 def _tell(
     args: argparse.Namespace,
     name: str,
+    folder: Path | None,
     found: Judgement,
     sheet: Sheet,
     asked: Asked,
@@ -111,7 +155,10 @@ def _tell(
         return code
     if code == NOTHING:
         return tell_error(f"{name}: cannot represent: {asked.refusals[-1]}", NOTHING)
-    return print_lines(sheet.lines(name)) or code
+    printed = print_lines(sheet.lines(name))
+    if folder is not None:
+        tell(f"{name}: {folder / PAGE}")
+    return printed or code
 
 
 def _exit_code(found: Judgement, asked: Asked) -> int:

@@ -31,7 +31,7 @@ from msvalidate.cli.arguments import (
 )
 from msvalidate.cli.case_arguments import parse_case
 from msvalidate.cli.simulator_arguments import parse_simulators
-from msvalidate.cli.tables import refuse_unmade_tables, said_of
+from msvalidate.cli.tables import refuse_unknown_tables, refuse_unmade_tables, said_of
 from msvalidate.cli.terminal import (
     announce_compilation,
     ending,
@@ -39,6 +39,7 @@ from msvalidate.cli.terminal import (
     failure_lines,
     nowhere,
     print_lines,
+    suspect_line,
     tell,
     tell_error,
 )
@@ -146,6 +147,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         baseline.check_home(args.baseline)
     if args.update:
         baseline.reasons(args.baseline, args.form, args.reason)  # refuses before the work
+    refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)
     if args.candidate:
@@ -311,6 +313,10 @@ def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
     """What a study missed, and how it ended, to stderr."""
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
         tell(line)
+    ours = "candidate" not in study.origin  # whose limits were those of the recorded faults
+    if args.form == "quick" and ours and not (study.held or study.error):
+        for line in suspect_line(study):
+            tell(line)
     if not args.quiet:
         tell(ending(study))
 

@@ -116,9 +116,9 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
         help="gate, probe or bodies alone; again for another (default: all three)",
     )
     add("--json", type=Path, metavar="FILE", help="all of it as a file too")
-    said = "folder in which the latest question, answer and log stay, as case and out in NAME"
-    add("--out", type=Path, metavar="DIR", help=said)
-    _add_quiet(add)
+    add_output(
+        parser, "a page in a folder of its own there, and beside it the latest question and answer"
+    )
 
 
 def _add_limit(add: Callable[..., Any]) -> None:
@@ -135,15 +135,11 @@ def _add_set(add: Callable[..., Any], name: str, said: str) -> None:
     add(name, type=_setting, action="append", default=[], metavar="NAME=VALUE", help=said)
 
 
-def add_output(parser: argparse.ArgumentParser, said: str, folder: Path) -> None:
+def add_output(parser: argparse.ArgumentParser, said: str, folder: Path | None = None) -> None:
     """Add the options of commands that leave pages; `said` is about their folder."""
     add = parser.add_argument
     add("--out", type=Path, default=folder, metavar="DIR", help=said)
     add("--no-plots", dest="plots", action="store_false", help="no pictures")
-    _add_quiet(add)
-
-
-def _add_quiet(add: Callable[..., Any]) -> None:
     add("-q", "--quiet", action="store_true", help="say failures only")
     add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
 

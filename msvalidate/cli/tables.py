@@ -1,4 +1,4 @@
-"""The tables that a command line asks for by name."""
+"""The tables that a command line asks for by name: refused before the work, printed after it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from msvalidate.cli.arguments import USAGE
 from msvalidate.cli.terminal import summary_lines, table_lines, tell_error
+from msvalidate.judging import catalogue
 
 if TYPE_CHECKING:
     from msvalidate.output.stored import Result
@@ -23,12 +24,36 @@ def said_of(result: Result, args: argparse.Namespace) -> list[str]:
     return [*tables, *summary_lines(result)]
 
 
+def refuse_unknown_tables(args: argparse.Namespace) -> None:
+    """Raise `ProblemError`, before the work, for a table that none of the studies makes.
+
+    What they may make is in their baseline, or named in their sources.
+    """
+    if not args.tables:
+        return
+    from msvalidate.judging.foreign import TABLE
+    from msvalidate.output import baseline
+    from msvalidate.problem import ProblemError
+    from msvalidate.problem.checks import format_value
+
+    known = {"verdict"}.union(*map(baseline.tables, args.studies))
+    if args.candidate:
+        known.add(TABLE)
+    elif len(known) == 1:
+        return  # nothing to go by
+    words = known.union(*map(catalogue.words, args.studies))
+    for name in args.tables:
+        if name not in words:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(known))}"
+            raise ProblemError(f"--table {format_value(name)}: no such table; {hint}")
+
+
 def refuse_unmade_tables(results: list[Result], args: argparse.Namespace) -> list[int]:
     """An exit code if a table was asked for that no study made; which, is said."""
     made = {"verdict"}.union(*(result.evidence.tables for result in results))
     unknown = [name for name in args.tables if name not in made]
     if not (results and unknown):
         return []
-    near = difflib.get_close_matches(unknown[0], made, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(made))}"
-    return [tell_error(f"--table {unknown[0]!r}: no such table; {hint}", USAGE)]
+    known = ", ".join(sorted(made))
+    return [tell_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]

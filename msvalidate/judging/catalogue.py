@@ -65,6 +65,15 @@ def docstring(name: str) -> str:
     return ast.get_docstring(_parse(name, _first(_source(name)))) or ""
 
 
+def words(name: str) -> set[str]:
+    """All texts that stand as such in a study's sources: names of tables are among them."""
+    place = _source(name)
+    sources = sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    nodes = [node for source in sources for node in ast.walk(_parse(name, source))]
+    texts = [node.value for node in nodes if isinstance(node, ast.Constant)]
+    return {text for text in texts if isinstance(text, str)}
+
+
 def alone(name: str) -> bool:
     """Whether a study must run alone: its constant `ALONE` is true.
 

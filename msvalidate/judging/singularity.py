@@ -71,7 +71,35 @@ def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: flo
         below 1e-3.
     """
     generator = _generator(tensor, angle, clamped_direction)
-    return float(_exponents(generator).real.min())
+    return float(_exponents(generator, DISPLACEMENT).real.min())
+
+
+def free_free_exponent(tensor: Array, angle: float, *, side_direction: float = 0.0) -> float:
+    """Exponent of the displacement at a notch (angle > π) or corner whose sides are both free.
+
+    Source: [Williams1952] for isotropic wedges, [Ting1996] for any tensor.
+
+    Parameters
+    ----------
+    tensor, angle
+        As for `clamped_free_exponent`; a crack has angle 2π and exponent 1/2.
+    side_direction
+        Of the side from which the angle is counted: rad, counter-clockwise from x.
+
+    Returns
+    -------
+    float
+        In [1/2, 1); 1 if the angle is at most π: the rigid rotation, λ = 1, is then the first.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As `clamped_free_exponent`.
+    """
+    generator = _generator(tensor, angle, side_direction)
+    if angle <= np.pi:
+        return 1.0
+    return float(_exponents(generator, STRESS).real.min())
 
 
 def _generator(tensor: Array, angle: float, start: float) -> Array:
@@ -142,10 +170,10 @@ def _stroh_matrix(C: Array, theta: float) -> Array:
     )
 
 
-def _exponents(generator: Array) -> NDArray[np.complex128]:
+def _exponents(generator: Array, vanishing: slice) -> NDArray[np.complex128]:
     """All resolved λ with real part > 0 for which a state survives both sides' conditions.
 
-    dw/ds = λ M w on 0 < s < 1 with u(0) zero and φ(1) = 0, by collocation
+    dw/ds = λ M w on 0 < s < 1 with `vanishing` components of w(0) zero and φ(1) = 0, by collocation
     at Gauss points: linear in λ, so all exponents, real and complex, are eigenvalues of one pencil.
     """
     points, _ = legendre.leggauss(DEGREE)
@@ -154,11 +182,12 @@ def _exponents(generator: Array) -> NDArray[np.complex128]:
     slope = 2 * legendre.legvander(points, DEGREE - 1) @ legendre.legder(np.eye(DEGREE + 1))
     start, end = legendre.legvander(np.array([-1.0, 1.0]), DEGREE)
     one = np.eye(4)
-    sides = np.vstack([np.kron(start, one[DISPLACEMENT]), np.kron(end, one[STRESS])])
+    sides = np.vstack([np.kron(start, one[vanishing]), np.kron(end, one[STRESS])])
     derivative = np.vstack([np.kron(slope, one), sides])
     growth = np.vstack([np.kron(value, generator), np.zeros_like(sides)])
     exponents = eigvals(derivative, growth)
     radius = np.abs(np.linalg.eigvals(generator)).max()
+    # Translations of a free wedge have λ = 0, up to rounding.
     return np.asarray(exponents[(exponents.real > 1e-3) & (np.abs(exponents) * radius < RESOLVED)])
 
 

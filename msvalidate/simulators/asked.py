@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from msvalidate.problem.records import dataclass, field
@@ -16,6 +16,10 @@ from msvalidate.simulators.protocol import (
     SimulatorError,
 )
 
+USUAL = {"gate": 10, "probe": 67, "bodies": 12}
+"""Questions of a part, where none of its answers asks for more."""
+MASSES = 34
+"""Of the probe, that a program is spared which tells forces."""
 UNASKED = "not asked any more"
 """What is said of questions after one that took too long."""
 
@@ -31,7 +35,9 @@ class Asked:
     Parameters
     ----------
     simulator, show, done
-        Asked; told what is asked now, and what was asked.
+        Asked; told what is asked now, and what was asked with the time that is left.
+    parts
+        Of a judgement, that the questions are of.
     count, answers
         Of questions so far, and of those that were answered.
     refusals, failures
@@ -45,12 +51,24 @@ class Asked:
     simulator: Simulator
     show: Callable[[str], None] = lambda _: None
     done: Callable[[str], None] = lambda _: None
+    parts: Collection[str] = tuple(USUAL)
     count: int = 0
     answers: int = 0
     refusals: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     ended: str = ""
     about: Mapping[str, Any] = field(default_factory=dict)
+    began: float = field(default_factory=time.perf_counter)
+    tells_forces: bool = False
+
+    @property
+    def left(self) -> str:
+        """How many questions are left, by what is usual, and for how long."""
+        some = sum(USUAL[part] for part in self.parts)
+        some -= MASSES * (self.tells_forces and "probe" in self.parts)
+        more = max(some - self.count, 0)
+        seconds = (time.perf_counter() - self.began) / max(self.count, 1) * more
+        return f"some {more} left, {seconds:.0f} s" if more else "the last ones"
 
     def __call__(self, request: Request) -> Answer:
         """Its answer.
@@ -67,7 +85,8 @@ class Asked:
             raise SimulatorError(UNASKED)
         self.count += 1
         asked = f"question {self.count}, {request.task}"
-        self.show(f"{asked} of {request.name or 'a block'}")
+        before = f"; {self.left}" if self.count > 1 else ""
+        self.show(f"{asked} of {request.name or 'a block'}{before}")
         began = time.perf_counter()
         try:
             answer = self.simulator(request)
@@ -79,8 +98,9 @@ class Asked:
             raise
         self.answers += 1
         self.about = answer.about
+        self.tells_forces = self.tells_forces or answer.force is not None
         taken = time.perf_counter() - began
-        self.done(f"{asked} of {request.name or 'a block'}: {taken:.2g} s")
+        self.done(f"{asked} of {request.name or 'a block'}: {taken:.2g} s; {self.left}")
         return answer
 
     def _fail(self, asked: str, error: SimulatorError) -> None:

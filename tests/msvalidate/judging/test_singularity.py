@@ -13,7 +13,7 @@ from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
 from msvalidate.constants.stiffness import rotate_tensor
-from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
 
@@ -37,8 +37,14 @@ def plane_stress(nu):
     return np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]) / (1 - nu**2)
 
 
-def exponent(tensor, angle, direction=0.0):
-    return clamped_free_exponent(tensor, angle, clamped_direction=direction)
+def exponents(tensor, angle, direction=0.0):
+    """The exponents of both kinds of wedge."""
+    return np.array(
+        [
+            clamped_free_exponent(tensor, angle, clamped_direction=direction),
+            free_free_exponent(tensor, angle, side_direction=direction),
+        ]
+    )
 
 
 def smallest_zero(f, angle):
@@ -53,7 +59,7 @@ def smallest_zero(f, angle):
     return zeros.real.min()
 
 
-def weak_form_exponent(tensor, angle, direction):
+def weak_form_exponent(tensor, angle, direction, *, clamped):
     """Smallest exponent by Galerkin's method in θ, for displacements alone: splines of degree 14.
 
     Strain of r^λ f(θ) is r^(λ-1) (λ A f + B f'), with A and B the symmetric products with the
@@ -68,8 +74,8 @@ def weak_form_exponent(tensor, angle, direction):
     weight = np.tile(weight * angle / pieces / 2, pieces)
     knots = np.pad(breaks, degree, mode="edge")
     splines = BSpline(knots, np.eye(pieces + degree), degree)
-    # All but the first vanish at the clamped side.
-    f, slope = splines(theta)[:, 1:], splines.derivative()(theta)[:, 1:]
+    first = 1 if clamped else 0  # all others vanish at the clamped side
+    f, slope = splines(theta)[:, first:], splines.derivative()(theta)[:, first:]
     c, s = np.cos(theta), np.sin(theta)
     zero = np.zeros_like(c)
     A = np.array([[c, zero], [zero, s], [s, c]])
@@ -84,7 +90,7 @@ def weak_form_exponent(tensor, angle, direction):
     one, nought = np.eye(len(K0)), np.zeros_like(K0)
     inverse = np.linalg.inv(K2)
     found = np.linalg.eigvals(np.block([[nought, one], [inverse @ K0, inverse @ (K1 - K1.T)]]))
-    # Large eigenvalues are those of the splines.
+    # Large eigenvalues are those of the splines; translations of a free wedge have λ = 0.
     return found[(found.real > 1e-3) & (np.abs(found) < 10 / angle)].real.min()
 
 
@@ -106,14 +112,36 @@ def test_clamped_free_wedges_are_williams(nu, degrees):
     assert found == pytest.approx(smallest_zero(williams, angle), rel=EXACT)
 
 
+@pytest.mark.parametrize("degrees", [185, 200, 225, 240, 270, 300, 345])
+def test_free_notches_are_williams(degrees):
+    """sin(λα) = -λ sin α, the symmetric mode, whatever nu."""
+    angle = np.deg2rad(degrees)
+    expected = brentq(lambda z: np.sin(z * angle) + z * np.sin(angle), 0.4, 1 - 1e-9, xtol=1e-14)
+    for nu in (0.0, 0.45):
+        found = free_free_exponent(plane_stress(nu), angle)
+        assert found == pytest.approx(expected, rel=EXACT)
+
+
 def test_known_values():
-    # The 90° corner of a clamped block at nu = 1/3 gives order 1.489.
+    # The 90° corner of a clamped block at nu = 1/3 gives order 1.489; an L-shape has 0.5445.
     assert 2 * clamped_free_exponent(plane_stress(1 / 3), np.pi / 2) == pytest.approx(1.4895, 1e-5)
+    assert free_free_exponent(plane_stress(0.3), 1.5 * np.pi) == pytest.approx(0.544484, abs=1e-6)
+    assert free_free_exponent(plane_stress(0.3), TURN * 2 / 3) == pytest.approx(0.615731, abs=1e-6)
 
 
 @ANISOTROPIC
-def test_a_crack_clamped_on_one_side_has_a_quarter_whatever_the_material(tensor):
+def test_a_crack_has_the_square_root_whatever_the_material(tensor):
+    assert free_free_exponent(tensor, TURN) == pytest.approx(0.5, rel=EXACT)
+    # Clamped on one side: 1/4 ± iε.
     assert clamped_free_exponent(tensor, TURN) == pytest.approx(0.25, rel=EXACT)
+
+
+@ANISOTROPIC
+def test_a_half_plane_and_less_is_regular_when_free(tensor):
+    for angle in (0.5, 2.0, np.pi):
+        assert free_free_exponent(tensor, angle) == 1.0
+        slim = weak_form_exponent(tensor, angle, 0.3, clamped=False)
+        assert slim == pytest.approx(1.0, rel=SPLINES)  # nothing comes before the rotation
 
 
 @pytest.mark.parametrize("tensor", [plane_stress(1 / 3), plane_stress(0.6), FIBRES])
@@ -136,14 +164,19 @@ def test_a_corner_is_regular_where_uniaxial_stress_does_not_stretch_the_clamped_
 def test_wedges_agree_with_a_weak_form(tensor, angle):
     direction = 0.7  # along no axis of symmetry
     found = clamped_free_exponent(tensor, angle, clamped_direction=direction)
-    assert found == pytest.approx(weak_form_exponent(tensor, angle, direction), rel=SPLINES)
+    expected = weak_form_exponent(tensor, angle, direction, clamped=True)
+    assert found == pytest.approx(expected, rel=SPLINES)
+    if angle > np.pi:
+        found = free_free_exponent(tensor, angle, side_direction=direction)
+        expected = weak_form_exponent(tensor, angle, direction, clamped=False)
+        assert found == pytest.approx(expected, rel=SPLINES)
 
 
 @examples
 @given(angle=angles, direction=directions, turn=directions)
 def test_turning_material_and_wedge_together_changes_nothing(angle, direction, turn):
-    turned = exponent(rotate_tensor(CROOKED, turn), angle, direction + turn)
-    np.testing.assert_allclose(turned, exponent(CROOKED, angle, direction), rtol=EXACT)
+    turned = exponents(rotate_tensor(CROOKED, turn), angle, direction + turn)
+    np.testing.assert_allclose(turned, exponents(CROOKED, angle, direction), rtol=EXACT)
 
 
 @examples
@@ -158,16 +191,16 @@ def test_either_side_may_be_the_clamped_one(angle, direction):
 
 @pytest.mark.parametrize("unit", [1e-9, 1e11])
 def test_the_unit_of_stiffness_does_not_matter(unit):
-    scaled = exponent(unit * CROOKED, 4.0, 0.2)
-    np.testing.assert_allclose(scaled, exponent(CROOKED, 4.0, 0.2), rtol=EXACT)
+    scaled = exponents(unit * CROOKED, 4.0, 0.2)
+    np.testing.assert_allclose(scaled, exponents(CROOKED, 4.0, 0.2), rtol=EXACT)
 
 
 def test_an_isotropic_tensor_is_the_limit_of_others():
     """Stroh's eigenvectors coalesce there; the exponent does not notice."""
-    isotropic = exponent(plane_stress(0.3), 4.0)
-    nearly = exponent(plane_stress(0.3) + np.diag([0.0, 0.0, 1e-7]), 4.0)
+    isotropic = exponents(plane_stress(0.3), 4.0)
+    nearly = exponents(plane_stress(0.3) + np.diag([0.0, 0.0, 1e-7]), 4.0)
     np.testing.assert_allclose(nearly, isotropic, rtol=1e-6)
-    assert nearly != isotropic
+    assert (nearly != isotropic).any()
 
 
 def test_nearly_singular_tensors_keep_their_digits():
@@ -183,6 +216,7 @@ def test_nearly_singular_tensors_keep_their_digits():
 # Refusals -------------------------------------------------------------------------------------
 
 
+@table("exponent", [clamped_free_exponent, free_free_exponent])
 @table(
     ("tensor", "angle", "message"),
     [
@@ -195,7 +229,7 @@ def test_nearly_singular_tensors_keep_their_digits():
         (CUBIC, np.inf, "wedge angle: inf; every value must be finite"),
     ],
 )
-def test_what_is_no_wedge_is_refused(tensor, angle, message):
+def test_what_is_no_wedge_is_refused(exponent, tensor, angle, message):
     with pytest.raises(ProblemError, match=re.escape(message)):
         exponent(tensor, angle)
 
@@ -204,7 +238,7 @@ def test_a_direction_that_is_no_angle_is_refused():
     with pytest.raises(ProblemError, match="side direction: nan"):
         clamped_free_exponent(CUBIC, 1.0, clamped_direction=np.nan)
     with pytest.raises(ProblemError, match="give one angle in rad"):
-        exponent(CUBIC, 1.0, [0.0, 1.0])
+        free_free_exponent(CUBIC, 1.0, side_direction=[0.0, 1.0])
 
 
 def test_a_tensor_too_close_to_singular_is_refused():

@@ -158,21 +158,28 @@ def test_what_is_said_of_adapters(adapters, name, words, code, said):
     assert (done.returncode, said in done.stdout) == (code, True), done.stdout
     steps = done.stderr.splitlines()
     assert steps[0].startswith(f"{name}: question ")
+    assert all(" left, " in each or each.endswith("the last ones") for each in steps)
     assert "\nnext: " in done.stdout
 
 
 @pytest.mark.slow
-def test_an_adapter_is_checked_and_leaves_a_record(adapters):
+def test_an_adapter_is_checked_and_leaves_a_page(adapters):
     words = ("--law", "linear", "--json", "toy.json", "--out", "checked", "--E", "2e5")
     done = run("adapter", "check", "toy.py", *words, "--density", "900", cwd=adapters)
     assert done.returncode == 0, done.stderr
     head = "toy: the law agrees; 49 % of the bent beam is its mesh\n  toy 0, linear elasticity, toy"
     assert done.stdout.startswith(head)
+    log = (adapters / "checked" / "toy-check.log").read_text(encoding="utf-8")
+    assert log.splitlines() == done.stderr.splitlines()[:-1]
     found = json.loads((adapters / "toy.json").read_text(encoding="utf-8"))
     assert found["large"]["apart"] < 1e-8
     assert found["probe"]["E"] == pytest.approx(2e5, rel=1e-6)
-    kept = {path.name for path in (adapters / "checked" / "toy" / "out").iterdir()}
-    assert kept == {"log.txt", "result.json", "result.npz"}
+    folder = adapters / "checked" / "toy-check"
+    assert json.loads((folder / "check.json").read_text(encoding="utf-8")) == found
+    page = (folder / "check.html").read_text(encoding="utf-8")
+    assert page.count("<td") > 60
+    assert "data:image/svg+xml" in page
+    assert str(adapters) not in page
 
 
 @table(
