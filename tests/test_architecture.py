@@ -645,6 +645,68 @@ def test_sorting_guard_fires():
     assert unnoticed(by_processor, allowed) == list(allowed)
 
 
+# --- lines ----------------------------------------------------------------------------------------
+
+SLACK = 0.03
+"""Part by which a ceiling may stand above the lines that are there: lower it when they go."""
+BESIDE = {"adapters": "simulators", "tests": "tests", "cases": "cases", "examples": "examples"}
+
+
+def lines_by_package():
+    """Package -> lines of its sources: folders of msvalidate, all of it, and those beside it."""
+    folders = HOMES | BESIDE | {name: f"msvalidate/{name}" for name in FOLDERS}
+    return {
+        name.removeprefix("msvalidate."): sum(
+            len(path.read_text(encoding="utf-8").splitlines())
+            for path in (ROOT / folder).rglob("*.py")
+        )
+        for name, folder in folders.items()
+    }
+
+
+def ceilings(text):
+    """Package -> the most lines that the table of ARCHITECTURE.md allows."""
+    table = text.partition("| at most, lines |")[2].partition("\n\n")[0]
+    return {name: int(lines) for name, lines in re.findall(r"(\w+) (\d+)(?=[,\s|])", table)}
+
+
+def off_ceilings(lines, allowed):
+    """What is wrong between lines and ceilings, a line each."""
+    wrong = [f"{name}: no row in ARCHITECTURE.md" for name in sorted({*lines} - {*allowed})]
+    wrong += [f"{name}: a row, and no such package" for name in sorted({*allowed} - {*lines})]
+    for name in sorted({*lines} & {*allowed}):
+        count, most = lines[name], allowed[name]
+        if count > most:
+            wrong.append(
+                f"{name}: {count} lines, at most {most}: take some away, or say in its row of "
+                "ARCHITECTURE.md why it rose"
+            )
+        elif count < (1 - SLACK) * most:
+            wrong.append(f"{name}: {count} lines, ceiling {most}: python {__file__} lowers it")
+    return wrong
+
+
+def test_no_package_grows_past_its_ceiling():
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    assert off_ceilings(lines_by_package(), ceilings(text)) == []
+
+
+def test_ceiling_guard_fires():
+    text = "| at most, lines | why it rose |\n| --- | --- |\n| a 100, b 200, c 9 | |\n\nd 5, e\n"
+    found = off_ceilings({"a": 101, "b": 190, "d": 1}, ceilings(text))
+    assert [line.partition(":")[0] for line in found] == ["d", "c", "a", "b"]
+    assert off_ceilings({"a": 98, "b": 200, "c": 9}, ceilings(text)) == []
+
+
+def lower_ceilings():
+    """Ceilings that stand higher than the lines that are there, brought down to them."""
+    path, lines = ROOT / "ARCHITECTURE.md", lines_by_package()
+    text = path.read_text(encoding="utf-8")
+    for name, most in ceilings(text).items():
+        text = text.replace(f" {name} {most}", f" {name} {min(most, lines.get(name, most))}", 1)
+    path.write_text(text, encoding="utf-8")
+
+
 # --- docstrings -----------------------------------------------------------------------------------
 
 
@@ -678,3 +740,7 @@ def test_docstring_guard_fires():
     )
     assert undocumented(ast.parse(planted)) == ["module", "Named.unsaid", "Unnamed", "loud", "late"]
     assert undocumented(ast.parse('"""Said."""')) == []
+
+
+if __name__ == "__main__":
+    lower_ceilings()

@@ -36,7 +36,7 @@ from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import judge
-from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
+from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import (
     boundary_weights,
@@ -380,7 +380,7 @@ BAD = [
         SolverError,
         "wedge angle: 1e-",
     ),
-    ("wedge of NaN", lambda: free_free_exponent(TENSOR, NAN), ProblemError, "wedge angle: nan"),
+    ("wedge of NaN", lambda: clamped_free_exponent(TENSOR, NAN), ProblemError, "wedge angle: nan"),
     ("wedge of a row", lambda: clamped_free_exponent([1.0], 1.0), ProblemError, "give a plane one"),
     # equilibria
     (

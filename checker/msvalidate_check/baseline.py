@@ -228,7 +228,11 @@ def read_columns(content: bytes) -> dict[str, list[str]]:
 
 
 def differences(
-    seen: Columns, reference: Columns, *, relative: float = RELATIVE, absolute: float = 0.0
+    seen: Columns,
+    reference: Columns,
+    *,
+    relative: float = RELATIVE,
+    absolute: Mapping[str, float] | None = None,
 ) -> list[str]:
     """What keeps a table from being the one that was kept, one line each; none if nothing does.
 
@@ -236,8 +240,10 @@ def differences(
     ----------
     seen, reference
         The table as it is and as it was.
-    relative, absolute
+    relative
         As for `farthest`.
+    absolute
+        The same by column; 0 for columns that are not in it.
     """
     lines = [f"column {column}: missing" for column in reference if column not in seen]
     lines += [f"column {column}: new" for column in seen if column not in reference]
@@ -246,7 +252,8 @@ def differences(
         return [*lines, f"rows: were {known}, are {rows}"]
     for column in seen:
         if column in reference:
-            found = farthest(seen[column], reference[column], relative=relative, absolute=absolute)
+            room = (absolute or {}).get(column, 0.0)
+            found = farthest(seen[column], reference[column], relative=relative, absolute=room)
             if found and found.off:
                 lines.append(f"{column}, {_moved(found)}")
     return lines

@@ -16,7 +16,6 @@ from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, spl
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
 from msvalidate_check.points import PLACED, matched, positive, vectors
-from msvalidate_check.precision import spacing_of_displacements
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
@@ -28,6 +27,8 @@ ALMOST, MANY, HUGE = 0.995, 10.0, 1e6
 """Parts from which text takes three digits, says times in place of %, and writes powers of ten."""
 LEAST_SHOWN = 5e-9
 """Part below which text says 0."""
+ACCURACY = 1e-6
+"""Of displacements, over the largest, where nobody says: six digits, or single precision."""
 BAND = 0.02
 """Largest difference that agrees by default, over the largest displacement."""
 
@@ -121,7 +122,7 @@ def check(
     *,
     band: float = BAND,
     at_rest: float | None = None,
-    accuracy: float | None = None,
+    accuracy: float = ACCURACY,
     quantities: Mapping[str, ArrayLike] | None = None,
 ) -> Verdict:
     """Compare displacements with elasticity's.
@@ -140,7 +141,8 @@ def check(
     at_rest
         How much the displacements may still change, over the largest; None if it is not known.
     accuracy
-        Of the displacements, over the largest; None has it measured by how they are rounded.
+        How far the displacements may be off by their digits, over the largest: of differences of
+        positions in single precision, 6e-8 of the largest coordinate.
     quantities
         Some of `case.quantities` by name, in the same units: each is held to the same band.
 
@@ -221,17 +223,17 @@ def _matched(
     case: ElasticCase,
     points: ArrayLike | None,
     displacement: ArrayLike,
-    accuracy: float | None,
+    accuracy: float,
 ) -> _Matched:
     """What was given at nodes of the case, in their order; raises `CheckError` as `check`."""
     move = vectors("displacement", displacement, case.points.shape[1])
-    number, places, notes = matched(case, points, move)
+    number, notes = matched(case, points, move)
     order, found = number[number >= 0], move[number >= 0]
     wanted = case.wanted[order]
     size = longest(wanted)
     if not size:
         raise CheckError(f"{case}: elasticity does not move at these points; give others too")
-    precision = _precision(found, None if places is None else places[number >= 0], size, accuracy)
+    precision = positive("accuracy", accuracy)
     doubt = case.uncertainty * longest(case.wanted) / size + precision
     field_ = _field(case, order, case.points[order], found, wanted, doubt)
     return _Matched(order, field_, precision, notes)
@@ -255,13 +257,6 @@ def _material(
     if error > NOTICED * given.field.doubt and not any(each.name in OF_MATERIAL for each in causes):
         return Material(left=near.left)
     return near
-
-
-def _precision(found: Array, places: Array | None, size: float, accuracy: float | None) -> float:
-    """Rounding of displacements over the largest."""
-    if accuracy is not None:
-        return positive("accuracy", accuracy)
-    return spacing_of_displacements(found, places) / size
 
 
 def _field(

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from msvalidate_check.case_set import ElasticCase, case_facts, case_names, elastic_case
-from msvalidate_check.checking import BAND, check
+from msvalidate_check.checking import ACCURACY, BAND, check
 from msvalidate_check.errors import CheckError
 from msvalidate_check.exchange import write
 from msvalidate_check.fields import read_field
@@ -64,7 +64,12 @@ def _parser() -> argparse.ArgumentParser:
     field.add_argument(
         "--at-rest", type=float, help="how much they may still change, over the largest"
     )
-    field.add_argument("--accuracy", type=float, help="of the numbers; measured by default")
+    field.add_argument(
+        "--accuracy",
+        type=float,
+        default=ACCURACY,
+        help="of the displacements, over the largest (default %(default)s)",
+    )
     field.set_defaults(act=_judge)
     return parser
 

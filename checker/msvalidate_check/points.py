@@ -9,17 +9,14 @@ from numpy.typing import ArrayLike
 
 from msvalidate_check.case_set import ElasticCase
 from msvalidate_check.errors import CheckError
-from msvalidate_check.precision import spacing_of_numbers
 
 Array = np.ndarray
 LARGEST, LEAST = 1e100, 1e-100
 """Sizes of numbers between which their squares are numbers too."""
 SAME = 1e-6
 """Of the largest displacement, by which those of one place may differ."""
-SLACK = 2.0
-"""Distances between neighbouring numbers of places within which one is a node."""
-PLACED, MOST_SLACK = 1e-6, 0.02
-"""Of the body's size: how near a place is to the node that it is, and at most."""
+PLACED = 1e-5
+"""Of the body's size: how near a place is to the node that it is, for places of five digits."""
 UNITS = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
 """Units that places may be in, and how many of them a metre has."""
 ALIKE = 0.1
@@ -32,15 +29,15 @@ FEWEST = 3
 
 def matched(
     case: ElasticCase, points: ArrayLike | None, move: Array
-) -> tuple[Array, Array | None, tuple[str, ...]]:
-    """Number (n,) of the named point that each point is, -1 for none; places; sentences."""
+) -> tuple[Array, tuple[str, ...]]:
+    """Number (n,) of the named point that each point is, -1 for none; sentences."""
     if points is None:
         if len(move) not in (len(case.points), len(case.named)):
             raise CheckError(
                 f"displacement: {len(move)} points; {case} on {case.mesh} has {len(case.points)} "
                 f"nodes, of which the set knows the first {len(case.named)}: give one or the other"
             )
-        return _numbered(case, np.arange(len(move))), None, ()
+        return _numbered(case, np.arange(len(move))), ()
     try:
         given = np.asarray(points)
     except ValueError as error:
@@ -59,11 +56,11 @@ def matched(
                 f"{len(case.points) - 1}"
             )
         number = _numbered(case, given)
-        return (number, None, _notes(case, number))
+        return number, _notes(case, number)
     places = vectors("points", given, case.points.shape[1])
     _refuse_other_count(places, move)
     number = _placed(case, places, move)
-    return number, places, _notes(case, number)
+    return number, _notes(case, number)
 
 
 def _numbered(case: ElasticCase, given: Array) -> Array:
@@ -84,7 +81,7 @@ def _placed(case: ElasticCase, places: Array, move: Array) -> Array:
     """The named point at each place."""
     named = case.points[case.named]
     size = float(np.ptp(named, axis=0).max())
-    room = min(MOST_SLACK * size, max(PLACED * size, SLACK * spacing_of_numbers(places)))
+    room = PLACED * size
     number = np.full(len(places), -1)
     for i, x in enumerate(named):
         away = np.abs(places - x).max(axis=1)

@@ -152,7 +152,8 @@ def _compared(
         kept = read_columns(path.read_bytes())
     except ValueError as error:
         return [f"the file cannot be read: {' '.join(str(error).split())}"]
-    return differences(columns, kept, relative=relative, absolute=absolute)
+    room = dict.fromkeys(columns, absolute)
+    return differences(columns, kept, relative=relative, absolute=room)
 
 
 RECORDING = pytest.StashKey[Recording]()

@@ -49,8 +49,6 @@ class Judgement:
         What the field would have to be, where it is not elasticity's.
     unrest
         How much it may still change, over the largest; NaN where nobody says.
-    precision
-        Of its numbers, over the largest displacement.
     """
 
     case: Case
@@ -60,7 +58,6 @@ class Judgement:
     row: Row
     explanations: tuple[Explanation, ...]
     unrest: float
-    precision: float
 
     @property
     def size(self) -> float:
@@ -114,10 +111,9 @@ def judge_result(
     size = largest(wanted)
     if not size:
         raise ProblemError("case: elasticity does not move at these points; load the body")
-    precision = unit * result.grid / size
     rest = result.rest if unrest is None else unrest
     difference = largest(matched.displacement - wanted) / size
-    doubt = reference.error + precision + matched.contradiction / size
+    doubt = reference.error + result.accuracy + matched.contradiction / size
     word = agreement(difference, doubt, case.band, 0.0 if math.isnan(rest) else rest)
     row = Row("displacement", "m", largest(matched.displacement), size, difference, doubt, word)
     progress("causes")
@@ -132,7 +128,7 @@ def judge_result(
             Explanation("rest", "not at rest: it may still change by as much", 0.0, rest),
             *causes,
         )
-    return Judgement(case, result, matched, reference, row, causes, rest, precision)
+    return Judgement(case, result, matched, reference, row, causes, rest)
 
 
 def _field(
@@ -245,7 +241,7 @@ def budget(found: Judgement) -> pd.DataFrame:
     known = not math.isnan(found.unrest)
     said = "how much it may still change, as stated" if known else "nobody says; rest unknown"
     rows.append(("rest", 0.0 if known else math.nan, found.unrest, said))
-    rows.append(("numbers", 0.0, found.precision, "rounding of the file's numbers"))
+    rows.append(("numbers", 0.0, found.result.accuracy, "rounding of the file's numbers"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
 

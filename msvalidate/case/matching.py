@@ -13,13 +13,10 @@ from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
 from msvalidate.problem.normals import nearest_on_facets
 from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import is_on_any
-from msvalidate_check.precision import spacing_of_numbers
 from reference_fem.mesh.discretisation import Discretisation
 
-SLACK = 2.0
-"""Grid distances of a file's numbers within which a point on the surface may lie outside."""
-MOST_SLACK = 0.02
-"""Of the body's size, beyond which a point is outside however coarse the file's numbers are."""
+PLACED = 1e-5
+"""Of the body's size, within which a point on the surface may lie outside."""
 MOSTLY = 0.5
 """Part of the points that must be in the body."""
 SMALLER = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
@@ -90,7 +87,7 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     doubled = places[again]
     apart = _contradiction(places, move, first, again)
     places, move = places[first], move[first]
-    room = _room(case, unit * result.points)
+    room = _room(case)
     inside, at = _into_body(body, places, room, case.problem.domain.tolerance)
     hint = _unit_meant(case, places)
     if inside.mean() < MOSTLY:
@@ -161,13 +158,10 @@ def _first_of_each(places: Array, tolerance: float) -> Index:
     return np.asarray(first[~later])
 
 
-def _room(case: Case, places: Array) -> float:
+def _room(case: Case) -> float:
     """Distance (m) from the body that the file's own rounding explains."""
     size = max(high - low for low, high in case.problem.domain.span)
-    return min(
-        MOST_SLACK * size,
-        max(case.problem.domain.tolerance, SLACK * spacing_of_numbers(places)),
-    )
+    return max(case.problem.domain.tolerance, PLACED * size)
 
 
 def _into_body(

@@ -184,7 +184,7 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     said.append(
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
-        f"{percent(found.precision)}.{_body_sentences(found.reference)}"
+        f"{percent(found.result.accuracy)}.{_body_sentences(found.reference)}"
     )
     return head, tuple(said)
 

@@ -1,4 +1,4 @@
-"""Displacements from anywhere: .vtu, .csv and .npz files, their names, units and precision."""
+"""Displacements from anywhere: .vtu, .csv and .npz files, their names and units."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.records import dataclass
 from msvalidate_check.archives import read_arrays
+from msvalidate_check.checking import ACCURACY
 from msvalidate_check.errors import CheckError
-from msvalidate_check.precision import spacing_of_displacements
 
 LARGEST, LEAST = 1e100, 1e-100
 """Sizes of numbers between which sums of their squares are numbers too."""
@@ -58,9 +58,8 @@ class Result:
         (n,) numbers of the case's points, from 0, or None.
     rest
         What the file says of how much they would still change, over the largest; NaN if nothing.
-    grid
-        Distance between neighbouring numbers of displacements, as far as they were rounded: see
-        `msvalidate_check.precision`.
+    accuracy
+        How far displacements may be off by their digits, over the largest.
     known
         What solvers that are known not to be converged give there, by what they are of: functions
         of Poisson's ratio, (n, d) in m.
@@ -71,7 +70,7 @@ class Result:
     points: Array | None
     id: Index | None
     rest: float
-    grid: float
+    accuracy: float = ACCURACY
     known: Mapping[str, Callable[[float], Array]] = field(default_factory=dict)
 
 
@@ -140,7 +139,7 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
         raise ProblemError("neither places nor id: give x, y (and z), or the points' numbers")
     rest = given.get("rest")
     unrest = math.nan if rest is None else finite_number(REST, rest, least=0.0)
-    return Result(name, move, points, number, unrest, spacing_of_displacements(move, points))
+    return Result(name, move, points, number, unrest)
 
 
 def refuse_extreme(name: str, array: Array) -> None:

@@ -153,7 +153,7 @@ def judged_verdict_content(
         "quantities": [vars(found.row)],
         "causes": [vars(each) for each in found.explanations],
         "rest": found.unrest,
-        "precision": found.precision,
+        "precision": found.result.accuracy,
         "reference": reference_content(found.reference),
         "points": {
             "compared": len(found.matched.places),

@@ -300,8 +300,8 @@ def _add_candidate(add: Callable[..., Any], told: Callable[[str], str]) -> None:
         type=_part,
         metavar="A",
         help=told(
-            "error of the candidate's positions over the largest coordinate; by default read off "
-            "its numbers"
+            "error of the candidate's positions over the largest coordinate; by default 6e-8, "
+            "that of single precision"
         ),
     )
     add(
@@ -319,7 +319,7 @@ def _add_check(add: Callable[..., Any], told: Callable[[str], str]) -> None:
         action="store_true",
         help=told("make what is found the baseline of the studies that were run, if all holds"),
     )
-    add("--reason", type=_line, metavar="TEXT", help=told("why it moved, for CHANGELOG.md"))
+    add("--reason", type=_line, metavar="TEXT", help=told("why it moved, for REASONS.md beside it"))
     add(
         "--baseline",
         type=_path,

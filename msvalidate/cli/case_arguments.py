@@ -71,6 +71,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="PART",
         help="how much they may still change, over the largest",
     )
+    add(
+        "--accuracy",
+        type=float,
+        metavar="PART",
+        help="how far they may be off by their digits, over the largest (1e-6)",
+    )
     each["export"].add_argument("file", type=Path, metavar="CASE", help="case file")
     each["export"].add_argument(
         "folder", type=Path, metavar="DIR", help="folder that is made, or whose export is replaced"

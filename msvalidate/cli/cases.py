@@ -19,6 +19,7 @@ from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, format_value
+from msvalidate.problem.records import replace
 from msvalidate.simulators.export import export_case
 from msvalidate.simulators.folders import write_request
 from msvalidate_check import exchange
@@ -106,6 +107,9 @@ def _judge(args: argparse.Namespace) -> int:
         files.refuse_foreign(folder, whose)
         case = building.read_case(args.file)
         result = results.read_result(args.result, case.problem.domain.dim, args.field)
+        if args.accuracy is not None:
+            known = finite_number("--accuracy", args.accuracy, least=0.0)
+            result = replace(result, accuracy=known)
         show = Progress(case.name, shown=not args.quiet)
         command = ("msvalidate", "case", "judge", "FILE", "RESULT")
         found, content = run.judged_files(

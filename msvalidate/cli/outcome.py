@@ -54,7 +54,7 @@ class Task:
     candidate
         Whom it judges, as ``module:function`` or ``file.py:function``; "" for our own.
     accuracy
-        That the candidate is said to have; None has it measured.
+        That the candidate is said to have; None for single precision.
     questions
         Of the study that are asked; None asks all.
     """

@@ -146,7 +146,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         report.refuse_folder("--baseline", args.baseline, args.out, written=args.update)
         baseline.check_home(args.baseline)
     if args.update:
-        baseline.reason_entry(args.baseline, args.form, args.reason)  # refuses before the work
+        baseline.reasons(args.baseline, args.form, args.reason)  # refuses before the work
     refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)

@@ -24,13 +24,14 @@ from msvalidate.cli.cases import new_path, said, tell_judged
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
+from msvalidate.simulators.bench import ROUNDING
 from msvalidate.simulators.export import export_case, on_mesh
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
 from msvalidate.simulators.rest import stated_unrest
 from msvalidate.simulators.template import adapter_template
 from msvalidate_check import exchange
-from msvalidate_check.precision import spacing_of_displacements
+from msvalidate_check.checking import ACCURACY
 
 COMMAND = ("msvalidate", "simulate", "CASE", "--with", "ADAPTER")
 RUN = "-run"
@@ -131,9 +132,10 @@ def _result(request: Request, answer: Answer) -> Result:
     """An answer as what is read from files of displacements."""
     move, points = np.asarray(answer.displacement), np.array(request.mesh.points)
     name = _line(answer.about.get("simulator", "simulator"))
-    grid = spacing_of_displacements(move, points)
+    accuracy = ROUNDING.get(str(answer.about.get("precision")), 0.0)  # of positions
+    accuracy *= float(np.abs(points + move).max() / (np.abs(move).max() or 1.0))
     known = {f"linear elements on its {request.mesh.shape} mesh": partial(on_mesh, request)}
-    return Result(name, move, points, None, math.nan, grid, known)
+    return Result(name, move, points, None, math.nan, accuracy or ACCURACY, known)
 
 
 def _described(case: Case, request: Request, answer: Answer) -> Case:

@@ -31,15 +31,12 @@ def refuse_unknown_tables(args: argparse.Namespace) -> None:
     """
     if not args.tables:
         return
-    from msvalidate.judging.foreign import TABLE
     from msvalidate.output import baseline
     from msvalidate.problem import ProblemError
     from msvalidate.problem.checks import format_value
 
     known = {"verdict"}.union(*map(baseline.tables, args.studies))
-    if args.candidate:
-        known.add(TABLE)
-    elif len(known) == 1:
+    if len(known) == 1:
         return  # nothing to go by
     words = known.union(*map(catalogue.words, args.studies))
     for name in args.tables:

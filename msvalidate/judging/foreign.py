@@ -2,31 +2,39 @@
 
 A limit was set for numbers in double precision. A candidate in single precision misses an identity
 of 1e-12 without being wrong. So each limit is widened by what the same inaccuracy does to the
-number: the study is run with its own springs, and again with these perturbed (`Perturbed`). What a
+number: the study is run with its own springs, and again with these perturbed. What a
 widened limit can no longer tell is found in the same way, with springs that are wrong by 1 %.
+
+An accuracy is relative: the largest error of a component of a position (rest point plus
+displacement), over the largest coordinate of the positions. Of the coordinate and not of the body's
+size, since numbers lose digits with their distance from the origin.
 """
 
 from __future__ import annotations
 
 import inspect
+import zlib
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.accuracy import DOUBLE, Perturbed, Recorded, check_accuracy
 from msvalidate.judging.candidate import Answer, solve_springs
 from msvalidate.judging.evidence import Evidence, Observed, judge_one
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
+from msvalidate.problem.checks import finite_number
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
 
 Run = Callable[..., Evidence]
+SINGLE, DOUBLE = float(np.finfo(np.float32).eps) / 2, float(np.finfo(float).eps)
+"""Accuracies of single precision, which a candidate has unless it is said to have another, and of
+double precision, for which the limits were set (1)."""
 SEEDS = (1, 2, 3)
-"""Of the perturbations; rounding to the grid is one more."""
+"""Of the perturbations."""
 MARGIN = 4.0
 """Times the largest move of them by which a limit is widened: the next draw may be larger. In 150
 draws of ten rows of `poisson` it was up to 2.9 times as large."""
@@ -37,18 +45,6 @@ FAULTS: Mapping[str, tuple[Callable[[Network, float], Network], float]] = {
     "diagonals 1 % softer": (faults.stiffen_diagonals, -FAULT),
 }
 """Controls: name -> what is done to the network, and how much of it."""
-TABLE = "candidate_limits"
-"""The table of what became of each limit."""
-COLUMNS = {
-    "judged_quantity": "what was judged",
-    "own_limit": "limit of the study, for numbers in double precision (in the quantity's unit)",
-    "widening": "what the candidate's accuracy may do to the number, measured; "
-    '"unbounded" where it leaves no number',
-    "widened_limit": 'the two together; "unbounded" as above',
-    "candidate_verdict": f"{AGREES}, {DIFFERS} or {NOT_RESOLVED}",
-    "no_longer_noticed": "faults of 1 % that the own limit notices and the widened one may not",
-}
-UNBOUNDED = "unbounded"
 CLOSE = 1.0
 """Widening over its own limit up to which a limit stands for itself, whatever the controls do."""
 
@@ -79,14 +75,13 @@ def judge_candidate(
     run
         The study's `run`.
     candidate
-        What it judges, of the study's kind. Its attribute `accuracy`, if it has one, is stated.
+        What it judges, of the study's kind.
     setting
-        Cases are run one after another: a candidate's answers are looked at as they come.
+        Cases are run one after another.
     questions
         Of the study; None asks all.
     accuracy
-        Relative (see `accuracy`), before what the candidate states; None has it measured if that
-        states none.
+        Relative (see above); None for that of single precision.
 
     Raises
     ------
@@ -95,39 +90,24 @@ def judge_candidate(
         What the study raises comes through.
     """
     asked = {} if questions is None else {"questions": tuple(questions)}
-    setting = replace(setting, executor=None)
-    ask = partial(run, setting=setting, **asked)
-    stated = accuracy if accuracy is not None else getattr(candidate, "accuracy", None)
+    ask = partial(run, setting=replace(setting, executor=None), **asked)
     if not asks_displacements(run):
-        if stated is not None:
+        if accuracy is not None:
             raise ProblemError(
-                f"accuracy: {stated!r}; this study asks for no displacements of a network; leave "
+                f"accuracy: {accuracy!r}; this study asks for no displacements of a network; leave "
                 "it out"
             )
         evidence = ask(candidate=candidate)
         return Judged(evidence, _judge(evidence, {}, {}), None)
-    if stated is not None:
-        stated = check_accuracy(stated)
-    if not callable(candidate):
-        evidence = ask(candidate=candidate)  # which refuses it
-        return Judged(evidence, _judge(evidence, {}, {}), None)
-    recorded = Recorded(candidate)
-    evidence = ask(candidate=recorded)
-    known = recorded.accuracy if stated is None else stated
+    known = SINGLE if accuracy is None else finite_number("accuracy", accuracy, least=0.0, most=0.5)
+    evidence = ask(candidate=candidate)
     widenings: dict[str, float] = {}
     hidden: dict[str, tuple[str, ...]] = {}
     if known > DOUBLE:
         widenings, hidden = measure_widenings(ask, evidence, known)
     verdict = _judge(evidence, widenings, hidden, known)
-    told = _tell(verdict, known, recorded.accuracy, stated)
-    evidence = replace(evidence, findings=(told, *evidence.findings))
-    if widenings:
-        evidence = replace(
-            evidence,
-            tables={**evidence.tables, TABLE: tabulate(evidence, verdict, widenings, hidden)},
-            columns={**evidence.columns, **COLUMNS},
-        )
-    return Judged(evidence, verdict, known)
+    told = _tell(verdict, known, stated=accuracy is not None)
+    return Judged(replace(evidence, findings=(told, *evidence.findings)), verdict, known)
 
 
 def asks_displacements(run: Run) -> bool:
@@ -158,15 +138,15 @@ def measure_widenings(
         widened one may let each of them pass. "May": the inaccuracy may hide as much of an error
         as it may add.
     """
-    truth = ask(candidate=Perturbed(solve_springs, 0.0)).observed
+    truth = ask(candidate=solve_springs).observed
     moves: dict[str, list[float]] = {name: [] for name in evidence.observed}
-    for seed in (None, *SEEDS):
+    for seed in SEEDS:
         try:
-            moved = ask(candidate=Perturbed(solve_springs, accuracy, seed)).observed
+            moved = ask(candidate=partial(solve_perturbed, accuracy, seed)).observed
         except (ProblemError, SolverError) as error:
             raise ProblemError(
                 f"accuracy: {accuracy:.3g}; the study's own springs, perturbed by as much, cannot "
-                f"be judged ({error}); nothing is resolved, so give more digits"
+                f"be judged ({error}); give more digits, and --accuracy"
             ) from error
         for name, of_seed in moves.items():
             of_seed.append(abs(_offset(moved[name]) - _offset(truth[name])))
@@ -191,6 +171,19 @@ def solve_faulty(
     """The springs' answer with one of the faults of `FAULTS`: displacements (n, d) in m."""
     act, size = FAULTS[fault]
     return solve_springs(problem, act(network, size), answer)
+
+
+def solve_perturbed(
+    accuracy: float, seed: int, problem: Problem, network: Network, answer: Answer = "linear"
+) -> Array:
+    """The springs' answer with random errors, even between ± accuracy: displacements (n, d) in m.
+
+    They are the same for the same network, loads, answer and seed.
+    """
+    move = solve_springs(problem, network, answer)
+    reach = accuracy * float(np.abs(network.points + move).max())
+    chance = np.random.default_rng([seed, zlib.crc32(move.tobytes())])
+    return np.asarray(move + reach * chance.uniform(-1, 1, move.shape))
 
 
 def _offset(seen: Observed) -> float:
@@ -235,42 +228,15 @@ def _reason(lost: tuple[str, ...]) -> str:
     return "no fault of 1 % that was tried shows what it then still notices"
 
 
-def tabulate(
-    evidence: Evidence,
-    verdict: pd.DataFrame,
-    widenings: Mapping[str, float],
-    hidden: Mapping[str, tuple[str, ...]],
-) -> pd.DataFrame:
-    """What became of each limit; see `COLUMNS`."""
-    rows = []
-    for tolerance, found in zip(evidence.tolerances, verdict["verdict"], strict=True):
-        widening = widenings[tolerance.quantity]
-        bounded = np.isfinite(widening)
-        rows.append(
-            {
-                "judged_quantity": tolerance.quantity,
-                "own_limit": tolerance.limit,
-                "widening": widening if bounded else UNBOUNDED,
-                "widened_limit": tolerance.limit + widening if bounded else UNBOUNDED,
-                "candidate_verdict": found,
-                "no_longer_noticed": ", ".join(hidden.get(tolerance.quantity, ())) or "none",
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def _tell(verdict: pd.DataFrame, accuracy: float, measured: float, stated: float | None) -> str:
+def _tell(verdict: pd.DataFrame, accuracy: float, *, stated: bool) -> str:
     """How many rows have each verdict, and by which accuracy, in words."""
     counts = verdict["verdict"].value_counts()
     words = ", ".join(f"{word}: {counts.get(word, 0)}" for word in (AGREES, DIFFERS, NOT_RESOLVED))
     if accuracy <= DOUBLE:
-        source = "as it states" if stated is not None else "as its numbers show no coarser grid"
-        told = f"The candidate is judged by the study's own limits, {source}"
+        told = "The candidate is judged by the study's own limits, as it is stated to be exact"
     else:
-        source = "stated" if stated is not None else "read off its numbers"
-        told = f"The candidate's positions are accurate to {accuracy:.2g} of the largest coordinate"
-        told += f" ({source}), and every limit is widened by what that does to its number"
-    told += f": {len(verdict)} rows, {words}."
-    if stated is not None and measured > 2 * max(stated, DOUBLE):
-        told += f" Its numbers look rounded to {measured:.2g}, coarser than what is stated."
-    return told
+        source = "as stated" if stated else "that of single precision, as no other is stated"
+        told = f"The candidate's positions are taken to be accurate to {accuracy:.2g} of the "
+        told += f"largest coordinate ({source}), and every limit is widened by what that does to "
+        told += "its number" + ("" if stated else "; --accuracy states another, 0 for doubles")
+    return f"{told}: {len(verdict)} rows, {words}."

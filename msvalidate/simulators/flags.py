@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from msvalidate.problem import Array, SolverError
+from msvalidate.problem import Array
 from msvalidate.simulators.bench import ROUNDING, Bench
 from msvalidate.simulators.masses import Masses
 from msvalidate.simulators.reading import INNER, Flag
@@ -26,17 +26,12 @@ SMOOTH = 16.0
 one side alone, has 1 over the strain."""
 SHARE = 0.01
 """Limit of masses over asked: what a law is asked to be told apart by."""
-TURN = np.pi / 6
-"""Finite turn (rad): the linear law's false strain of it, 1 - cos, is 13 %."""
-OBJECTIVE = 1e-4
-"""Limit of the stress that a finite turn makes, over the stiffness: thousandfold below a linear
-law's, tenfold above rounding in single precision."""
 SHORTEST = {"float64": 1 / 256, "float32": 1 / 4}
 """Where forces act at the end of a step, inner nodes are looked at after one in which a wave
 crosses this part of the smallest cell: by its square it reaches them from the surface, and at once
 where the mass matrix is not diagonal. In single precision shorter steps are lost in rounding."""
 AXIS = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
-"""Of turns: none of the block's own."""
+"""Of a small turn: none of the block's own."""
 ARITHMETIC = 1.0
 """Roundings of the mean stress, each of one part in 2²⁴ or 2⁵³ of the stiffness: a cell's is off by
 some ten at random, the mean over 200 cells by less than one. What is the same in +G and -G drops
@@ -90,7 +85,6 @@ def raise_flags(
         *_at_rest(rest, largest, strength),
         _one_sided(curvature, strain),
         _infinitesimal_turn(station, strain, strain * largest),
-        _finite_turn(station, rest, largest),
         _inner(station, forces, strain, largest),
         _other_step(station, C, strain),
         *([] if masses is None else [_free_fall(station, rest, strain)]),
@@ -161,20 +155,6 @@ def _infinitesimal_turn(station: Station, strain: float, unit: float) -> Flag:
     odd = (station.push(W).stress - station.push(-W).stress) / 2
     because = "a small turn strains nothing, in any law"
     return Flag("small turn", float(np.abs(odd).max()) / unit, EXACT, because)
-
-
-def _finite_turn(station: Station, rest: Push, largest: float) -> Flag:
-    """Rodrigues' formula for the turn; its stress beside that at rest, turned with it."""
-    K = _skew(AXIS)
-    R = np.eye(3) + np.sin(TURN) * K + (1 - np.cos(TURN)) * K @ K
-    because = "over the stiffness; linear laws see a turn as strain and are not wrong for it"
-    try:
-        stress = station.push(R - np.eye(3)).stress
-    except SolverError as error:
-        because = f"{because}; no answer: {error}"
-        return Flag("turn by 30°", None, OBJECTIVE, because, refuses=False)
-    value = float(np.abs(stress - R @ rest.stress).max()) / largest
-    return Flag("turn by 30°", value, OBJECTIVE, because, refuses=False)
 
 
 def _inner(station: Station, forces: Sequence[Array], strain: float, largest: float) -> Flag:

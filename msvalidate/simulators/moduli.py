@@ -116,13 +116,3 @@ def _no_solid(C: Array, K: float, G: float, error: float) -> str:
         sign = "is negative" if lowest < -error else "vanishes"
         return f"C is singular or not stable: its lowest eigenvalue {sign}, {lowest:.3g} Pa"
     return ""
-
-
-def compliances(C: Array) -> tuple[Array, Array]:
-    """1/S_ii (3,) Pa and nu_ij = -S_ij/S_ii (6,): E and nu along the axes; NaN if C is singular."""
-    size = np.abs(C).max()
-    if size == 0 or np.linalg.cond(C / size) > 1 / np.finfo(float).eps:
-        return np.full(3, np.nan), np.full(6, np.nan)
-    S = np.linalg.inv(C / size) / size
-    off = ~np.eye(3, dtype=bool)
-    return 1 / np.diag(S)[:3], (-S[:3, :3] / np.diag(S)[:3, None])[off]

@@ -7,23 +7,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.masses import Masses
-from msvalidate.simulators.moduli import (
-    SHOWN,
-    Elastic,
-    anisotropy,
-    bulk_and_shear,
-    compliances,
-    elastic,
-)
-
-ISOTROPIC = 0.01
-"""Anisotropy beyond which E and nu are told to be of the isotropic part alone: at it they differ
-by direction by about as much as a law is asked to be told apart."""
+from msvalidate.simulators.moduli import SHOWN, Elastic, elastic
 
 
 @dataclass(frozen=True)
@@ -54,12 +42,6 @@ class Flag:
     def holds(self) -> bool:
         """Whether the value is there and within the limit."""
         return self.value is not None and bool(self.value <= self.limit)
-
-    def line(self) -> str:
-        """The flag in one line."""
-        value = "not asked" if self.value is None else f"{self.value:.1e}"
-        verdict = "ok" if self.holds else ("REFUSED" if self.refuses else "told")
-        return f"  {verdict:7} {self.name}: {value} (limit {self.limit:.1e}) {self.because}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,60 +127,6 @@ class Reading:
         if self.is_bound:
             found.append("an upper bound alone: inner nodes are not at rest")
         return found
-
-    def lines(self) -> list[str]:
-        """The reading in words, its flags with it."""
-        by = f"{self.about.get('simulator', 'simulator')} {self.about.get('version', '')}".strip()
-        how = f"strain {self.strain:g}, dt {self.dt:g} s, {self.precision}, at {self.forces_at}"
-        head = f"{by}, {self.about.get('law', 'law not said')}: {how}"
-        return [head, *self._moduli_lines(), *(flag.line() for flag in self.flags)]
-
-    def _moduli_lines(self) -> list[str]:
-        known = f"known to {self.error:.1g} Pa in each component"
-        largest = np.abs(self.C).max()
-        found = [f"C: largest component {largest:.6g} Pa, {known}"]
-        if not self.is_known:
-            found = ["C: not shown"]
-        if not self.is_valid:
-            return [*found, f"does not count: {'; '.join(self.refusals())}", *self._mass_lines()]
-        e, K_G = self.elastic, bulk_and_shear(self.C)
-        for name, value, error in (("E", e.E, e.E_error), ("nu", e.nu, e.nu_error)):
-            said = f"{value:.6g} ± {error:.1g}" if value is not None else f"none: {e.because}"
-            found.append(f"{name}: {said}")
-        part = anisotropy(self.C)
-        axes, ratios = compliances(self.C)
-        found.append(f"K {K_G[0]:.6g} Pa, G {K_G[1]:.6g} Pa, each ± {self.error:.1g} Pa")
-        if np.isfinite(axes).all():
-            found.append(
-                f"along the axes: 1/S_ii {axes.min():.6g} to {axes.max():.6g} Pa, nu_ij "
-                f"{ratios.min():.5f} to {ratios.max():.5f}"
-            )
-        of = "E and nu are of the isotropic part alone" if part > ISOTROPIC else "isotropic"
-        return [*found, f"anisotropy {part:.1e}: {of}", *self._mass_lines()]
-
-    def _mass_lines(self) -> list[str]:
-        return [self.masses.line()] if self.masses else ["masses: not observed; forces were told"]
-
-    def table(self) -> pd.DataFrame:
-        """The reading as rows: quantity, value, error or limit, unit, holds, because.
-
-        A value that does not count or does not exist is NaN, and says why.
-        """
-        e, K_G = self.elastic, bulk_and_shear(self.C)
-        why = "; ".join(self.refusals())
-        nan, valid = float("nan"), self.is_valid
-        rows: list[tuple[str, float, float, str, bool, str]] = [
-            ("E", nan if e.E is None else e.E, e.E_error, "Pa", e.E is not None, e.because),
-            ("nu", nan if e.nu is None else e.nu, e.nu_error, "1", e.nu is not None, e.because),
-            ("K", K_G[0] if valid else nan, self.error, "Pa", valid, why),
-            ("G", K_G[1] if valid else nan, self.error, "Pa", valid, why),
-            ("anisotropy", anisotropy(self.C) if valid else nan, SHOWN, "1", valid, why),
-        ]
-        for flag in self.flags:
-            value = nan if flag.value is None else flag.value
-            rows.append((flag.name, value, flag.limit, "1", flag.holds, flag.because))
-        columns = ["quantity", "value", "error_or_limit", "unit", "holds", "because"]
-        return pd.DataFrame(rows, columns=columns)
 
 
 STRAINS = "rounding of strains"

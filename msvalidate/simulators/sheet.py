@@ -13,9 +13,13 @@ from msvalidate.simulators.bodies import BAND, BodyRow
 from msvalidate.simulators.causes import AGREES, STOPPED
 from msvalidate.simulators.gate import PASSED, GateRow
 from msvalidate.simulators.judgement import PARTS, Judgement
+from msvalidate.simulators.moduli import anisotropy
 from msvalidate.simulators.reading import Flag, Reading
 
 NO_ANSWER = "no answer"
+ISOTROPIC = 0.01
+"""Anisotropy beyond which that is told: at it E and nu differ by direction by about as much as a
+law is asked to be told apart."""
 NOTICED = 5e-4
 """Of a factor: what is nearer to 1 is left blank."""
 
@@ -210,6 +214,8 @@ def _reading_lines(reading: Reading) -> list[str]:
         lines += [line for line in reading.refusals() if line.startswith("C known")]
     if reading.is_valid and (reading.E is None or reading.nu is None):
         lines.append(f"no E and nu: {reading.elastic.because}")
+    if reading.is_valid and (part := anisotropy(reading.C)) > ISOTROPIC:
+        lines.append(f"anisotropy {part:.1e}: E and nu are of the isotropic part alone")
     return lines
 
 

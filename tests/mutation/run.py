@@ -63,7 +63,7 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     "compare": (["msvalidate/judging/compare.py"], _files("evidence", "compare"), 25),
     "baseline": (
         ["msvalidate/output/baseline.py", "checker/msvalidate_check/baseline.py"],
-        [*_files("baseline", "baseline_limits"), "tests/checker/test_plugin.py"],
+        [*_files("baseline"), "tests/checker/test_plugin.py"],
         25,
     ),
     "stiffness": (["msvalidate/constants/stiffness.py"], _files("stiffness", "calibrate"), 25),

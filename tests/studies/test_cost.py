@@ -1,6 +1,5 @@
 """The study `cost`: what is judged and what is not, its counts by other means, absent peers."""
 
-import io
 import sys
 from dataclasses import replace
 
@@ -34,9 +33,10 @@ from msvalidate import kernels
 from msvalidate.judging.evidence import UNGATED, all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import frequency_bound, internal_force
-from msvalidate.output.baseline import baseline_files, compare_tables
-from msvalidate.output.stored import csv_bytes, read_csv
+from msvalidate.output.baseline import baseline_files
+from msvalidate.output.stored import csv_bytes
 from msvalidate.studies import cost
+from msvalidate_check.baseline import differences, read_columns
 
 QUICK = Setting(quick=True)
 
@@ -272,13 +272,12 @@ def test_where_nothing_more_is_installed_every_word_is_described(monkeypatch, qu
 
 def compared(one, other):
     """What a baseline made of one table finds wrong with the other."""
-    gated = one[[column for column in one if not column.endswith(UNGATED)]]
-    rows = compare_tables("t", other, as_text(gated), {})
-    return [row for row in rows if row["verdict"] != "pass"]
+    return differences(kept(one), kept(other))
 
 
-def as_text(table):
-    return read_csv(io.BytesIO(csv_bytes(table)))
+def kept(table):
+    gated = table[[column for column in table if not column.endswith(UNGATED)]]
+    return read_columns(csv_bytes(gated))
 
 
 def test_machine_names_its_parts_wherever_it_is(monkeypatch):

@@ -1,19 +1,17 @@
 """The baseline: what has moved is told, with value, reference, error and limit."""
 
 import errno
-import io
 import os
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from msvalidate.cli import program
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.output import baseline, report, stored
+from msvalidate.output import baseline, report
 from msvalidate_check import exchange
 from msvalidate_check.baseline import HEADING
 from tests.table import table
@@ -21,23 +19,16 @@ from tests.table import table
 TABLE = pd.DataFrame(
     {
         "name": ["a", "b", "c"],
-        "x": [1.0, -2.0, 3e-7],
-        "order": [1.5, "not asymptotic", 2.0],
-        "n": [1, 2, 3],
+        "x": [1e6, -2.0, 3e-7],
+        "order": ["not asymptotic", 1.5, 2.0],
         "steps_per_second": [1.0, 2.0, 3.0],
     }
 )
-MEANING = {c: c for c in TABLE} | {"order": 'power; "not asymptotic" where there is none'}
+MEANING = {c: c for c in (*TABLE, "more")} | {"order": 'power; "not asymptotic" or "none"'}
 
 
-def text(table):
-    return stored.read_csv(io.BytesIO(stored.csv_bytes(table.drop(columns="steps_per_second"))))
-
-
-def failures(table=TABLE, reference=None, rounding=None):
-    reference = text(TABLE) if reference is None else reference
-    rows = baseline.compare_tables("t", table, reference, rounding or {})
-    return {row["quantity"]: row for row in rows if row["verdict"] != "pass"}
+def evidence(tables, **more):
+    return Evidence(tables, {}, (), columns=MEANING, **more)
 
 
 def changed(column, row, value):
@@ -47,137 +38,75 @@ def changed(column, row, value):
     return table
 
 
-def test_the_same_table_holds():
-    assert failures() == {}
-    rows = baseline.compare_tables("t", TABLE, text(TABLE), {})
-    assert [row["quantity"] for row in rows] == [
-        "t.csv: columns: missing or extra",
-        "t.csv: rows",
-        *("t.csv: name", "t.csv: x", "t.csv: order", "t.csv: n"),
-    ]
-    assert {row["layer"] for row in rows} == {"baseline"}
+@pytest.fixture
+def kept(tmp_path):
+    """A folder that keeps the table, and what is then missed with another."""
+    for name, content in baseline.baseline_files(evidence({"t": TABLE})).items():
+        (tmp_path / name).write_bytes(content)
+
+    def missed(table=TABLE, **more):
+        rows = baseline.compare(evidence({"t": table}, **more), tmp_path)
+        assert {(row["layer"], row["quantity"]) for row in rows} == {("baseline", "t.csv")}
+        return [row["because"] for row in rows if row["verdict"] != "pass"]
+
+    missed.folder = tmp_path
+    return missed
 
 
-def test_a_moved_number_is_told():
-    row = failures(changed("x", 1, -2.00001))["t.csv: x"]
-    assert (row["observed"], row["reference"]) == (-2.00001, -2.0)
-    assert row["error"] == pytest.approx(1e-5)
-    assert row["limit"] == pytest.approx(2e-6, rel=1e-2)
-    assert row["because"].startswith("row 1: ")
+def test_the_same_table_holds(kept):
+    assert (kept.folder / "t.csv").read_text().startswith("name,x,order\n")
+    assert kept() == kept(changed("steps_per_second", 0, 99.0)) == []
 
 
-@pytest.mark.parametrize(
-    ("value", "held"), [(-2 - 1.9e-6, True), (-2 - 2.1e-6, False), (-2 + 2.1e-6, False)]
-)
-def test_the_limit_is_where_it_is_said_to_be(value, held):
-    assert (failures(changed("x", 1, value)) == {}) == held
-
-
-def test_near_zero_the_columns_range_counts():
-    assert failures(changed("x", 2, 3e-7 + 2.9e-9)) == {}
-    assert "t.csv: x" in failures(changed("x", 2, 3e-7 + 3.5e-9))
-
-
-def test_rounding_of_a_column():
-    spoilt = changed("x", 2, 4e-7)
-    assert "t.csv: x" in failures(spoilt)
-    assert failures(spoilt, rounding={"x": 2e-7}) == {}
+def test_the_limit_of_each_value_is_where_it_is_said_to_be(kept):
+    room = 1e-9 * (1e6 + 2)  # of the column's range
+    for move, held in ((0.99, True), (1.01, False), (-1.01, False)):
+        assert (kept(changed("x", 1, -2 + move * (room + 2e-6))) == []) == held
+        assert (kept(changed("x", 0, 1e6 + move * (room + 1.0))) == []) == held
+        wide = kept(changed("x", 2, 3e-7 + move * (room + 0.1)), rounding={"x": 0.1})
+        assert (wide == []) == held
+    both = changed("x", 0, 1e6 + 0.9)
+    both.loc[1, "x"] = -2.01
+    (line,) = kept(both)
+    assert line.startswith("x, row 1: was -2.0, is -2.01, moved by 0.01 (0.5 %), allowed 0.001")
 
 
 @pytest.mark.parametrize(
-    ("column", "row", "value"),
+    ("table", "said"),
     [
-        ("name", 0, "A"),
-        ("order", 1, "none"),
-        ("order", 1, 1.5),
-        ("order", 0, "not asymptotic"),
-        ("n", 2, 4),
+        (changed("name", 0, "A"), "name, row 0: was a, is A; words are exact"),
+        (changed("order", 0, "none"), "order, row 0: was not asymptotic, is none"),
+        (changed("order", 1, "none"), "order, row 1: was 1.5, is none"),
+        (changed("order", 0, 1.5), "order, row 0: was not asymptotic, is 1.5"),
+        (TABLE.head(2), "rows: were 3, are 2"),
+        (TABLE.assign(more=1), "column more: new"),
+        (TABLE.drop(columns="x"), "column x: missing"),
     ],
 )
-def test_words_are_exact(column, row, value):
-    assert list(failures(changed(column, row, value))) == [f"t.csv: {column}"]
-
-
-def test_a_word_before_numbers():
-    table = TABLE.assign(order=["not asymptotic", 1.5, 2.0])
-    assert failures(table, text(table)) == {}
-
-
-def test_what_depends_on_the_machine_is_left_out():
-    assert failures(changed("steps_per_second", 0, 99.0)) == {}
+def test_what_differs_is_told(kept, table, said):
+    (line,) = kept(table)
+    assert line.startswith(said)
 
 
 @pytest.mark.parametrize("value", ["nan", "", "inf", "-inf", "NaN"])
-def test_no_number_is_never_held(value):
-    """Not even where both sides have it."""
-    reference = text(TABLE)
-    reference.loc[1, "x"] = value
-    assert "t.csv: x" in failures(reference=reference)
-    both = changed("x", 1, np.nan)
-    assert "t.csv: x" in failures(both, reference)
+def test_no_number_is_never_held(kept, value):
+    path = kept.folder / "t.csv"
+    path.write_text(path.read_text().replace("-2.0", value))
+    (line,) = kept()
+    assert line.startswith(f"x, row 1: was {value}, is -2.0")
 
 
-def test_a_missing_row_column_and_nothing_at_all():
-    assert list(failures(TABLE.head(2))) == ["t.csv: rows"]
-    assert list(failures(TABLE.assign(more=1))) == ["t.csv: columns: missing or extra"]
-    found = failures(TABLE.drop(columns="x"))["t.csv: columns: missing or extra"]
-    assert found["because"].endswith("missing: x")
-    assert "t.csv: rows" in failures(TABLE.head(0), text(TABLE).head(0))
-
-
-def evidence(tables):
-    return Evidence(tables, {}, (), columns=MEANING)
-
-
-def test_tables_of_a_study(tmp_path):
-    for name, content in baseline.baseline_files(evidence({"t": TABLE})).items():
-        (tmp_path / name).write_bytes(content)
-    assert (tmp_path / "t.csv").read_text().startswith("name,x,order,n\n")
-    rows = baseline.compare(evidence({"t": TABLE}), tmp_path)
-    assert {row["verdict"] for row in rows} == {"pass"}
-    first, *_ = baseline.compare(evidence({"t": TABLE, "u": TABLE}), tmp_path)
-    assert (first["verdict"], first["because"][-8:]) == ("fail", "extra: u")
-    assert baseline.compare(evidence({"t": TABLE}), tmp_path / "none") == []
-    (tmp_path / "t.csv").rename(tmp_path / "u.csv")
-    assert baseline.compare(evidence({"t": TABLE}), tmp_path)[0]["because"].endswith(
-        "missing: u; extra: t"
-    )
-    (tmp_path / "u.csv").unlink()
-    assert baseline.compare(evidence({"t": TABLE}), tmp_path) == [], "nothing to compare with"
-
-
-@pytest.mark.parametrize(
-    ("before", "after"),
-    [
-        (
-            "# C\n\n## Unreleased\n\n### Added\n",
-            "### Numbers\n\n- Baseline (quick): so\n\n### Added\n",
-        ),
-        (
-            "## Unreleased\n\n### Numbers\n\n- old\n\n## 1\n",
-            "### Numbers\n\n- Baseline (quick): so\n- old\n\n## 1\n",
-        ),
-        (
-            "## Unreleased\n\n## 1\n\n### Numbers\n\n- old\n",
-            "### Numbers\n\n- Baseline (quick): so\n\n## 1\n\n### Numbers\n\n- old\n",
-        ),
-    ],
-)
-@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
-def test_a_line_in_the_changelog(before, after, end, tmp_path, monkeypatch):
-    place = tmp_path / "CHANGELOG.md"
-    place.write_bytes(before.encode().replace(b"\n", end))
-    monkeypatch.setattr(baseline, "CHANGELOG", place)
-    wanted = f"## Unreleased\n\n{after}".encode().replace(b"\n", end)
-    assert baseline.changelog_entry("quick", "so").endswith(wanted)
-
-
-def test_a_line_in_the_changelog_names_studies(tmp_path, monkeypatch):
-    place = tmp_path / "CHANGELOG.md"
-    place.write_text("## Unreleased\n", encoding="utf-8")
-    monkeypatch.setattr(baseline, "CHANGELOG", place)
-    line = "- Baseline (quick; stability, damping): so\n"
-    assert line in baseline.changelog_entry("quick", "so", ["stability", "damping"]).decode()
+def test_tables_that_are_new_missing_or_damaged(kept):
+    (kept.folder / "u.csv").write_text("x\n1\n1,2,3\n")
+    (kept.folder / "v.csv").write_text("")
+    tables = dict.fromkeys("tuw", TABLE)
+    rows = baseline.compare(evidence(tables), kept.folder)
+    assert [(row["quantity"], row["verdict"], row["because"]) for row in rows[1:]] == [
+        ("u.csv", "fail", "the baseline cannot be read: row 1 has 3 values for 1 columns"),
+        ("v.csv", "fail", "the table is missing"),
+        ("w.csv", "fail", "the table is new"),
+    ]
+    assert baseline.compare(evidence(tables), kept.folder / "none") == [], "nothing to compare"
 
 
 # --- check of some studies ------------------------------------------------------------------------
@@ -189,7 +118,7 @@ class Checkout:
     """A checkout with three studies of one table; `x` is its value that moves."""
 
     def __init__(self, folder):
-        self.quick, self.changelog = folder / "base" / "quick", folder / "CHANGELOG.md"
+        self.quick, self.reasons = folder / "base" / "quick", folder / "base" / "REASONS.md"
         self.x, self.ran = 1.0, []
 
     def load(self, name):
@@ -219,7 +148,6 @@ class Checkout:
 def checkout(tmp_path, monkeypatch):
     """With a baseline of its own, renewed by the command itself."""
     made = Checkout(tmp_path)
-    made.changelog.write_text("## Unreleased\n", encoding="utf-8")
     (tmp_path / "pyproject.toml").touch()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(catalogue, "names", lambda: STUDIES)
@@ -227,7 +155,6 @@ def checkout(tmp_path, monkeypatch):
     monkeypatch.setattr(program.gc, "freeze", lambda: None)
     monkeypatch.setattr(baseline, "HOME", tmp_path / "package")
     monkeypatch.setattr(baseline, "CHECKOUT", tmp_path / "base")
-    monkeypatch.setattr(baseline, "CHANGELOG", made.changelog)
     assert made.check("--update", "--reason", "first") == (0, STUDIES)
     return made
 
@@ -246,7 +173,7 @@ def test_check_runs_what_is_named(names, run, checkout, capsys):
     checkout.x = 1.1
     assert checkout.check(*names) == (1, run)
     missed = capsys.readouterr().err.splitlines()
-    assert [line.partition(": FAIL t.csv: x")[0] for line in missed] == run
+    assert [line.partition(": FAIL t.csv: ")[0] for line in missed] == run
 
 
 def test_update_renews_the_named_studies_only(checkout, capsys):
@@ -262,7 +189,7 @@ def test_update_renews_the_named_studies_only(checkout, capsys):
     renewed = {Path(name, "t.csv"): b"x\n2.0\n" for name in ("stability", "damping")}
     before.pop(Path("damping", "gone.csv"))
     assert checkout.files() == before | renewed
-    assert "- Baseline (quick; stability, damping): so\n" in checkout.changelog.read_text("utf-8")
+    assert "- Baseline (quick; stability, damping): so\n" in checkout.reasons.read_text("utf-8")
     assert "quick baseline of stability, damping renewed" in capsys.readouterr().err
 
 
@@ -275,7 +202,7 @@ def test_strangers_are_the_affair_of_all_studies_only(checkout, capsys):
     assert "quick baseline: oldstudy is no study" in capsys.readouterr().err
     assert checkout.check("all", "--update", "--reason", "so") == (0, STUDIES)
     assert sorted(p.name for p in checkout.quick.iterdir()) == STUDIES
-    assert "- Baseline (quick): so\n" in checkout.changelog.read_text("utf-8")
+    assert "- Baseline (quick): so\n" in checkout.reasons.read_text("utf-8")
 
 
 def test_a_first_baseline_of_one_study(checkout, capsys):
@@ -299,14 +226,20 @@ def test_a_full_disk_leaves_the_baseline_of_all_as_it_was(checkout, monkeypatch,
     assert checkout.check("poisson", "--update", "--reason", "so")[0] == 2
     assert "No space left on device" in capsys.readouterr().err
     assert checkout.files() == before
-    assert [p.name for p in checkout.quick.parent.iterdir()] == ["quick"]
+    assert {p.name for p in checkout.quick.parent.iterdir()} == {"quick", "REASONS.md"}
+
+
+def test_an_installed_package_keeps_its_own_baseline(checkout, capsys):
+    Path("pyproject.toml").unlink()
+    assert checkout.check("poisson", "--update", "--reason", "so") == (2, [])
+    assert "own baseline stays; give --baseline DIR" in capsys.readouterr().err
 
 
 # --- a baseline of one's own ----------------------------------------------------------------------
 
 
 def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
-    ours, said = checkout.files(), checkout.changelog.read_bytes()
+    ours, said = checkout.files(), checkout.reasons.read_bytes()
     own, checkout.x = Path("mine") / "base", 2.0
     at = ("--baseline", str(own))
     assert checkout.check("poisson", *at) == (4, ["poisson"])
@@ -325,17 +258,20 @@ def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
     assert checkout.check("poisson", "damping", *at)[0] == 0
     checkout.x = 2.1
     assert checkout.check("poisson", *at)[0] == 1
-    assert (checkout.files(), checkout.changelog.read_bytes()) == (ours, said)
+    assert (checkout.files(), checkout.reasons.read_bytes()) == (ours, said)
 
 
 @table(
     ("options", "said"),
     [
-        (["--baseline", "CHANGELOG.md"], "--baseline CHANGELOG.md: a file; name a folder"),
+        (["--baseline", "pyproject.toml"], "--baseline pyproject.toml: a file; name a folder"),
         (["--baseline", "reports"], "shares a folder with --out reports/latest; name another"),
         (["--baseline", "reports/latest/b"], "shares a folder with --out reports/latest"),
         (["--baseline", "./base"], "--baseline base: our own; leave --baseline out"),
-        (["--baseline", "CHANGELOG.md/b", "--update", "--reason", "so"], "no permission to write"),
+        (
+            ["--baseline", "pyproject.toml/b", "--update", "--reason", "so"],
+            "no permission to write",
+        ),
         (["--baseline", "odd", "--update", "--reason", "so"], "REASONS.md: not UTF-8 at byte 0"),
     ],
 )
