@@ -15,10 +15,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import reference_fem
-from msvalidate.bodies.calibrate import calibrate_material, default_constants
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.routes import ROUTES
+from msvalidate.constants.routes import ROUTES, default_constants
 from msvalidate.constants.stiffness import (
     directional_ratio,
     moduli,

@@ -14,7 +14,7 @@ import numpy as np
 
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.patterns import cubic_tensor
-from msvalidate.problem import VOIGT, Array, Isotropic, ProblemError
+from msvalidate.problem import VOIGT, Array, Isotropic, Material, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_angle,
@@ -217,6 +217,32 @@ def in_plane_moduli(material: Isotropic) -> tuple[float, float]:
     raise ProblemError("in-plane constants: the material is a solid; take plane stress or strain")
 
 
+def axes_moduli(material: Isotropic, dim: int, what: str) -> tuple[float, float]:
+    """E and ratio of the d axes of `what`: in-plane ones (E in N/m), or the solid's (Pa).
+
+    Raises
+    ------
+    ProblemError
+        If the material is of another dimension.
+    """
+    if dim == 2:
+        return in_plane_moduli(material)
+    if material.state != "solid":
+        raise ProblemError(f"{what}: material in {material.state}; give a solid")
+    return material.E, material.nu
+
+
+def lame(dim: int, E: float, nu: float) -> tuple[float, float]:
+    """Lamé's constants λ and μ, in the unit of E, of E and nu of d axes, nu below 1/(d - 1).
+
+    λ = E nu/((1 + nu)(1 - (d - 1) nu)), μ = E/(2(1 + nu)).
+
+    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
+    """
+    mu = E / (2 * (1 + nu))
+    return 2 * mu * nu / (1 - (dim - 1) * nu), mu
+
+
 def moduli(tensor: Array) -> Moduli:
     """E, nu along x and Zener ratio of a tensor of cubic (in the plane square) symmetry.
 
@@ -274,15 +300,29 @@ def isotropic_moduli(tensor: Array) -> Moduli:
         raise ProblemError(
             f"moduli: lowest eigenvalue {lowest * largest:g} {UNIT[d]}; some strain costs no energy"
         )
-    bulk = normal.mean()
-    mu = (np.trace(normal) + 2 * shear.sum() - d * bulk) / ((d - 1) * (d + 2))
+    bulk, mu = _invariant_moduli(C)
     mean11 = np.trace(normal) / d
     mean12 = (normal.sum() - np.trace(normal)) / (d * (d - 1))
-    lame = bulk - 2 * mu / d
-    nu = lame / ((d - 1) * lame + 2 * mu)
+    C12 = bulk - 2 * mu / d
+    nu = C12 / ((d - 1) * C12 + 2 * mu)
     found = (2 * mu * (1 + nu), nu, 2 * shear.mean() / (mean11 - mean12))
     E, nu, zener = finite("moduli E, nu and zener", found).tolist()
     return Moduli(E=E, nu=nu, zener=zener)
+
+
+def _invariant_moduli(C: Array) -> tuple[float, float]:
+    """Bulk and shear modulus, in its unit, of the isotropic tensor nearest to a Voigt tensor."""
+    d = AXES_OF[len(C)]
+    bulk = C[:d, :d].mean()
+    mu = (np.trace(C) + np.trace(C[d:, d:]) - d * bulk) / ((d - 1) * (d + 2))
+    return float(bulk), float(mu)
+
+
+def shear_modulus(material: Material) -> float:
+    """μ, N/m with the thickness in the plane or Pa in space; of a tensor its isotropic part's."""
+    if isinstance(material, Isotropic):
+        return material.thickness * lame(material.dim, material.E, material.nu)[1]
+    return material.thickness * _invariant_moduli(material.C)[1]
 
 
 def isotropic_part(tensor: Array) -> Array:
@@ -298,15 +338,9 @@ def isotropic_part(tensor: Array) -> Array:
 
 
 def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
-    """Voigt tensor of E and nu of its own axes (in the plane the in-plane ones), nu below 1/(d-1).
-
-    C12 = E nu/((1 + nu)(1 - (d - 1) nu)), C44 = E/(2(1 + nu)), C11 = C12 + 2·C44.
-
-    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
-    """
-    mu = E / (2 * (1 + nu))
-    lame = 2 * mu * nu / (1 - (dim - 1) * nu)
-    return cubic_tensor(dim, lame + 2 * mu, lame, mu)
+    """Voigt tensor of E and nu of its own axes: C12 = λ, C44 = μ, C11 = λ + 2μ (see `lame`)."""
+    C12, C44 = lame(dim, E, nu)
+    return cubic_tensor(dim, C12 + 2 * C44, C12, C44)
 
 
 def cubic_part(tensor: Array) -> Array:

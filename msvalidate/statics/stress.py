@@ -101,7 +101,7 @@ def cell_stress(
         Of a plane body, m.
     parts
         (m, c) part of each spring that is each cell's, as `spring_shares` of
-        `msvalidate.bodies.zones` has it.
+        `msvalidate.constants.zones` has it.
 
     Raises
     ------

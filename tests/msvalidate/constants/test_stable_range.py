@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from msvalidate.constants.stable_range import least_stable_volume
+from msvalidate.constants.waves import least_stable_volume
 from msvalidate.lattice import patterns, repeat_cell
 from msvalidate.lattice.pattern import pattern_by_shells
 from msvalidate.problem import ProblemError

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.bodies.calibrate import default_constants
 from msvalidate.constants.homogenise import interior_tensor
+from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import (
     cubic_part,
     directional_modulus,
