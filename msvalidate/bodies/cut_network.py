@@ -90,6 +90,7 @@ def cut_network(
     ProblemError
         If the lattice cannot be the material, or a support does not meet its points or holds all.
     """
+    require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
     k, kappa, density = constants_by_zone(problem, lattice, constants, volume)
     held, displacement = prescribed_displacements_at(

@@ -28,7 +28,7 @@ from msvalidate.problem import (
     prescribed_displacements,
     vectors_at,
 )
-from msvalidate.problem.checks import require_one_of
+from msvalidate.problem.checks import require_one_of, require_type
 
 Kind = TypeVar("Kind", bound=Lattice)
 RIGHT = 1e-9
@@ -69,6 +69,8 @@ def lattice_network(
     ProblemError
         If the lattice cannot be a material, or a support or load does not meet its points.
     """
+    require_type("problem", problem, Problem)
+    require_type("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
     k, kappa, density = constants_by_zone(problem, lattice, constants, volume)

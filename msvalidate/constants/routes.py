@@ -30,6 +30,8 @@ from msvalidate.constants.stiffness import (
     UNIT,
     Moduli,
     axes_moduli,
+    edge_constants,
+    is_of_material,
     is_same_tensor,
     isotropic_moduli,
     isotropic_tensor,
@@ -43,6 +45,7 @@ from msvalidate.constants.waves import least_stable_volume
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
 from msvalidate.problem.checks import (
+    finite,
     format_value,
     length_in_metres,
     require_one_of,
@@ -79,7 +82,7 @@ def calibrate_by_route(
     """
     if not isinstance(material, Isotropic):
         raise ProblemError(f"calibrate: {format_value(material)}; the material must be isotropic")
-    pattern, unit = repeating_cell(lattice, spacing)
+    pattern, unit = _repeating_cell(lattice, spacing)
     if not 1 / ORDINARY < material.E * material.thickness < ORDINARY:
         raise ProblemError(
             f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
@@ -94,6 +97,43 @@ def calibrate_by_route(
     return found
 
 
+def constants_of(
+    material: Material, lattice: Lattice, given: Constants | Calibration | None, volume: float
+) -> tuple[Array, float]:
+    """Spring constants (kinds,) and κ of a material: those given, checked, or its own by springs.
+
+    Parameters
+    ----------
+    material, lattice
+        Of a body, or of a zone of it.
+    given, volume
+        Spring constants (N/m) with κ, or a calibration, which has its own.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, κ is given twice, a calibration is for another lattice,
+        spacing, thickness or isotropic material, or there are no constants by springs alone.
+    """
+    if given is None:
+        return np.array(default_constants(material, lattice)), volume
+    if isinstance(given, Calibration):
+        if volume:
+            raise ProblemError(
+                f"volume stiffness: {format_value(volume)}; a calibration brings its own, leave "
+                "it out"
+            )
+        _refuse_other_material(given, lattice, material)
+        volume = given.volume
+    constants = given.constants if isinstance(given, Calibration) else given
+    k = finite("spring constants", constants)
+    if k.shape != (lattice.kinds,):
+        raise ProblemError(
+            f"spring constants: {format_value(constants)}; give {lattice.kinds}, one a kind"
+        )
+    return k, volume
+
+
 def default_constants(material: Material, lattice: Lattice) -> Constants:
     """Spring constants (N/m), one a kind, of the lattice that is the material by springs alone.
 
@@ -105,25 +145,32 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
     require_type("lattice", lattice, Lattice)
     if not isinstance(material, Isotropic):
         raise ProblemError("spring constants: the material is a tensor; give the constants")
-    if isinstance(lattice.domain, Mesh) and not isinstance(lattice, PatternLattice):
-        return _edge_constants(material)
-    return calibrate_by_route(material, lattice, None, "springs").constants
+    if not isinstance(lattice.domain, Mesh) or isinstance(lattice, PatternLattice):
+        return calibrate_by_route(material, lattice, None, "springs").constants
+    return edge_constants(material)
 
 
-def _edge_constants(material: Isotropic) -> tuple[float]:
-    """The constant of a spring per edge of a mesh: E·t (N/m) in the plane, E (Pa) in space."""
-    E, nu = axes_moduli(material, material.dim, "springs along a mesh's edges")
-    only = CAUCHY[material.dim]
-    if abs(nu - only) > ALIKE:
-        raise ProblemError(
-            f"springs along a mesh's edges: ratio {nu:.6g} ({material.state}, nu = "
-            f"{material.nu:g}); their mean over directions has {only:.6g} only: take that, or "
-            "give the constant"
+def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:
+    """A calibration of something else, whose constants would make another material of this."""
+    pattern, unit = _repeating_cell(lattice, None)
+    scales = pattern.dim == 3  # in the plane constants are the same at any spacing
+    if (given.lattice, len(given.constants)) != (pattern.name, pattern.kinds):
+        mismatch = f"a {given.lattice} lattice, not {pattern.name}"
+    elif scales and abs(given.spacing - unit) > ALIKE * unit:
+        mismatch = f"a spacing of {given.spacing:g} m, not {unit:g} m"
+    elif abs(given.thickness - material.thickness) > ALIKE * material.thickness:
+        mismatch = f"a thickness of {given.thickness:g} m, not {material.thickness:g} m"
+    elif isinstance(material, Isotropic) and not is_of_material(given.tensor, material):
+        mismatch = (
+            f"E = {given.E:g} Pa and nu = {given.nu:g} of another state or size than the problem's "
+            f"{material.E:g} and {material.nu:g} in {material.state}"
         )
-    return (E,)
+    else:
+        return
+    raise ProblemError(f"calibration: for {mismatch}; calibrate the problem's own body")
 
 
-def repeating_cell(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
+def _repeating_cell(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
     """What repeats, and the length (m) of its unit."""
     require_type("lattice", lattice, Pattern | Lattice)
     if isinstance(lattice, Pattern):

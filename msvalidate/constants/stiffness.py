@@ -190,6 +190,25 @@ def triangular_constants(material: Isotropic) -> tuple[float]:
     return (math.sqrt(3) / 2 * E,)
 
 
+def edge_constants(material: Isotropic) -> tuple[float]:
+    """The constant of a spring per edge of a mesh: E·t (N/m) in the plane, E (Pa) in space.
+
+    Raises
+    ------
+    ProblemError
+        If the ratio is not that of central springs, 1/3 in the plane or 1/4 in space.
+    """
+    E, nu = axes_moduli(material, material.dim, "springs along a mesh's edges")
+    only = CAUCHY[material.dim]
+    if abs(nu - only) > ALIKE:
+        raise ProblemError(
+            f"springs along a mesh's edges: ratio {nu:.6g} ({material.state}, nu = "
+            f"{material.nu:g}); their mean over directions has {only:.6g} only: take that, or "
+            "give the constant"
+        )
+    return (E,)
+
+
 def in_plane_moduli(material: Isotropic) -> tuple[float, float]:
     """In-plane modulus (N/m, thickness included) and ratio of an isotropic material.
 
@@ -233,14 +252,14 @@ def axes_moduli(material: Isotropic, dim: int, what: str) -> tuple[float, float]
 
 
 def lame(dim: int, E: float, nu: float) -> tuple[float, float]:
-    """Lamé's constants λ and μ, in the unit of E, of E and nu of d axes, nu below 1/(d - 1).
+    """Lamé's constants λ, infinite at nu = 1/(d - 1), and μ, of E and nu of d axes.
 
     λ = E nu/((1 + nu)(1 - (d - 1) nu)), μ = E/(2(1 + nu)).
 
     Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
     """
-    mu = E / (2 * (1 + nu))
-    return 2 * mu * nu / (1 - (dim - 1) * nu), mu
+    mu, room = E / (2 * (1 + nu)), 1 - (dim - 1) * nu
+    return (2 * mu * nu / room if room else math.inf), mu
 
 
 def moduli(tensor: Array) -> Moduli:
@@ -361,6 +380,13 @@ def cubic_part(tensor: Array) -> Array:
 def is_same_tensor(tensor: Array, other: Array) -> bool:
     """Whether two tensors are one to within `ALIKE` of the largest entry."""
     return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
+
+
+def is_of_material(tensor: Array, material: Isotropic) -> bool:
+    """Whether a tensor (N/m in the plane, else Pa) is that of a material, to within `ALIKE`."""
+    d = AXES_OF[len(tensor)]
+    E, nu = axes_moduli(material, d, "tensor")
+    return (d - 1) * nu < 1 and is_same_tensor(tensor, isotropic_tensor(d, E, nu))
 
 
 def rotate_tensor(tensor: Array, turn: float | Array) -> Array:

@@ -35,28 +35,20 @@ from scipy.sparse import csr_array, diags_array
 from scipy.spatial import KDTree
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.routes import calibrate_by_route, default_constants, repeating_cell
-from msvalidate.constants.stiffness import (
-    ALIKE,
-    axes_moduli,
-    is_same_tensor,
-    isotropic_tensor,
-    shear_modulus,
-)
+from msvalidate.constants.routes import calibrate_by_route, constants_of
+from msvalidate.constants.stiffness import shear_modulus
 from msvalidate.lattice import Constants, CutLattice, Lattice, Pattern
 from msvalidate.lattice.outline import is_outside, outline
 from msvalidate.lattice.parts import cell_shape, point_parts, spring_parts
 from msvalidate.problem import (
     Array,
     CellSet,
-    Isotropic,
-    Material,
     Problem,
     ProblemError,
     cut_cells,
     materials_at,
 )
-from msvalidate.problem.checks import finite, finite_number, format_value, require_type
+from msvalidate.problem.checks import finite_number, format_value, require_type
 
 SAMPLES: Mapping[int, int] = {2: 16, 3: 8}
 """Places along each axis of a cell that a zone ends in; fractions are then off by a hundredth."""
@@ -115,24 +107,20 @@ def constants_by_zone(
     Raises
     ------
     ProblemError
-        If the lattice fills another domain, the constants are not one a kind, κ is given twice, or
-        a calibration is for another lattice, spacing, thickness or isotropic material; with zones,
-        if there is not one entry for each material.
+        If the lattice fills another domain, or as `constants_of`; with zones, if there is not one
+        entry for each material.
     """
-    require_type("problem", problem, Problem)
-    require_type("lattice", lattice, Lattice)
     if lattice.domain != problem.domain:
         raise ProblemError(
             f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
             "build it from the problem's own"
         )
-    k, kappa = _constants_of_each(problem, lattice, given, volume)
+    k, kappa, shear = _constants_of_each(problem, lattice, given, volume)
     density = np.array([material.density for material in problem.materials])
     at_points = np.full(len(lattice.points), density[0])
     if not problem.zones:
         return k[0, lattice.kind], np.full(len(lattice.cells), kappa[0]), at_points
     fraction = material_fractions(problem, lattice)
-    shear = np.array([shear_modulus(material) for material in problem.materials])
     if (density != density[0]).any():
         at_points = np.asarray(point_parts(lattice) @ (fraction @ density))
     bulk = shear * (1 + 2 / lattice.points.shape[1])
@@ -158,18 +146,16 @@ def spring_shares(
     ProblemError
         As there.
     """
-    k, _ = _constants_of_each(problem, lattice, constants, 0.0)
-    fraction = material_fractions(problem, lattice)
-    shear = np.array([shear_modulus(material) for material in problem.materials])
-    gifts = _gifts(lattice, fraction / shear, k)
+    k, _, shear = _constants_of_each(problem, lattice, constants, 0.0)
+    gifts = _gifts(lattice, material_fractions(problem, lattice) / shear, k)
     total = gifts.sum(axis=1)
     return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
 
 
 def _constants_of_each(
     problem: Problem, lattice: Lattice, given: OneOrEach | None, volume: float
-) -> tuple[Array, Array]:
-    """Spring constants (materials, kinds) and κ (materials,) of each of a problem's materials."""
+) -> tuple[Array, Array, Array]:
+    """Spring constants (materials, kinds), κ and μ (materials,) of a problem's materials."""
     volume, count = finite_number("volume stiffness", volume), len(problem.materials)
     if count > 1 and volume:
         raise ProblemError(
@@ -185,55 +171,11 @@ def _constants_of_each(
             "one entry each, such as calibrate_zones(problem, lattice)"
         )
     found = [
-        _constants_of(material, lattice, one, volume)
+        (*constants_of(material, lattice, one, volume), shear_modulus(material))
         for material, one in zip(problem.materials, each, strict=True)
     ]
-    return np.array([k for k, _ in found]), np.array([kappa for _, kappa in found])
-
-
-def _constants_of(
-    material: Material, lattice: Lattice, given: Constants | Calibration | None, volume: float
-) -> tuple[Array, float]:
-    """Spring constants (kinds,) and κ of one material."""
-    if isinstance(given, Calibration):
-        if volume:
-            raise ProblemError(
-                f"volume stiffness: {format_value(volume)}; a calibration brings its own, leave "
-                "it out"
-            )
-        _refuse_other_material(given, lattice, material)
-        constants, volume = given.constants, given.volume
-    else:
-        constants = default_constants(material, lattice) if given is None else given
-    k = finite("spring constants", constants)
-    if k.shape != (lattice.kinds,):
-        raise ProblemError(
-            f"spring constants: {format_value(constants)}; give {lattice.kinds}, one a kind"
-        )
-    return k, volume
-
-
-def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:
-    """A calibration of something else, whose constants would make another material of this."""
-    pattern, unit = repeating_cell(lattice, None)
-    d = pattern.dim  # in the plane constants are the same at any spacing
-    if (given.lattice, len(given.constants)) != (pattern.name, pattern.kinds):
-        mismatch = f"a {given.lattice} lattice, not {pattern.name}"
-    elif d == 3 and abs(given.spacing - unit) > ALIKE * unit:
-        mismatch = f"a spacing of {given.spacing:g} m, not {unit:g} m"
-    elif abs(given.thickness - material.thickness) > ALIKE * material.thickness:
-        mismatch = f"a thickness of {given.thickness:g} m, not {material.thickness:g} m"
-    elif isinstance(material, Isotropic):
-        E, nu = axes_moduli(material, d, f"{pattern.name} lattice")
-        if (d - 1) * nu < 1 and is_same_tensor(given.tensor, isotropic_tensor(d, E, nu)):
-            return
-        mismatch = (
-            f"E = {given.E:g} Pa and nu = {given.nu:g} of another state or size than the problem's "
-            f"{material.E:g} and {material.nu:g} in {material.state}"
-        )
-    else:
-        return
-    raise ProblemError(f"calibration: for {mismatch}; calibrate the problem's own body")
+    k, kappa, shear = zip(*found, strict=True)
+    return np.array(k), np.array(kappa), np.array(shear)
 
 
 def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) -> Array:

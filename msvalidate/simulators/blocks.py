@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.constants.stiffness import lame
 from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.protocol import Request, Simulator, SimulatorError, ask
@@ -61,12 +62,12 @@ class Effective:
 
 def linear_law(E: float, nu: float) -> Stress:
     """Hooke's law of the small strain, as a stress of the deformation gradient."""
-    shear, lame = E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - 2 * nu)
+    lam, mu = lame(3, E, nu)
 
     def stress(F: Array) -> Array:
         strain = (F + np.swapaxes(F, -1, -2)) / 2 - np.eye(3)
         spread = np.trace(strain, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
-        return np.asarray(2 * shear * strain + lame * spread)
+        return np.asarray(2 * mu * strain + lam * spread)
 
     return stress
 
