@@ -2,30 +2,26 @@
 
 It stands on scikit-fem [scikitfem]. Entry points: `solve_problem` for a `Problem`, `solve` or
 `solve_mixed` for a mesh as arrays, and a `Solver` for many loads of one body. Of a dielectric
-`Slab` with electrodes in air: `slab_mesh`, `solve_charges` and `respond`, or `capacitance` and
-`surface_profile` with their errors; `solve_potential` for a mesh as arrays. At large strain:
-`large_strain` for a solid, `actuator` for a slab squeezed by its field.
+`Slab` with electrodes in air: `slab_mesh`, `solve_charges` and `respond`; `solve_potential` for a
+mesh as arrays. At large strain: `large_strain` for a solid, `actuator` for a slab squeezed by its
+field.
 """
 
 from reference_fem.body import Solution, solve_problem
 from reference_fem.elasticity import solve
 from reference_fem.electric import (
-    Capacitance,
     Charged,
     Dielectric,
     Electrode,
     Potential,
     Slab,
     SlabMesh,
-    capacitance,
     facing_slab,
-    far_boundary,
     move_air,
     respond,
     slab_mesh,
     solve_charges,
     solve_potential,
-    surface_profile,
 )
 from reference_fem.mesh import (
     Discretisation,
@@ -39,7 +35,6 @@ from reference_fem.refinement import Estimate, refine
 from reference_fem.systems import Solver, SystemSolution
 
 __all__ = [
-    "Capacitance",
     "Charged",
     "Dielectric",
     "Discretisation",
@@ -52,9 +47,7 @@ __all__ = [
     "Solver",
     "SystemSolution",
     "box_discretisation",
-    "capacitance",
     "facing_slab",
-    "far_boundary",
     "make_discretisation",
     "mesh_discretisation",
     "move_air",
@@ -67,5 +60,4 @@ __all__ = [
     "solve_mixed",
     "solve_potential",
     "solve_problem",
-    "surface_profile",
 ]

@@ -36,7 +36,7 @@ from reference_fem.elasticity import elastic_tensor, make_solver
 from reference_fem.materials import CellMaterials, Materials, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
-from reference_fem.mixed import lame_constants, mixed_solution
+from reference_fem.mixed import mixed_solution, shear_and_compliance
 from reference_fem.stress import (
     displacement_gradient,
     engineering_strain,
@@ -121,8 +121,7 @@ class Solution:
         ProblemError
             If a point lies outside the body.
         """
-        rest = self.solved.remainder if self.solved else None
-        return engineering_strain(displacement_gradient(self.body, self.displacement, points, rest))
+        return engineering_strain(displacement_gradient(self.body, self.displacement, points))
 
     def stress(self, points: ArrayLike) -> Array:
         """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
@@ -141,8 +140,7 @@ class Solution:
         if law is None:
             raise ProblemError("stress: the solution was made without a material; give it one")
         if isinstance(law, CellMaterials):
-            rest = self.solved.remainder if self.solved else None
-            point, cell, each = gradient_in_cells(self.body, self.displacement, points, rest)
+            point, cell, each = gradient_in_cells(self.body, self.displacement, points)
             strain, number = engineering_strain(each), law.number[cell]
             found = np.empty_like(strain)
             for i, one in enumerate(law.materials):
@@ -159,7 +157,7 @@ class Solution:
         if self.pressure is None:
             return np.asarray(strain @ elastic_tensor(material).T)
         d, pairs = self.body.dim, len(VOIGT[self.body.dim]) - self.body.dim
-        mu, _ = lame_constants(material)
+        mu, _ = shear_and_compliance(material)
         return np.asarray(strain * ([2 * mu] * d + [mu] * pairs))
 
     @property

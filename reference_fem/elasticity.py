@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -12,7 +13,14 @@ from msvalidate.problem import VOIGT, Array, Isotropic, Mask, Material, ProblemE
 from msvalidate.problem.checks import finite, format_value, require_type
 from reference_fem.effort import fits_in_memory
 from reference_fem.locking import refuse_locked
-from reference_fem.materials import CellMaterials, Materials, by_material, each_material, numbers_of
+from reference_fem.materials import (
+    CellMaterials,
+    Materials,
+    by_material,
+    each_material,
+    lame_constants,
+    numbers_of,
+)
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.systems.solver import Solver, refuse_shapes
 
@@ -186,12 +194,9 @@ def weighted_stiffness(body: Discretisation, *each: tuple[Array, Mask | None]) -
 
 
 def elastic_tensor(material: Material) -> Array:
-    """Voigt tensor (3, 3) or (6, 6) in Pa, from Lamé's constants.
+    """Voigt tensor (3, 3) or (6, 6) in Pa, from `lame_constants`.
 
-    Order xx, yy, xy or xx, yy, zz, yz, xz, xy, with engineering shear. Plane stress replaces λ by
-    2λμ/(λ + 2μ) = E·nu/(1 - nu²).
-
-    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
+    Order xx, yy, xy or xx, yy, zz, yz, xz, xy, with engineering shear.
 
     Raises
     ------
@@ -201,13 +206,8 @@ def elastic_tensor(material: Material) -> Array:
     require_type("material", material, Material)
     if not isinstance(material, Isotropic):
         return material.C
-    E, nu = material.E, material.nu
-    mu = E / (2 * (1 + nu))
-    if material.state == "plane_stress":
-        lam = E * nu / (1 - nu**2)
-    elif nu < 0.5:
-        lam = E * nu / ((1 + nu) * (1 - 2 * nu))
-    else:
+    mu, lam = lame_constants(material)
+    if math.isinf(lam):
         raise ProblemError(
             "nu = 1/2: displacement elements need a compressible body; take nu < 1/2, or mixed "
             "elements (solve_mixed, or solve_problem with mixed=True)"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from msvalidate.problem import (
     SHAPES,
     Index,
+    Isotropic,
     Mask,
     Material,
     Problem,
@@ -91,6 +93,18 @@ def by_material(law: Materials, body: Discretisation) -> Iterator[tuple[Material
         )
     for i, material in enumerate(law.materials):
         yield material, law.number == i
+
+
+def lame_constants(material: Isotropic) -> tuple[float, float]:
+    """Lamé's μ and λ in Pa; λ infinite at nu = 1/2, in plane stress 2λμ/(λ + 2μ) in its place.
+
+    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
+    """
+    E, nu = material.E, material.nu
+    mu = E / (2 * (1 + nu))
+    if material.state == "plane_stress":
+        return mu, E * nu / (1 - nu**2)
+    return mu, E * nu / ((1 + nu) * (1 - 2 * nu)) if nu < 0.5 else math.inf
 
 
 def numbers_of(law: Materials) -> Index | None:

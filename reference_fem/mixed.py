@@ -34,11 +34,12 @@ from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
-from reference_fem.materials import Materials, by_material, each_material, numbers_of
+from reference_fem.materials import Materials, by_material, lame_constants, numbers_of
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
-from reference_fem.systems.cells import mixed_cells
-from reference_fem.systems.refined import Inverse, refine_solution
+from reference_fem.mesh.gradients import gradients_at_points
+from reference_fem.systems.cells import ElasticForces, MixedForces
+from reference_fem.systems.refined import Vectors, refine_solution, share_left
 from reference_fem.systems.solver import (
     ACCEPTED,
     RESIDUAL,
@@ -121,33 +122,25 @@ def mixed_solution(
     began = perf_counter()
     with fits_in_memory(len(body.points), "nodes"):
         system = _mixed_system(body, material)
-    lame = [lame_constants(one) for one in each_material(material)]
     refuse_free_motions("finite element body", body.points, held)
-    free = ~held.T.ravel()
-    u = np.where(held, displacement, 0.0).T.ravel()
-    load = force.T.ravel()
+    free, n = ~held.T.ravel(), held.size
+    start = np.zeros(n + system.M.shape[0])
+    start[:n] = np.where(held, displacement, 0.0).T.ravel()
+    load = np.concatenate([force.T.ravel(), np.zeros(len(start) - n)])
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
         inverse = system.inverse(free)
-        found = inverse(np.concatenate([(load - system.A @ u)[free], -(system.B @ u)])[:, None])
-        u[free], p = found[: free.sum(), 0], found[free.sum() :, 0]
-        left = system.check(free, u, p, load)
-        pressures = np.ones(len(p), dtype=bool)
-        better = refine_solution(
-            mixed_cells(body, lame, material.thickness, numbers_of(material)),
-            inverse,
-            np.concatenate([u, p]),
-            np.concatenate([load, np.zeros(len(p))]),
-            np.concatenate([free, pressures]),
-            counted=np.concatenate([np.ones(len(u), dtype=bool), ~pressures]),
-        )
+        start += inverse(load - np.concatenate([system.A @ start[:n], system.B @ start[:n]]))
+        left = system.check(free, start[:n], start[n:], load[:n])
+        forces = system.forces(body, material)
+        moves = np.append(free, np.zeros(len(start) - n, dtype=bool))
+        share = share_left(forces, inverse, body.points, moves, body.dim)
+        better = refine_solution(forces, inverse, start, load, share, slice(n))
     if not better.error <= ACCEPTED:
         raise SolverError(describe_lost_digits(better.error))
-    moved, rest = (
-        each[: len(u)].reshape(body.dim, -1).T.copy() for each in (better.value, better.rest)
-    )
     how = "superlu", "mixed elements: indefinite", left, 0, perf_counter() - began
-    solved = SystemSolution(*how, better.error, better.corrections, rest)
-    return moved, better.value[len(u) :].copy(), solved
+    solved = SystemSolution(*how, better.error, better.corrections)
+    moved = better.value[:n].reshape(body.dim, -1).T.copy()
+    return moved, better.value[n:].copy(), solved
 
 
 def mixed_forces(
@@ -165,14 +158,26 @@ def mixed_forces(
 
 @dataclass(frozen=True, eq=False)
 class _System:
-    """A u + Bᵀ p = f and B u - M p = 0, component-major, thickness included."""
+    """A u + Bᵀ p = f and B u - M p = 0, component-major, thickness included.
+
+    The tensors of 2με (Pa), thickness included, and 1/λ (1/Pa) are of each material.
+    """
 
     A: csr_array
     B: csr_array
     M: csr_array
+    tensors: list[Array]
+    inverses: Array
 
-    def inverse(self, free: Mask) -> Inverse:
-        """Free displacements (m), then pressures (Pa), of forces (N) and then volumes (m³).
+    def forces(self, body: Discretisation, material: Materials) -> MixedForces:
+        """Forces, then volumes, as cells bring them."""
+        number = numbers_of(material)
+        tensor = self.tensors[0] if number is None else np.array(self.tensors)
+        shear = ElasticForces(gradients_at_points(body), tensor, number)
+        return MixedForces(body, shear, self.inverses, material.thickness)
+
+    def inverse(self, free: Mask) -> Vectors:
+        """Displacements (m), then pressures (Pa), of forces (N) and then volumes (m³).
 
         Scaled so that each equation is near 1. The scale of a pressure is the diagonal of
         B A⁻¹ Bᵀ + M, with the diagonal of A for A.
@@ -185,8 +190,14 @@ class _System:
         scale = 1 / np.sqrt(np.concatenate([stiff, soft]))
         S = diags_array(scale)
         K = S @ block_array([[A, B.T], [B, -self.M]], format="csr") @ S
-        factor = _factorise(K)
-        return lambda right: np.asarray(scale[:, None] * factor(scale[:, None] * right))
+        factor, sought = _factorise(K), np.append(free, np.ones(len(soft), dtype=bool))
+
+        def inverse(right: Array) -> Array:
+            found = np.zeros(len(sought))
+            found[sought] = scale * factor(scale * right[sought])
+            return found
+
+        return inverse
 
     def check(self, free: Mask, u: Array, p: Array, load: Array) -> float:
         """Larger residual of the two equations, relative; refused if it is more than rounding."""
@@ -216,7 +227,7 @@ _NO_VOLUME = (
 )
 
 
-def _factorise(K: csr_array) -> Inverse:
+def _factorise(K: csr_array) -> Vectors:
     """Solutions of a symmetric indefinite system by a factor."""
     with fits_in_memory(K.shape[0], "unknowns"):
         try:
@@ -243,7 +254,7 @@ def _mixed_system(body: Discretisation, material: Materials) -> _System:
 
     Each material has pressures of its own, for they jump where materials meet.
     """
-    each = [(lame_constants(one), cells) for one, cells in by_material(material, body)]
+    each = [(shear_and_compliance(one), cells) for one, cells in by_material(material, body)]
     if body.element.degree != 2:
         raise ProblemError(
             f"mixed elements: {body.element.name} has displacements of degree 1; take one of "
@@ -254,13 +265,12 @@ def _mixed_system(body: Discretisation, material: Materials) -> _System:
     shear = [
         (t * full_tensor(np.diag([2 * mu] * d + [mu] * pairs)), cells) for (mu, _), cells in each
     ]
-    A = weighted_stiffness(body, *shear)
+    A = csr_array(weighted_stiffness(body, *shear))
     found = [(inverse, *_pressure_matrices(body, cells)) for (_, inverse), cells in each]
-    if len(found) == 1:
-        ((inverse, B, mass),) = found
-        return _System(csr_array(A), t * B, t * inverse * mass)
     mass = block_diag([inverse * mass for inverse, _, mass in found], "csr")
-    return _System(csr_array(A), t * vstack([B for _, B, _ in found], "csr"), t * mass)
+    B = vstack([B for _, B, _ in found], "csr")
+    inverses = np.array([inverse for inverse, _, _ in found])
+    return _System(A, t * B, t * mass, [tensor for tensor, _ in shear], inverses)
 
 
 def _pressure_matrices(body: Discretisation, cells: Mask | None) -> tuple[csr_array, csr_array]:
@@ -283,7 +293,7 @@ def _pressure_matrices(body: Discretisation, cells: Mask | None) -> tuple[csr_ar
     return B[own], mass[own][:, own]
 
 
-def lame_constants(material: Material) -> tuple[float, float]:
+def shear_and_compliance(material: Material) -> tuple[float, float]:
     """Lamé's μ (Pa) and 1/λ (1/Pa), finite at nu = 1/2.
 
     Raises
@@ -296,15 +306,15 @@ def lame_constants(material: Material) -> tuple[float, float]:
         raise ProblemError(
             "mixed elements: the material is anisotropic; take displacement elements"
         )
-    E, nu = material.E, material.nu
     if material.state == "plane_stress":
         raise ProblemError(
             "mixed elements: plane stress leaves thickness free to change, so that nothing locks "
             "at nu = 1/2; take displacement elements"
         )
-    if nu <= 0:
+    if material.nu <= 0:
         raise ProblemError(
-            f"mixed elements: nu = {nu:g} has no pressure that grows with volume (λ <= 0); take "
-            "displacement elements, or nu above 0"
+            f"mixed elements: nu = {material.nu:g} has no pressure that grows with volume (λ <= 0);"
+            " take displacement elements, or nu above 0"
         )
-    return E / (2 * (1 + nu)), (1 + nu) * (1 - 2 * nu) / (E * nu)
+    mu, lam = lame_constants(material)
+    return mu, 1 / lam

@@ -18,12 +18,10 @@ from msvalidate.problem import VOIGT, Array, Index
 from reference_fem.mesh.discretisation import Discretisation
 
 
-def displacement_gradient(
-    body: Discretisation, displacement: Array, points: ArrayLike, rest: Array | None = None
-) -> Array:
+def displacement_gradient(body: Discretisation, displacement: Array, points: ArrayLike) -> Array:
     """∂u_k/∂x_l as (p, d, d) at points (p, d) of the body, of nodal values (n, d).
 
-    Of differences within a cell, and of the digits `rest` (n, d) that the values lack, if given.
+    Of differences within a cell.
 
     ∇φ = J⁻ᵀ ∂φ/∂ξ, with J = ∂x/∂ξ of the map onto the cell.
 
@@ -32,12 +30,12 @@ def displacement_gradient(
     ProblemError
         If a point lies outside the body.
     """
-    point, _, each = gradient_in_cells(body, displacement, points, rest)
+    point, _, each = gradient_in_cells(body, displacement, points)
     return mean_by_point(point, each)
 
 
 def gradient_in_cells(
-    body: Discretisation, displacement: Array, points: ArrayLike, rest: Array | None = None
+    body: Discretisation, displacement: Array, points: ArrayLike
 ) -> tuple[Index, Index, Array]:
     """As `displacement_gradient`, of each pair of a point and a cell there: (q,), (q,), (q, d, d).
 
@@ -50,10 +48,7 @@ def gradient_in_cells(
     nodes = body.nodes_of(cell)
     _, slope = body.element.functions(local)
     along = np.einsum("kjq,kqd->qjd", slope, _relative_to_first(body.points, nodes))  # Jᵀ
-    moved = _relative_to_first(displacement, nodes)
-    if rest is not None:
-        moved += _relative_to_first(rest, nodes)
-    change = np.einsum("kjq,kqd->qjd", slope, moved)
+    change = np.einsum("kjq,kqd->qjd", slope, _relative_to_first(displacement, nodes))
     return point, cell, np.linalg.solve(along, change).transpose(0, 2, 1)
 
 

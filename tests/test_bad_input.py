@@ -137,7 +137,6 @@ BAD = [
     ("box too large", lambda: Box((1.0, 1e160)), ProblemError, "y: 1e+160 m; take a unit in which"),
     ("box too small", lambda: Box((1e-300, 1.0)), ProblemError, "x: 1e-300 m; take a unit in"),
     ("box too thin", lambda: Box((1.0, 1e-10)), ProblemError, "thinner than 1e-09 m, where two"),
-    ("lookalike side", lambda: BOX.side("lеft"), ProblemError, r"side 'l\u0435ft': a 2D box has"),
     ("side of a list", lambda: BOX.side(["left"]), ProblemError, "side ['left']: a 2D box has"),
     (
         "outline too large",
@@ -364,7 +363,7 @@ BAD = [
         "turn without end",
         lambda: rotate_tensor(TENSOR, 1e300),
         ProblemError,
-        "in rad, within 1e+06",
+        "angle: 1e+300 rad; give a number of",
     ),
     (
         "springs of no length",
@@ -397,18 +396,7 @@ BAD = [
     ),
     ("stability of None", lambda: is_stable(None), ProblemError, "give a Configuration"),
     ("no stiffness", lambda: equilibrium(net(0.0)), SolverError, "a mechanism: nothing resists"),
-    (
-        "stiffness below all numbers",
-        lambda: net(5e-324),
-        ProblemError,
-        "stiffness: 4.94066e-324 N/m at most, where doubles run out of digits; choose units",
-    ),
-    (
-        "load below all numbers",
-        lambda: net(force=np.full((3, 2), 5e-324)),
-        ProblemError,
-        "force: 4.94066e-324 N at most, where doubles run out of digits; choose units",
-    ),
+    ("tiny stiffness", lambda: net(1e-310), ProblemError, "stiffness: 1e-310 at index 0 N/m; "),
     ("stiffness of NaN", lambda: net(NAN), ProblemError, "stiffness: nan; every value must be fin"),
     (
         "negative stiffness",
@@ -429,12 +417,6 @@ BAD = [
     (
         "plain steps too long",
         lambda: euler_cromer(NETWORK, STILL, 1e9, 200, compiled=False, warn=False),
-        SolverError,
-        "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
-    ),
-    (
-        "steps too long for springs' lengths",
-        lambda: euler_cromer(FALLING, STILL, 1e9, 1, compiled=False, warn=False),
         SolverError,
         "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
     ),
@@ -562,7 +544,6 @@ BAD = [
         ProblemError,
         "depth: 40 and no places to ref",
     ),
-    ("lookalike element", lambda: meshed(element="P１"), ProblemError, r"P\uff11 in a polygon of"),
     (
         "mesh of None",
         lambda: reference_fem.box_discretisation(None, 2),
@@ -683,12 +664,12 @@ def test_the_list_is_long_enough_and_names_each_once():
     ("value", "line"),
     [
         ("left", "'left'"),
-        ("l\u0435ft\u200b", r"'l\u0435ft\u200b'"),
+        ("left\u200b\n", r"'left\u200b\n'"),
         (np.eye(2), "[[1. 0.] [0. 1.]]"),
         (BOX, "box 2 x 1 m"),
         ((1, 2.5, None), "(1, 2.5, None)"),
     ],
-    ids=["text", "lookalike", "array", "box", "tuple"],
+    ids=["text", "invisible", "array", "box", "tuple"],
 )
 def test_what_was_given_is_shown_on_one_line(value, line):
     assert format_value(value) == line

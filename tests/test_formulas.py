@@ -16,8 +16,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 from msvalidate import homogenise, patterns, spring_network
+from msvalidate.network import internal_force
 from msvalidate.network.laws import volumes
-from msvalidate.network.network import internal_force
 from msvalidate.simulators.laws import LAWS, lame, predicted
 from tests.table import table
 

@@ -35,8 +35,13 @@ import meshio
 import numpy as np
 
 from msvalidate.problem import SHAPES, Array, Index, Mesh, ProblemError
-from msvalidate.problem.checks import finite, finite_coordinates, format_value, positive_number
-from msvalidate.problem.mesh import LONGEST_NAME
+from msvalidate.problem.checks import (
+    LONGEST_NAME,
+    finite,
+    finite_coordinates,
+    format_value,
+    positive_number,
+)
 
 FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 """Suffix -> meshio's name of the format."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.patterns import cubic_tensor
+from msvalidate.lattice.turned import rotation_matrix
 from msvalidate.problem import VOIGT, Array, Isotropic, Material, ProblemError
 from msvalidate.problem.checks import (
     finite,
@@ -24,7 +25,6 @@ from msvalidate.problem.checks import (
     length_in_metres,
     positive_number,
     require_type,
-    rotation_matrix,
 )
 from msvalidate.problem.records import dataclass
 

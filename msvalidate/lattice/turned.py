@@ -6,6 +6,7 @@ import math
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
 from msvalidate.lattice.filled import (
@@ -20,11 +21,12 @@ from msvalidate.lattice.tessellation import delaunay_simplices
 from msvalidate.lattice.ties import TIE, level_numbers
 from msvalidate.problem import Array, Box, Index, ProblemError
 from msvalidate.problem.checks import (
+    finite,
+    finite_angle,
     format_value,
     length_in_metres,
     refuse_too_many,
     require_type,
-    rotation_matrix,
 )
 
 WEAK = 0.4
@@ -152,3 +154,25 @@ def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
         order = np.lexsort(level_numbers(points[near], room).T[::-1])
         found.append(near[order[0]])
     return np.array(found)
+
+
+def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
+    """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
+
+    Raises
+    ------
+    ProblemError
+        If it is neither.
+    """
+    if dim == 2 and np.shape(turn) == ():
+        angle = finite_angle("angle", turn)
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[c, -s], [s, c]])
+    given = finite("rotation", turn)
+    proper = given.shape == (dim, dim) and np.abs(given @ given.T - np.eye(dim)).max() <= 1e-12
+    if not proper or np.linalg.det(given) < 0:
+        need = "an angle (rad) or a rotation matrix (2, 2)" if dim == 2 else "a matrix (3, 3)"
+        raise ProblemError(
+            f"rotation: {format_value(turn)}; give {need}, orthonormal and not mirrored"
+        )
+    return given

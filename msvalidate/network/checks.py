@@ -46,16 +46,6 @@ def broadcast_values(name: str, value: ArrayLike, count: int) -> Array:
     return array if array.ndim else np.full(count, float(array))
 
 
-def refuse_tiny(name: str, values: Array, unit: str) -> None:
-    """Raise `ProblemError` if the largest value is not 0 but below all doubles of full length."""
-    largest, least = float(np.abs(values).max(initial=0.0)), np.finfo(float).tiny
-    if 0 < largest < least:
-        raise ProblemError(
-            f"{name}: {largest:g} {unit} at most, where doubles run out of digits; choose units "
-            f"that give {least:.3g} or more, or take none"
-        )
-
-
 def refuse_first_bad(name: str, values: Array, bad: Mask, remedy: str) -> None:
     """Raise `ProblemError` with the first value that is bad (same shape), and the remedy."""
     at = np.flatnonzero(bad)

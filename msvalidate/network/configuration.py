@@ -156,7 +156,8 @@ def configuration_at(network: Network, position: Array) -> Configuration:
         raise ProblemError(
             f"position: {format_value(position)}; give an array {network.points.shape}"
         )
-    if position.dtype != np.float64 or not math.isfinite(position.sum()):
+    plain = type(position) is np.ndarray and position.dtype == np.float64
+    if not (plain and math.isfinite(position.sum())):  # one look for any number of points
         position = finite_coordinates("position", position)
     return Configuration(network, position - network.points)
 

@@ -12,6 +12,7 @@ from msvalidate.problem.checks import (
     finite_coordinates,
     format_value,
     length_in_metres,
+    refuse_far_off,
     refuse_too_many,
     require_type,
 )
@@ -136,7 +137,7 @@ class Polygon:
                 f"polygon: vertex {twins[0]}, {self.vertices[twins[0]]}, and the next are one "
                 "place; leave one out"
             )
-        self._refuse_no_size()
+        refuse_far_off("polygon", self.corners)
         flat = np.flatnonzero(np.abs(np.sin(self._turns)) < 1e-9)
         if len(flat):
             raise ProblemError(
@@ -204,16 +205,6 @@ class Polygon:
             height = points[spans, 1]
             inside[spans] ^= points[spans, 0] < x0 + (x1 - x0) * (height - y0) / (y1 - y0)
         return inside
-
-    def _refuse_no_size(self) -> None:
-        size = max(high - low for low, high in self.span)
-        away = float(np.abs(self.corners).max())
-        length_in_metres("polygon: its longer side", size)
-        if 4 * np.finfo(float).eps * away > self.tolerance:
-            raise ProblemError(
-                f"polygon: {size:g} m long and {away:g} m from the origin, where coordinates no "
-                "longer tell its places apart; move it to the origin"
-            )
 
     @cached_property
     def _edges(self) -> tuple[Segment, ...]:

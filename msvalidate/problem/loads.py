@@ -96,12 +96,8 @@ class BodyForce:
             pass for a body without weight.
         """
         rho = positive_number("gravity: density", density, "kg/m³")
-        g = finite("gravity", acceleration)
-        if g.shape not in {(2,), (3,)}:
-            raise ProblemError(
-                f"gravity: {format_value(acceleration)}; give 2 or 3 components in m/s², such as "
-                "(0.0, -9.81)"
-            )
+        need = "give 2 or 3 components in m/s², such as (0.0, -9.81)"
+        g = finite("gravity", acceleration, (2, 3), need=need)
         with np.errstate(over="ignore", under="ignore"):
             weight = rho * g
         size = np.abs(weight[g != 0])

@@ -45,16 +45,13 @@ class Isotropic:
 
     def __post_init__(self) -> None:
         positive_number("Young's modulus E", self.E, "Pa")
-        positive_number("density", self.density, "kg/m³")
-        positive_number("thickness", self.thickness, "m")
+        _check_body(self)
         nu = finite_number("Poisson's ratio nu", self.nu)
         if not -1 < nu <= 0.5:
             raise ProblemError(
                 f"Poisson's ratio nu: {format_value(self.nu)}; a stable material has -1 < nu <= 1/2"
             )
         require_one_of("material state", self.state, get_args(State))
-        if self.state == "solid" and self.thickness != 1:
-            raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
 
     @property
     def dim(self) -> int:
@@ -97,10 +94,7 @@ class Anisotropic:
                 "some strain costs no energy"
             )
         object.__setattr__(self, "C", C)
-        positive_number("density", self.density, "kg/m³")
-        positive_number("thickness", self.thickness, "m")
-        if C.shape == (6, 6) and self.thickness != 1:
-            raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
+        _check_body(self)
 
     @property
     def dim(self) -> int:
@@ -109,3 +103,11 @@ class Anisotropic:
 
 
 Material = Isotropic | Anisotropic
+
+
+def _check_body(material: Material) -> None:
+    """Refuse a density or a thickness out of range."""
+    positive_number("density", material.density, "kg/m³")
+    positive_number("thickness", material.thickness, "m")
+    if material.dim == 3 and material.thickness != 1:
+        raise ProblemError(f"thickness: {material.thickness} m; a solid has none, leave it at 1")

@@ -19,10 +19,12 @@ from msvalidate.problem.cells import (
     surface_facets,
 )
 from msvalidate.problem.checks import (
+    check_name,
     finite_coordinates,
     format_value,
+    indices,
     integers,
-    length_in_metres,
+    refuse_far_off,
     refuse_too_many,
     require_one_of,
 )
@@ -31,9 +33,6 @@ from msvalidate.problem.records import dataclass, field
 from msvalidate.problem.region import Boundary, Region, Segment
 from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed_volume, is_on_any
 from msvalidate.problem.zone import CellSet
-
-LONGEST_NAME = 100
-"""Letters in a boundary's or a zone's name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +72,13 @@ class Mesh:
 
     def __post_init__(self) -> None:
         require_one_of("mesh shape", self.shape, CELLS)
-        self._take("points", finite_coordinates("mesh points", self.points))
-        self._take("cells", integers("mesh cells", self.cells))
-        self._refuse_misfits()
-        self._refuse_no_size()
+        needs, d, k = f"{self.shape} needs", self.dim, len(self.kind.nodes)
+        points = finite_coordinates("mesh points", self.points, "n>0", d, need=f"{needs} (n, {d})")
+        self._take("points", points)
+        need = f"{needs} (c, {k})"
+        self._take("cells", indices("mesh cells", self.cells, len(points), "c>0", k, need=need))
+        refuse_too_many("mesh", len(points))
+        refuse_far_off("mesh", points)
         refuse_unused_points(self.points, self.cells, self.tolerance)
         refuse_folded(self.points, self.cells, self.kind)
         self._take("_surface", surface_facets(self.cells, self.kind))
@@ -265,31 +267,6 @@ class Mesh:
         array.setflags(write=False)
         object.__setattr__(self, name, array)
 
-    def _refuse_misfits(self) -> None:
-        n, k = len(self.points), len(self.kind.nodes)
-        if self.points.ndim != 2 or self.points.shape[1] != self.dim or not n:
-            raise ProblemError(
-                f"mesh points: shape {self.points.shape}; {self.shape} needs (n, {self.dim})"
-            )
-        if self.cells.ndim != 2 or self.cells.shape[1] != k or not len(self.cells):
-            raise ProblemError(f"mesh cells: shape {self.cells.shape}; {self.shape} needs (c, {k})")
-        if self.cells.min() < 0 or self.cells.max() >= n:
-            raise ProblemError(
-                f"mesh cells: points {self.cells.min()} to {self.cells.max()}; there are 0 to "
-                f"{n - 1}"
-            )
-        refuse_too_many("mesh", n)
-
-    def _refuse_no_size(self) -> None:
-        size = max(high - low for low, high in self.span)
-        away = float(np.abs(self.points).max())
-        length_in_metres("mesh: its longest side", size)
-        if 4 * np.finfo(float).eps * away > self.tolerance:
-            raise ProblemError(
-                f"mesh: {size:g} m long and {away:g} m from the origin, where coordinates no "
-                "longer tell its places apart; move it to the origin"
-            )
-
     def _name(self, boundaries: object) -> None:
         if not isinstance(boundaries, Mapping):
             raise ProblemError(
@@ -307,27 +284,19 @@ class Mesh:
     def _checked_cells(self, name: object, given: Index) -> Index:
         """Numbers of a zone's cells, each once and rising."""
         said = f"mesh zone {format_value(name)}"
-        _check_name(said, name)
-        cells = np.unique(integers(said, given))
-        if np.ndim(given) != 1 or not len(cells):
-            raise ProblemError(f"{said}: shape {np.shape(given)}; give numbers (z,) of its cells")
-        if cells[0] < 0 or cells[-1] >= len(self.cells):
-            raise ProblemError(
-                f"{said}: cells {cells[0]} to {cells[-1]}; there are 0 to {len(self.cells) - 1}"
-            )
+        check_name("mesh zone", name)
+        need = "give numbers (z,) of its cells"
+        cells = indices(said, given, len(self.cells), "z>0", need=need, what="cells")
+        cells = np.unique(cells)
         cells.setflags(write=False)
         return cells
 
     def _checked(self, name: object, given: Index) -> Index:
         """Facets of a boundary, each once, as the surface lists them."""
         said = f"mesh boundary {format_value(name)}"
-        _check_name(said, name)
-        facets = integers(said, given)
+        check_name("mesh boundary", name)
         k = self.surface.shape[1]
-        if not facets.size:
-            raise ProblemError(f"{said}: no facet in it; leave it out")
-        if facets.ndim != 2 or facets.shape[1] != k:
-            raise ProblemError(f"{said}: shape {facets.shape}; {self.shape} needs (f, {k})")
+        facets = integers(said, given, "f>0", k, need=f"{self.shape} needs (f, {k}), or none of it")
         both = np.sort(np.concatenate([self.surface, facets]), axis=1)
         _, first, which = np.unique(both, axis=0, return_index=True, return_inverse=True)
         at = first[which.ravel()[len(self.surface) :]]
@@ -340,8 +309,3 @@ class Mesh:
         found = self.surface[np.unique(at)]
         found.setflags(write=False)
         return np.asarray(found)
-
-
-def _check_name(said: str, name: object) -> None:
-    if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
-        raise ProblemError(f"{said}: give 1 to {LONGEST_NAME} printable letters as its name")

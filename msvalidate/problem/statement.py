@@ -8,6 +8,7 @@ import numpy as np
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Field, Index, Mask
 from msvalidate.problem.checks import (
+    check_name,
     finite,
     finite_coordinates,
     format_value,
@@ -30,9 +31,6 @@ from msvalidate.problem.records import dataclass, field
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
 from msvalidate.problem.zone import Zone, refuse_other_state
-
-LONGEST_NAME = 100
-"""Letters in a problem's name, which stands at the head of messages."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ class Problem:
     zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_name(self.name)
+        check_name("problem name", self.name)
         for name, parts, kind in (
             ("supports", self.supports, Support),
             ("loads", self.loads, Load),
@@ -246,15 +244,6 @@ def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None
                 f"{AXES[axis]} = {reached[0]:g} to {reached[1]:g} m there, not at its ends; "
                 "choose cells that put one at each"
             )
-
-
-def _check_name(name: object) -> None:
-    """Refuse a name that is too long or not printable: it is shown in messages and titles."""
-    if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
-        raise ProblemError(
-            f"problem name: {format_value(name)}; give 1 to {LONGEST_NAME} printable letters on "
-            f"one line"
-        )
 
 
 def _is_inner_face(region: Part, domain: Domain) -> bool:

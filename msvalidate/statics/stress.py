@@ -1,4 +1,4 @@
-"""Stress in a network: what its springs carry, made a tensor in four ways.
+"""Stress in a network: what its springs carry, made a tensor in three ways.
 
 A spring that pulls with f along d carries f d⊗d/|d| (N·m), its *virial*. At rest the virials sum
 to that of the forces from outside, Σ F⊗x: stress times volume, whatever the stress's course. So
@@ -6,7 +6,6 @@ to that of the forces from outside, Σ F⊗x: stress times volume, whatever the 
 - `cell_stress`: the mean over a cell, (1/V) Σ f d⊗d/|d| over its springs, each as far as it is the
   cell's. Exact for uniform strain, at boundaries too; V times it sums to the body's virial exactly.
 - `point_stress`: the mean of the cells around a point, weighted by what of each is the point's.
-- `point_virial`: by points alone, where springs reach from cell to cell.
 - `fitted_stress`: at any place: the strain of a polynomial through the displacements of points near
   by, times the solid's tensor. Of higher order, and the one for values at a boundary.
 
@@ -163,43 +162,11 @@ def point_stress(lattice: Lattice, stress: Array) -> Array:
     if len(alone):
         raise ProblemError(
             f"stress of the cells: point {alone[0]} of the {lattice.name} lattice is no cell's "
-            "corner; ask point_virial"
+            "corner; ask fitted_stress"
         )
     total = np.zeros((n, given.shape[1]))
     np.add.at(total, lattice.cells, corner[..., None] * given[:, None])
     return np.asarray(total / around[:, None])
-
-
-def point_virial(
-    network: Network,
-    lattice: Lattice,
-    found: Equilibrium,
-    *,
-    geometry: Geometry = "linear",
-    thickness: float = 1.0,
-) -> Array:
-    """Stress (n, 3) or (n, 6) in Pa at each point: half the virial of its springs over its volume.
-
-    For lattices whose springs reach from cell to cell. Exact for uniform strain at points inside
-    that are centres of symmetry; at a boundary a point's springs are one-sided, and so is it.
-    Volume times it sums to the body's virial exactly.
-
-    Source: the virial, [Clausius1870], [BornHuang1954].
-
-    Raises
-    ------
-    ProblemError
-        If network and lattice do not belong together.
-    """
-    _refuse_other_lattice(network, lattice)
-    if network.volumes is not None:
-        raise ProblemError("point_virial: of springs alone; ask cell_stress of cells with volumes")
-    virial = spring_virial(network, found, geometry) / 2
-    total = np.zeros((len(lattice.points), *virial.shape[1:]))
-    for end in network.springs.T:
-        np.add.at(total, end, virial)
-    volume = lattice.point_volume * positive_number("thickness", thickness, "m")
-    return _voigt_components(total / volume[:, None, None])
 
 
 def _refuse_other_lattice(network: Network, lattice: Lattice) -> None:
@@ -313,7 +280,7 @@ def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
     if len(missed):
         raise ProblemError(
             f"stress: spring {missed[0]} of the {lattice.name} lattice joins points "
-            f"{lattice.springs[missed[0]].tolist()}, corners of no one cell; ask point_virial"
+            f"{lattice.springs[missed[0]].tolist()}, corners of no one cell; ask fitted_stress"
         )
     return spring[there], np.broadcast_to(np.arange(len(lattice.cells)), there.shape)[there]
 

@@ -5,7 +5,7 @@
 The field on the moved mesh, then the body at large strain under forces held still, and so on. Near
 a rest this map has the derivative K_mech⁻¹ K_elec, so its largest eigenvalue, the gain, says both
 how fast it converges and how near the body is to pulling in: there the gain is 1. Secants of past
-turns [Anderson1965, WalkerNi2011] take the slow parts out; `stiffness_gains` finds the gain.
+turns [Anderson1965, WalkerNi2011] take the slow parts out.
 """
 
 from __future__ import annotations

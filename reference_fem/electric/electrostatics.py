@@ -23,20 +23,15 @@ from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, fo
 from msvalidate.problem.checks import boolean_mask, finite, format_value, integers, require_type
 from msvalidate.problem.records import dataclass, field
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
-from reference_fem.electric.pairs import Fluxes, Pair
-from reference_fem.mesh.assembly import basis_gradients, sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
+from reference_fem.mesh.gradients import Gradients, gradients_at_points
 from reference_fem.stress import displacement_gradient
 from reference_fem.systems.factor import Factor
+from reference_fem.systems.refined import Refined, refine_solution, share_left
 from reference_fem.systems.solver import RESIDUAL
 
-MOST_CORRECTIONS = 20
-"""Each takes two digits at least where there are any to take: a dozen serve."""
-ROUNDING = 1e-13
-"""Correction over the solution that is rounding of the integrals, and ends the corrections."""
 LEAST_KNOWN = 1e-6
-"""Last correction over the solution beyond which it is refused: corrections that have stopped to
-shrink say that the factor has lost the digits that would mend it."""
+"""Error of a potential, or charge left where there is none, beyond which a solution is refused."""
 
 
 def no_nodes() -> Index:
@@ -112,12 +107,12 @@ class Dielectric:
         load = np.zeros(len(given)) if charge is None else self._nodal("charges", charge)
         with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is refused below
             share = load / self._unit
-            pair, error = self._refined(given, share)
-            left = self._fluxes.nodal(pair) - share
+            refined = self._refined(given, share)
+            left = self._charge(refined.value) - share
             residual = np.abs(left[self._free]).max(initial=0.0)
-            error = max(error, self._unbalanced(left, share))
-            scale = (abs(self._relative) @ np.abs(pair.value) + np.abs(share))[self._free]
-            found = Potential(self, pair.value, self._unit * left, pair.rest, error)
+            error = max(refined.error, self._unbalanced(left, share))
+            scale = (abs(self._relative) @ np.abs(refined.value) + np.abs(share))[self._free]
+            found = Potential(self, refined.value, self._unit * left, error)
             most = scale.max(initial=0.0)
             if not (residual <= RESIDUAL * most and np.isfinite(found.energy)):
                 raise SolverError(
@@ -128,30 +123,30 @@ class Dielectric:
         self._refuse_lost(error)
         return found
 
-    def _refined(self, given: Array, share: Array) -> tuple[Pair, float]:
-        """Potentials, and the last correction over them, both by the root of their energy.
-
-        Corrections by the same factor, from what the potentials leave cell by cell, go on until one
-        is rounding or they no longer shrink.
-        """
-        nothing, raised, before = np.zeros(len(given)), self._raised, np.inf
+    def _refined(self, given: Array, share: Array) -> Refined:
+        """Potentials (n,), from what is held and charges in the unit."""
         fixed = given[self.held]
         # What all potentials have in common makes no charge, and would cost digits.
         middle = 0.5 * fixed.max() + 0.5 * fixed.min()
-        pair = Pair(given, nothing).plus(np.where(self.held, -middle, 0.0))
-        for _ in range(MOST_CORRECTIONS):
-            change = self._found(share - self._fluxes.nodal(pair))
-            if raised is not None:
-                left = share - self._fluxes.nodal(pair.plus(change))
-                change = change + left[self.floating].sum() / raised[1] * raised[0]
-            pair = pair.plus(change)
-            size = self._fluxes.energy(pair)
-            moved = self._fluxes.energy(Pair(change, nothing))
-            error = float(np.sqrt(moved / size)) if moved else 0.0
-            if not ROUNDING < error < 0.5 * before:
-                break
-            before = error
-        return pair.plus(np.full(len(given), middle)), error
+        start = np.where(self.held, given - middle, 0.0)
+        found = refine_solution(self._charge, self._inverse, start, share, self._share)
+        return Refined(found.value + middle, found.error, found.corrections)
+
+    def _inverse(self, charge: Array) -> Array:
+        """Potentials (n,) of charges (n,) in the unit, zero where held."""
+        change = self._found(charge)
+        if self._raised is not None:
+            raised, its_charge = self._raised
+            left = charge - self._charge(change)
+            change = change + left[self.floating].sum() / its_charge * raised
+        return change
+
+    @cached_property
+    def _share(self) -> float:
+        """What a correction leaves."""
+        moves = ~self.held
+        moves[self.floating] = False
+        return share_left(self._charge, self._inverse, self.body.points, moves, 1)
 
     def _unbalanced(self, left: Array, share: Array) -> float:
         """Charge that is left where there is none, over that on conductors and in the volume.
@@ -166,8 +161,9 @@ class Dielectric:
     def _refuse_lost(self, error: float) -> None:
         if not error <= LEAST_KNOWN:
             low, high = float(self.permittivity.min()), float(self.permittivity.max())
+            known = f"known to {error:.2g} of itself only" if error < 1 else "all rounding"
             raise SolverError(
-                f"potential: known to {error:.2g} of itself only, permittivities from {low:g} to "
+                f"potential: {known}, permittivities from {low:g} to "
                 f"{high:g} F/m leave rounding no more; take a conductor, its nodes held or "
                 "floating, for the largest, or cells less graded"
             )
@@ -180,15 +176,28 @@ class Dielectric:
         """
         if not len(self.floating):
             return None
-        nothing = np.zeros(len(self.held))
-        raised = nothing.copy()
+        raised = np.zeros(len(self.held))
         raised[self.floating] = 1.0
-        raised = raised + self._found(-self._fluxes.nodal(Pair(raised, nothing)))
-        return raised, self._fluxes.energy(Pair(raised, nothing))
+        raised = raised + self._found(-self._charge(raised))
+        return raised, self._energy(raised)
+
+    def _charge(self, potential: Array) -> Array:
+        """∫ε ∇φ·∇φi (n,) in the unit, cell by cell: charges at the nodes."""
+        flux = self._weight * self._cells.of(potential[None])
+        return np.asarray(self._cells.gathered(flux)[0])
+
+    def _energy(self, potential: Array) -> float:
+        """∫ε|∇φ|² in the unit, twice the energy."""
+        return float((self._weight * (self._cells.of(potential[None]) ** 2)).sum())
 
     @cached_property
-    def _fluxes(self) -> Fluxes:
-        return Fluxes(self.body, self.permittivity / self._unit)
+    def _cells(self) -> Gradients:
+        return gradients_at_points(self.body)
+
+    @cached_property
+    def _weight(self) -> Array:
+        """Permittivity in the unit times the measure (q, c)."""
+        return self._cells.measure * (self.permittivity / self._unit)
 
     @property
     def stiffness(self) -> csr_matrix:
@@ -240,30 +249,25 @@ class Potential:
     charge
         (n,) charge of conductors by node, per depth (C/m): what the equations leave there, which
         is nothing at nodes of no conductor. Sum it over a conductor.
-    rest
-        (n,) what the values lack of the potential (V), being numbers of 16 digits: it counts where
-        permittivity is 1e6 times that elsewhere, or more.
     error
-        The last correction of the solution over the solution, both by the root of their energy,
-        ∫ε|E|², or charge left over where there is none, over all charge, if that is more. Charges
-        and energy share it. What the mesh leaves out is not in it.
+        Largest error of a potential, relative to the largest of what is left when all have their
+        middle taken off, or charge left over where there is none, over all charge, if that is more.
+        Charges and energy share it. What the mesh leaves out is not in it.
     """
 
     medium: Dielectric
     values: Array
     charge: Array
-    rest: Array
     error: float
 
     def __post_init__(self) -> None:
-        for array in (self.values, self.charge, self.rest):
+        for array in (self.values, self.charge):
             array.setflags(write=False)
 
     @property
     def energy(self) -> float:
         """½∫ε|E|² per depth (J/m)."""
-        medium = self.medium
-        return 0.5 * medium._unit * medium._fluxes.energy(Pair(self.values, self.rest))
+        return 0.5 * self.medium._unit * self.medium._energy(self.values)
 
     def at(self, points: ArrayLike) -> Array:
         """Potential (p,) in V at points (p, 2) in m of the mesh.
@@ -286,8 +290,7 @@ class Potential:
         ProblemError
             If a point lies outside the mesh.
         """
-        values, rest = self.values[:, None], self.rest[:, None]
-        return -displacement_gradient(self.medium.body, values, points, rest)[:, 0]
+        return -displacement_gradient(self.medium.body, self.values[:, None], points)[:, 0]
 
     @cached_property
     def forces(self) -> Array:
@@ -297,14 +300,11 @@ class Potential:
         On conductors and faces of dielectrics they are the pull on them; elsewhere they are what
         the discretisation leaves, which is little but at edges of electrodes.
         """
-        body = self.medium.body
-        slope, measure = basis_gradients(body.basis)
-        nodes = body.cell_nodes.T
-        E = -self.medium._fluxes.gradients(Pair(self.values, self.rest))
-        weight = self.medium.permittivity[:, None] * measure
+        cells = self.medium._cells
+        (E,) = cells.of(-self.values[None])
+        weight = self.medium._unit * self.medium._weight
         stress = weight * (E[:, None] * E - 0.5 * (E**2).sum(axis=0) * np.eye(2)[:, :, None, None])
-        each = -np.einsum("abcq,kbcq->akc", stress, slope)
-        return sum_to_nodes(nodes, each, len(body.points))
+        return -cells.gathered(stress).T
 
 
 def solve_potential(

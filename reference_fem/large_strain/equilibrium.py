@@ -19,6 +19,7 @@ from reference_fem.effort import fits_in_memory
 from reference_fem.large_strain.solid import Solid
 from reference_fem.locking import refuse_locked
 from reference_fem.systems.factor import Apply, signed_factor
+from reference_fem.systems.refined import LEAST
 from reference_fem.systems.solver import ACCEPTED, refuse_shapes
 
 TOLERANCE = 1e-11
@@ -63,7 +64,8 @@ class LargeStrainSolution:
         Linear solves, and parts of the load, that it took.
     error
         Largest error of a displacement as the solution of the discrete equations, relative to the
-        largest displacement: twice what the last tangent makes of the forces left.
+        largest displacement: twice what the last tangent makes of the forces left, and the
+        rounding of constants.
     """
 
     solid: Solid
@@ -248,11 +250,11 @@ def _newton(
 
 
 def _error(solid: Solid, u: Array, balance: Array, inverse: Apply | None) -> float:
-    """Twice what a tangent's inverse makes of the forces left, relative to the displacement."""
+    """Twice what a tangent makes of the forces left, relative to the displacement, and `LEAST`."""
     largest = float(np.abs(u).max())
     if inverse is None or not largest:
         return 0.0
-    return 2 * float(np.abs(inverse(balance.T.ravel()[solid.free])).max()) / largest
+    return 2 * float(np.abs(inverse(balance.T.ravel()[solid.free])).max()) / largest + LEAST
 
 
 def _largest_strain(solid: Solid, step: Array) -> float:

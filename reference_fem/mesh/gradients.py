@@ -9,14 +9,13 @@ lose nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 
 import numpy as np
 
 from msvalidate.problem import Array, Index
 from msvalidate.problem.records import dataclass
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.mesh.maps import determinant
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,50 +42,28 @@ class Gradients:
     inverse: Array
     measure: Array
 
-    def of(self, values: Array, rest: Array | None = None) -> Array:
-        """∂u_a/∂x_i (m, d, q, c) of nodal values (m, n), and of what these lack in digits."""
-        found = np.empty((len(values), *self.inverse.shape[1:]))
-        for a, value in enumerate(values):
-            each = value[self.nodes]
-            each = each - each[0]
-            if rest is not None:
-                less = rest[a][self.nodes]
-                each += less - less[0]
-            local = (self.reference @ each).reshape(self.inverse.shape[1:])
-            for i in range(len(self.inverse)):
-                _accumulate_products(zip(local, self.inverse[:, i], strict=True), found[a, i])
-        return found
+    def of(self, values: Array) -> Array:
+        """∂u_a/∂x_i (m, d, q, c) of nodal values (m, n)."""
+        each = values[:, self.nodes]
+        each -= each[:, :1].copy()
+        local = (self.reference @ each).reshape(len(values), *self.inverse.shape[1:])
+        return _sum(local[:, j, None] * along for j, along in enumerate(self.inverse))
 
     def gathered(self, flux: Array) -> Array:
         """Σ F_ai ∂_i φ (m, n) by node, of fluxes F (m, d, q, c) that hold the measure already."""
-        return self._by_node(self._each(flux))
-
-    def _each(self, flux: Array) -> Array:
-        """What each cell brings to its nodes (m, k, c): in all nothing, to the last bit but one."""
-        each = np.array([self.reference.T @ local for local in self._local(flux)])
-        each[:, 0] = -each[:, 1:].sum(axis=1)
-        return each
-
-    def _local(self, flux: Array) -> Array:
-        """Fluxes along a unit cell's axes, (m, d·q, c)."""
-        local = np.empty(flux.shape)
-        for a in range(len(flux)):
-            for j in range(len(self.inverse)):
-                _accumulate_products(zip(flux[a], self.inverse[j], strict=True), local[a, j])
-        return local.reshape(len(flux), -1, flux.shape[-1])
-
-    def _by_node(self, each: Array) -> Array:
+        local = _sum(flux[:, i, None] * self.inverse[:, i] for i in range(len(self.inverse)))
+        each = self.reference.T @ local.reshape(len(flux), -1, flux.shape[-1])
+        each[:, 0] = -each[:, 1:].sum(axis=1)  # a cell brings nothing in all, to the last bit
         nodes = self.nodes.ravel()
         return np.array([np.bincount(nodes, part.ravel(), self.count) for part in each])
 
 
-def _accumulate_products(pairs: Iterable[tuple[Array, Array]], out: Array) -> None:
-    """Σ a b into an array."""
-    for number, (a, b) in enumerate(pairs):
-        if number == 0:
-            np.multiply(a, b, out=out)
-        else:
-            out += a * b
+def _sum(terms: Iterator[Array]) -> Array:
+    """Sum of arrays, in the first."""
+    found = next(terms)
+    for other in terms:
+        found += other
+    return found
 
 
 def gradients_at_points(body: Discretisation) -> Gradients:
@@ -102,14 +79,7 @@ def gradients_at_points(body: Discretisation) -> Gradients:
     x = body.points.T[:, corners]
     x = x - x[:, :1]
     d, q = X.shape
-    # columns[j]: ∂x/∂ξ_j, (q·c, d)
-    along = (shapes @ x).reshape(d, d, q, -1)  # [i, j, q, c]
-    columns = [along[:, j].reshape(d, -1).T for j in range(d)]
-    jacobian = determinant(columns)
-    inverse = np.empty((d, d, jacobian.size))
-    for j in range(d):
-        for i in range(d):
-            unit = np.broadcast_to(np.eye(d)[i], columns[0].shape)
-            inverse[j, i] = determinant([*columns[:j], unit, *columns[j + 1 :]]) / jacobian
-    measure = np.abs(jacobian).reshape(q, -1) * weights[:, None]
-    return Gradients(nodes, len(body.points), reference, inverse.reshape(along.shape), measure)
+    jacobian = (shapes @ x).reshape(d, d, q, -1).transpose(2, 3, 0, 1)  # [q, c, i, j]
+    inverse = np.ascontiguousarray(np.linalg.inv(jacobian).transpose(2, 3, 0, 1))
+    measure = np.abs(np.linalg.det(jacobian)) * weights[:, None]
+    return Gradients(nodes, len(body.points), reference, inverse, measure)

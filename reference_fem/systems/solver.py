@@ -11,15 +11,15 @@ from scipy.sparse import csr_matrix, issparse
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import format_value, require_one_of, require_type, shaped
-from msvalidate.problem.records import dataclass, field
+from msvalidate.problem.records import dataclass
 from reference_fem.effort import factor_envelope, fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.mesh.gradients import Gradients, gradients_at_points
-from reference_fem.systems.cells import ElasticCells, Entries
+from reference_fem.mesh.gradients import gradients_at_points
+from reference_fem.systems.cells import ElasticForces
 from reference_fem.systems.dissection import elimination_order
 from reference_fem.systems.factor import Factor, factorise, has_cholmod
 from reference_fem.systems.multigrid import MOST_STEPS, Hierarchy
-from reference_fem.systems.refined import Refined, System, refine_solution
+from reference_fem.systems.refined import ENOUGH, Refined, Vectors, refine_solution, share_left
 
 SOLVERS = ("auto", "superlu", "cholmod", "multigrid")
 """Names of solvers. "auto" chooses one of the others."""
@@ -29,8 +29,11 @@ system leaves 1e-13."""
 ACCEPTED = 1e-6
 """Largest accepted error of a displacement, relative to the largest: the discretisation's own is
 seldom less, and an error that is known to be larger is of use to nobody as a reference."""
-ROUGHLY = 0.1
-"""Error to which multigrid makes corrections, which are rounding themselves as a rule."""
+ROUGH_ENOUGH = 3e-11
+"""Correction by multigrid that is the last, where one by a factor may go on to rounding."""
+ROUGHLY, HARD = 0.01, 1e-4
+"""Error to which multigrid makes corrections, which are rounding themselves as a rule; and in
+bodies that take more than `LEAST_STEPS`, whose errors it tells less well."""
 WORTH_CHOLMOD = 20_000
 """Unknowns from which on CHOLMOD is taken where it is there. Below, either factor takes a second at
 most, and answers are the same bits with it and without."""
@@ -70,8 +73,6 @@ class SystemSolution:
         largest displacement: how far the elements are from the body is another matter (`refine`).
     corrections
         By which the first answer was refined.
-    remainder
-        (n, d) in m: the digits that the displacement lacks, which strains of slender bodies need.
     """
 
     choice: str
@@ -81,7 +82,6 @@ class SystemSolution:
     seconds: float
     error: float = math.nan
     corrections: int = 0
-    remainder: Array | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,40 +172,46 @@ class Solver:
                         f"{scale:.3g} N; {self._remedy(displacement=displacement, force=force)}"
                     )
                 left = float(residual / scale) if scale else 0.0
-            found = self._refine(choice, u.reshape(self.body.dim, -1), force.T)
+            found = self._refine(choice, steps, u, load)
         seconds = perf_counter() - began
         if not found.error <= ACCEPTED:
             raise SolverError(describe_lost_digits(found.error))
-        moved, rest = found.value.T.copy(), found.rest.T.copy()
-        how = SystemSolution(
-            choice, reason, left, steps, seconds, found.error, found.corrections, rest
-        )
-        return moved, how
+        how = SystemSolution(choice, reason, left, steps, seconds, found.error, found.corrections)
+        return found.value.reshape(self.body.dim, -1).T.copy(), how
 
-    def _refine(self, choice: str, u: Array, load: Array) -> Refined:
-        """The answer (d, n), refined by the way that it was found."""
-        inverse = self._roughly if choice == "multigrid" else self._directly
+    def _refine(self, choice: str, steps: int, u: Array, load: Array) -> Refined:
+        """The answer (d·n,), refined by the way that it was found, in so many steps."""
+        left = ROUGHLY if steps <= LEAST_STEPS else HARD
+        rough = choice == "multigrid"
+
+        def inverse(force: Array) -> Array:
+            found, part = np.zeros(len(force)), force[self._free]
+            again = self._hierarchy.solve(part, error=left)[0] if rough else self._factor(part)
+            found[self._free] = again
+            return found
+
+        if not len(self._free):
+            return Refined(u, 0.0, 0)
+        way = left if rough else 0.0
         with fits_in_memory(len(self._free), "unknowns"):
-            return refine_solution(
-                self._system, inverse, u, load, ~self.held.T, sample=choice != "multigrid"
-            )
-
-    def _directly(self, forces: Array) -> Array:
-        return self._factor(forces)
-
-    def _roughly(self, forces: Array) -> Array:
-        each = [self._hierarchy.solve(force, error=ROUGHLY)[0] for force in forces.T]
-        return np.stack(each, axis=1)
+            if way not in self._shares:
+                moves = ~self.held.T.ravel()
+                self._shares[way] = share_left(
+                    self._force, inverse, self.body.points, moves, self.body.dim
+                )
+            share, enough = self._shares[way], ROUGH_ENOUGH if rough else ENOUGH
+            return refine_solution(self._force, inverse, u, load, share, enough=enough)
 
     @cached_property
-    def _system(self) -> System:
+    def _shares(self) -> dict[float, float]:
+        """What a correction leaves, by the error of multigrid, or 0: the same for every load."""
+        return {}
+
+    @cached_property
+    def _force(self) -> Vectors:
         if self.tensor is None:
-            return Entries(self.stiffness)
-        return ElasticCells(self._gradients, self.tensor, self.number)
-
-    @cached_property
-    def _gradients(self) -> Gradients:
-        return gradients_at_points(self.body)
+            return lambda u: np.asarray(self.stiffness @ u)
+        return ElasticForces(gradients_at_points(self.body), self.tensor, self.number)
 
     def _remedy(self, **given: Array) -> str:
         """What to say of a solution that fails its check."""

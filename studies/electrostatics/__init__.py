@@ -12,7 +12,7 @@ Coulomb's forces between their middles, half to each end. One question a file:
 - `models`: the report's model, the plane model and the dielectric in air, side by side;
 - `shortcuts`: what becomes of forces that are not the derivative of the energy;
 - `nodes`: charge on springs against charge on the points between them;
-- `scaling`: seconds, and iterations after the surface has moved;
+- `scaling`: seconds;
 - `controls`: faulty solvers, and the smallest fault that this study notices.
 
 Candidate: charges and forces, the method of moments in `msvalidate.dielectric.charges` by default.

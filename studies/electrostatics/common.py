@@ -62,8 +62,6 @@ class ChargeSolver(NamedTuple):
         A body in air from its `Faces`, and force (n, 2) per depth (N/m) on every point of them.
     report
         The report's model of electrodes; options depth, kernel and charges_on.
-    moved
-        Charges at `VOLTAGES` of the electrodes of `Moments` with their points (n, 2) elsewhere (m).
     """
 
     charges: Callable[..., Charges]
@@ -73,7 +71,6 @@ class ChargeSolver(NamedTuple):
     in_air: Callable[..., SlabInAir]
     forces_in_air: Callable[[ChargesInAir], Array]
     report: Callable[..., ReportModel]
-    moved: Callable[[Moments, Array], Charges]
 
 
 def charges(
@@ -88,11 +85,6 @@ def charges(
     return moments.charges(voltages)
 
 
-def moved(moments: Moments, points: Array) -> Charges:
-    """Charges of moved electrodes by the factor made before they moved, where they are many."""
-    return moments.moved(points).charges(VOLTAGES)
-
-
 MOMENTS = ChargeSolver(
     charges,
     electrostatics.forces,
@@ -101,7 +93,6 @@ MOMENTS = ChargeSolver(
     SlabInAir,
     forces_in_air,
     ReportModel,
-    moved,
 )
 
 

@@ -3,7 +3,7 @@
 Question   Which faults of charges and forces make a tolerance fail, and how small may they be?
 Candidate  The method of moments with a known fault.
 Reference  The tolerances of `strips`, `edge`, `plates`, `virtual_work`, `in_air`, `field`,
-           `models`, `shortcuts`, `nodes` and `scaling`.
+           `models`, `shortcuts` and `nodes`.
 Expected   What a fault changes grows in proportion to it, so the smallest fault noticed is a limit
            over what a small fault changes: some 1e-7 of forces, 5e-3 of potentials.
 """
@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges import Charges, Electrodes, Moments
+from msvalidate.dielectric.charges import Charges, Electrodes
 from msvalidate.dielectric.charges.moments import Weighting, to_complex
 from msvalidate.dielectric.charges.patches import Patches
 from msvalidate.dielectric.charges.report_model import ReportModel
@@ -34,8 +34,6 @@ from .shortcuts import halve_to_ends
 
 PROBE = 0.01
 """Size of the fault from which the smallest noticed one is extrapolated."""
-CLOSER = 0.1
-"""Gap over the right one of electrodes whose factor stands for the old one."""
 TOLERANCES = (
     Tolerance(
         "smallest fault of charges and forces noticed, largest over the kinds", 0.01, "1",
@@ -188,17 +186,6 @@ def use_space_kernel(electrodes: Electrodes, **how: Any) -> ReportModel:
     return MOMENTS.report(electrodes, **{**how, "kernel": "report"})
 
 
-def keep_old_forces(moments: Moments, points: Array) -> Charges:
-    """Charges as they were before the electrodes moved."""
-    return moments.charges(VOLTAGES)
-
-
-def by_another_factor(moments: Moments, points: Array) -> Charges:
-    """Charges of moved electrodes by the factor of others, `CLOSER` times as far apart."""
-    close = moments.electrodes.moved(moments.electrodes.points * (1.0, CLOSER))
-    return MOMENTS.moved(Moments(close), points)
-
-
 FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
     "charges that need not add up to nothing": (
         "strips", {"charges": partial(perturb_potentials, 0.0, neutral=False)},
@@ -225,8 +212,6 @@ FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
     "halves along half a strip": ("shortcuts", {"forces": halve_to_ends}),
     "the kernel of space in the plane's place": ("nodes", {"report": use_space_kernel}),
     "equations taken for symmetric": ("nodes", {"report": TakenForSymmetric}),
-    "charges left behind by a motion": ("scaling", {"moved": keep_old_forces}),
-    "the factor of electrodes a tenth as far apart": ("scaling", {"moved": by_another_factor}),
 }  # fmt: skip
 """Fault -> the question that notices it, and what of the solver has it."""
 FAULTS: dict[str, dict[str, Any]] = {

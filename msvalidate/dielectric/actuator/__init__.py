@@ -7,7 +7,7 @@ At a voltage V the network and its charges have the potential
 U the springs' energy and W the electrodes', charges free to follow. Rest is where it is stationary,
 stability where its second derivative K_mech - K_elec is positive, and pull-in where that ends.
 `device` says what an actuator is, on the `surface` of a network; `films` makes slabs, and `models`
-say what charges do to it. `balance`, `ways`, `equilibria` and `continuation` find its rest,
+say what charges do to it. `balance`, `equilibria` and `continuation` find its rest,
 `motion` moves it there, `modes` tell how near pull-in it is, and `uniform` has closed forms.
 """
 

@@ -13,15 +13,8 @@ from msvalidate.dielectric.actuator.equilibria import (
     PulledIn,
     at_voltage,
 )
-from msvalidate.dielectric.actuator.ways import Way
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import (
-    finite,
-    format_value,
-    positive_number,
-    require_type,
-    whole_number,
-)
+from msvalidate.problem.checks import finite, format_value, require_type
 from msvalidate.problem.records import dataclass
 
 
@@ -54,11 +47,8 @@ class Sweep:
 
 def sweep(
     actuator: Actuator,
-    voltages: ArrayLike | None = None,
+    voltages: ArrayLike,
     *,
-    to: float | None = None,
-    steps: int = 20,
-    method: Way = "newton",
     tolerance: float = TOLERANCE,
     bracket: float = BRACKET,
 ) -> Sweep:
@@ -70,9 +60,7 @@ def sweep(
         At 0 V it must be stable.
     voltages
         (k,) in V, rising from above 0.
-    to, steps
-        In their place: the highest voltage (V), reached in so many equal steps.
-    method, tolerance, bracket
+    tolerance, bracket
         As in `at_voltage`; pull-in is known to `bracket` times the voltage.
 
     Raises
@@ -83,17 +71,12 @@ def sweep(
         If the actuator is not stable at 0 V. Pull-in is no error: the sweep ends there.
     """
     require_type("actuator", actuator, Actuator)
-    asked = _check_voltages(voltages, to, steps)
-    held = [at_voltage(actuator, 0.0, method=method, tolerance=tolerance)]
+    asked = _check_voltages(voltages)
+    held = [at_voltage(actuator, 0.0, tolerance=tolerance)]
     for voltage in asked:
         try:
             found = at_voltage(
-                actuator,
-                voltage,
-                start=held[-1],
-                method=method,
-                tolerance=tolerance,
-                bracket=bracket,
+                actuator, voltage, start=held[-1], tolerance=tolerance, bracket=bracket
             )
         except PulledIn as error:
             if error.last.voltage > held[-1].voltage:
@@ -103,13 +86,8 @@ def sweep(
     return Sweep(tuple(held), None)
 
 
-def _check_voltages(voltages: ArrayLike | None, to: float | None, steps: int) -> list[float]:
-    if (voltages is None) == (to is None):
-        raise ProblemError("voltages: give either a list of them, or the highest one as `to`")
-    if to is not None:
-        count = whole_number("steps", steps, 1)
-        return [positive_number("to", to, "V") * (i + 1) / count for i in range(count)]
-    given = finite("voltages", voltages)  # type: ignore[arg-type]
+def _check_voltages(voltages: ArrayLike) -> list[float]:
+    given = finite("voltages", voltages)
     if given.ndim != 1 or not len(given) or given[0] <= 0 or (np.diff(given) <= 0).any():
         raise ProblemError(
             f"voltages: {format_value(voltages)}; give a list that rises from above 0 V"

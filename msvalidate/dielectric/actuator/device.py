@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import cached_property
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.models import MODELS
-from msvalidate.dielectric.actuator.surface import is_off_surface, outline
+from msvalidate.dielectric.actuator.surface import SAME_PLACE, is_off_surface, outline
 from msvalidate.dielectric.charges import Electrodes, electrodes_of_chains
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
@@ -20,6 +20,11 @@ from msvalidate.problem.checks import (
     shaped,
 )
 from msvalidate.problem.records import dataclass, field
+
+LARGEST_RATIO = 1e6
+"""Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
+many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
+be below 1e-8 of the loads. Beyond, an equilibrium that is not found says nothing of pull-in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +41,11 @@ class Actuator:
     permittivity
         Of the dielectric between them (F/m).
     model
-        Of charges: one of `models.MODELS`.
+        Of charges: one of `MODELS`.
     depth
         Of the body out of the plane (m): forces and energies are per depth times this.
     permittivity_ratio
-        Permittivity over that of what surrounds the body, up to `models.LARGEST_RATIO`; "in_air"
+        Permittivity over that of what surrounds the body, up to `LARGEST_RATIO`; "in_air"
         alone asks for it, other models leave it aside.
 
     Attributes
@@ -84,7 +89,7 @@ class Actuator:
         )
         for i, line in enumerate(kept):
             _refuse_inside(f"electrode {i}", line, self.network)
-        MODELS[self.model].refuse(self)
+        MODELS[self.model](self)
 
     @cached_property
     def outline(self) -> Index:
@@ -142,3 +147,39 @@ def _refuse_inside(name: str, line: Index, network: Network) -> None:
             f"{name}: the spring of points {i} and {j} is not on the surface; lay electrodes along "
             "the boundary"
         )
+
+
+def _accept(_: Actuator) -> None:
+    """Any actuator will do."""
+
+
+def _refuse_no_plate(actuator: Actuator) -> None:
+    top, bottom = actuator.electrodes
+    network = actuator.network
+    height = network.start[bottom, 1]
+    if (
+        not network.held[bottom, 1].all()
+        or np.ptp(height) > SAME_PLACE * np.abs(network.start[top, 1] - height[0]).max()
+    ):
+        raise ProblemError(
+            "electrode 1: bends or can move up; between parallel plates the bottom one is flat "
+            'and held: take model="plane", or hold it'
+        )
+
+
+def _refuse_high_ratio(actuator: Actuator) -> None:
+    if actuator.permittivity_ratio > LARGEST_RATIO:
+        raise ProblemError(
+            f"permittivity ratio: {actuator.permittivity_ratio:g}; above {LARGEST_RATIO:g} forces "
+            "in air have too few digits: at such ratios the field outside counts for nothing, "
+            f"take {LARGEST_RATIO:g}"
+        )
+
+
+MODELS: Mapping[str, Callable[[Actuator], None]] = {
+    "plane": _accept,
+    "parallel_plates": _refuse_no_plate,
+    "as_report": _accept,
+    "in_air": _refuse_high_ratio,
+}
+"""Name of a model of charges -> what raises `ProblemError` for an actuator that it is not for."""

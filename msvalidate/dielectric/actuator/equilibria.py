@@ -1,9 +1,9 @@
-"""Equilibrium of an actuator at a voltage: by Newton's method on all at once, or staggered.
+"""Equilibrium of an actuator at a voltage, by Newton's method on springs and charges at once.
 
 Newton's tangent is K_mech - K_elec, charges free to follow: sparse, with a dense block among the
 electrodes' points, factorised once a step. Its pivots tell whether what was found is stable. The
-staggered way lets the network rest under the charges it has, then charges it anew. Both walk from a
-lower voltage in steps, halved where there is no stable equilibrium near by, so that nothing folds.
+walk from a lower voltage is in steps, halved where there is no stable equilibrium near by, so that
+nothing folds.
 """
 
 from __future__ import annotations
@@ -14,10 +14,9 @@ import numpy as np
 
 from msvalidate.dielectric.actuator.balance import BalancedState, find_equilibrium, residual_force
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.dielectric.actuator.ways import WAYS, FrozenCharges, Way
+from msvalidate.dielectric.actuator.models import charge_actuator, uncharged
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import finite_number, require_one_of, require_type
+from msvalidate.problem.checks import finite_number, require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.following import SMALLEST_INCREMENT
 
@@ -89,7 +88,6 @@ def at_voltage(
     voltage: float,
     *,
     start: ActuatorEquilibrium | None = None,
-    method: Way = "newton",
     tolerance: float = TOLERANCE,
     bracket: float = BRACKET,
 ) -> ActuatorEquilibrium:
@@ -103,8 +101,6 @@ def at_voltage(
         V, from the bottom electrode to the top one.
     start
         An equilibrium to walk from; by default that at 0 V.
-    method
-        "newton", or "staggered": charges and positions in turns.
     tolerance
         Residual over the forces that meet at a point.
     bracket
@@ -119,17 +115,16 @@ def at_voltage(
     """
     require_type("actuator", actuator, Actuator)
     goal = finite_number("voltage", voltage)
-    require_one_of("method", method, WAYS)
     finite_number("tolerance", tolerance, above=0, most=LOOSEST)
     finite_number("bracket", bracket, above=0, most=LOOSEST)
     held = _starting_point(actuator, start)
     if goal == held.voltage:
-        return held if start is None else _near(actuator, held, goal, method, tolerance)
+        return held if start is None else _near(actuator, held, goal, tolerance)
     step, easy = goal - held.voltage, False
     while held.voltage != goal:
         last = abs(goal - held.voltage) <= abs(step)
         target = goal if last else held.voltage + step
-        found = _step_to_voltage(actuator, held, target, method, tolerance)
+        found = _step_to_voltage(actuator, held, target, tolerance)
         if found is not None:
             # Once a step was refused, twice as long a one is tried after two that were not.
             held = replace(found, iterations=held.iterations + found.iterations)
@@ -171,7 +166,7 @@ def _rest_without_charge(actuator: Actuator) -> ActuatorEquilibrium:
     """
     network = actuator.network
     tension = network.rest_length - np.linalg.norm(network.vector, axis=1)
-    uncharged = FrozenCharges(None, actuator.loaded, np.zeros((len(actuator.loaded), 2)))
+    none = uncharged(actuator)
     u, reached, step, solves = np.zeros(network.points.shape), 0.0, 1.0, 0
     while reached < 1:
         target = min(1.0, reached + step)
@@ -183,7 +178,7 @@ def _rest_without_charge(actuator: Actuator) -> ActuatorEquilibrium:
         )
         place = np.where(network.held, partly.displacement, u)
         part = replace(actuator, network=partly)
-        found = find_equilibrium(part, place, lambda _: uncharged, TOLERANCE)
+        found = find_equilibrium(part, place, lambda _: none, TOLERANCE)
         if found is not None:
             u, reached, step, solves = found.displacement, target, 2 * step, solves + found.solves
             continue
@@ -198,9 +193,9 @@ def _rest_without_charge(actuator: Actuator) -> ActuatorEquilibrium:
 
 
 def _near(
-    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, method: Way, tolerance: float
+    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, tolerance: float
 ) -> ActuatorEquilibrium:
-    found = _step_to_voltage(actuator, held, voltage, method, tolerance)
+    found = _step_to_voltage(actuator, held, voltage, tolerance)
     if found is None:
         raise SolverError(
             f"actuator: no stable equilibrium near the start at {voltage:.6g} V; start at a lower "
@@ -210,14 +205,16 @@ def _near(
 
 
 def _step_to_voltage(
-    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, method: Way, tolerance: float
+    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, tolerance: float
 ) -> ActuatorEquilibrium | None:
     """Stable equilibrium at a voltage near that of `held`, None if none is found."""
     network = actuator.network
     u = np.where(network.held, network.displacement, held.displacement)
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # refused by the residual
-            found = WAYS[method](actuator, u, voltage, tolerance)
+            found = find_equilibrium(
+                actuator, u, lambda place: charge_actuator(actuator, place, voltage), tolerance
+            )
     except (ProblemError, SolverError):  # electrodes touch, or springs have no length
         return None
     return None if found is None else make_equilibrium(actuator, voltage, found)

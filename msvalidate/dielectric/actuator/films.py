@@ -112,23 +112,16 @@ def fix_near_tips(actuator: Actuator, within: float) -> Actuator:
     ProblemError
         If the distance is below zero, or nothing is left to move.
     """
-    near = points_near_tips(actuator, within)[:, None]
-    network = actuator.network
-    held = network.held | near
-    return replace(actuator, network=replace(network, held=held))
-
-
-def points_near_tips(actuator: Actuator, within: float) -> Mask:
-    """Points (n,) within a distance (m) of an edge of the top electrode, at the start."""
     require_type("actuator", actuator, Actuator)
     distance = finite_number("distance from a tip", within, least=0, unit="m")
-    start, top = actuator.network.start, actuator.electrodes[0]
+    network, top = actuator.network, actuator.electrodes[0]
+    start = network.start
     away = np.linalg.norm(start[:, None] - start[top[[0, -1]]], axis=2).min(axis=1)
-    size = float(np.ptp(start, axis=0).max())
-    near: Mask = away <= distance + WHOLE * size / len(start)
-    if (actuator.network.held | near[:, None]).all():
+    near = away <= distance + WHOLE * float(np.ptp(start, axis=0).max()) / len(start)
+    held = network.held | near[:, None]
+    if held.all():
         raise ProblemError(f"distance from a tip: {distance:g} m; it holds every point, give less")
-    return near
+    return replace(actuator, network=replace(network, held=held))
 
 
 def _bonded_film(

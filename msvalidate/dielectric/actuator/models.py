@@ -1,22 +1,19 @@
 """What charges do to a network: forces on its points at a voltage, and how they change.
 
-A model is a function of a device, positions and a voltage that returns an `Electric`. With one more
-model, write such a function and add a row to `MODELS`: actuators take it by its name there.
+With one more model, write a function of an actuator, positions and a voltage that returns an
+`Electric`, add it to `CHARGES`, and its name to `device.MODELS`: actuators take it by that name.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.surface import SAME_PLACE
+from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.charges import (
-    Charges,
-    ChargesInAir,
-    Electrodes,
     Moments,
     ReportCharges,
     ReportModel,
@@ -29,103 +26,54 @@ from msvalidate.dielectric.charges import (
     tangent,
     tangent_in_air,
 )
-from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.records import dataclass
 
-LARGEST_RATIO = 1e6
-"""Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
-many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
-be below 1e-8 of the loads. Beyond, an equilibrium that is not found says nothing of pull-in."""
-
-
-class Device(Protocol):
-    """What a model sees of an actuator: see `device.Actuator`."""
-
-    @property
-    def network(self) -> Network:
-        """The plane network."""
-
-    @property
-    def electrodes(self) -> tuple[Index, ...]:
-        """Chains of points of the top electrode and the bottom one."""
-
-    @property
-    def loaded(self) -> Index:
-        """(k,) points of the network that the electrodes' points are."""
-
-    @property
-    def outline(self) -> Index:
-        """(k,) points around the body."""
-
-    @property
-    def model(self) -> str:
-        """Name of one of `MODELS`."""
-
-    @property
-    def permittivity(self) -> float:
-        """F/m."""
-
-    @property
-    def permittivity_ratio(self) -> float:
-        """Permittivity over that of what surrounds the body."""
-
-    @property
-    def depth(self) -> float:
-        """Of the body out of the plane (m)."""
-
-    def lying(self, position: Array) -> Electrodes:
-        """The electrodes when the network is at positions (n, 2) in m."""
-
-    def potentials(self, voltage: float) -> Array:
-        """Potentials (2,) in V at a voltage (V)."""
-
-
-class Electric(Protocol):
-    """Charges of an actuator at a voltage, and what they do to the network's points."""
-
-    @property
-    def charges(self) -> Any:
-        """The charges, as their own module describes them."""
-
-    @property
-    def loaded(self) -> Index:
-        """(k,) points of the network that feel them, each once."""
-
-    def forces(self) -> Array:
-        """(k, 2) in N, depth included."""
-
-    def tangent(self) -> Array:
-        """(2k, 2k) in N/m, how forces change with positions while charges follow.
-
-        Components of a point stand together.
-        """
-
 
 @dataclass(frozen=True, eq=False)
-class Plane:
-    """Line charges in the plane, in one medium all around."""
+class Electric:
+    """Charges of an actuator at a voltage, and what they do to the network's points.
 
-    charges: Charges
+    Parameters
+    ----------
+    charges
+        As their own module describes them.
+    loaded
+        (k,) points of the network that feel them, each once.
+    depth
+        Of the body out of the plane (m).
+    pull
+        Force (k, 2) per depth (N/m) of charges on these points.
+    bend
+        (2k, 2k) per depth (N/m²), how it changes with positions while charges follow.
+    """
+
+    charges: Any
     loaded: Index
     depth: float
+    pull: Callable[[Any], Array]
+    bend: Callable[[Any], Array]
 
     @cached_property
     def _forces(self) -> Array:
-        return self.depth * forces(self.charges)
+        return self.depth * self.pull(self.charges)
 
     def forces(self) -> Array:
         """(k, 2) in N."""
         return self._forces
 
     def tangent(self) -> Array:
-        """(2k, 2k) in N/m."""
-        return self.depth * tangent(self.charges)
+        """(2k, 2k) in N/m. Components of a point stand together."""
+        return self.depth * self.bend(self.charges)
 
 
 @dataclass(frozen=True, eq=False)
 class PlateCharges:
     """Charges between parallel plates, by the points of the top one.
+
+    The field is V/h at each place: W = ½εV² ∫ dx/h, h the gap there, by the trapezoidal rule. That
+    is the limit of waves long beside the gap. W depends on widths too: the ends are drawn outwards
+    with ½εV²/h, as a dielectric is drawn into a capacitor.
 
     Parameters
     ----------
@@ -137,22 +85,20 @@ class PlateCharges:
         (k,) half of what lies between its neighbours, along x (m).
     permittivity
         F/m.
+    spread
+        (k, k) widths from places along x.
     """
 
     voltage: float
     gap: Array
     width: Array
     permittivity: float
-
-    @property
-    def density(self) -> Array:
-        """(k,) charge per area (C/m²) of the top plate; the bottom one has the opposite."""
-        return self.permittivity * self.voltage / self.gap
+    spread: Array
 
     @property
     def totals(self) -> Array:
         """(2,) of top and bottom, per depth (C/m)."""
-        whole = float(self.density @ self.width)
+        whole = self.permittivity * self.voltage * float((self.width / self.gap).sum())
         return np.array([whole, -whole])
 
     @property
@@ -160,60 +106,45 @@ class PlateCharges:
         """½QV per depth (J/m)."""
         return 0.5 * float(self.totals[0]) * self.voltage
 
-
-@dataclass(frozen=True, eq=False)
-class ParallelPlates:
-    """The field V/h at each place: W = ½εV² ∫ dx/h, h the gap there, by the trapezoidal rule.
-
-    That is the limit of waves long beside the gap. W depends on widths too: the ends are drawn
-    outwards with ½εV²/h, as a dielectric is drawn into a capacitor.
-    """
-
-    charges: PlateCharges
-    loaded: Index
-    depth: float
-    spread: Array
-    """(k, k) widths from places along x."""
-
     @property
     def _scale(self) -> float:
-        return 0.5 * self.depth * self.charges.permittivity * self.charges.voltage**2
+        return 0.5 * self.permittivity * self.voltage**2
 
     def forces(self) -> Array:
-        """(k, 2) in N on the top's points."""
-        inverse = 1 / self.charges.gap
+        """(k, 2) per depth (N/m) on the top's points."""
+        inverse = 1 / self.gap
         along = self.spread.T @ inverse
-        return self._scale * np.column_stack([along, -self.charges.width * inverse**2])
+        return self._scale * np.column_stack([along, -self.width * inverse**2])
 
     def tangent(self) -> Array:
-        """(2k, 2k) in N/m."""
-        k, inverse = len(self.loaded), 1 / self.charges.gap
+        """(2k, 2k) per depth (N/m²)."""
+        k, inverse = len(self.gap), 1 / self.gap
         bend = np.zeros((k, 2, k, 2))
-        bend[:, 1, :, 1] = np.diag(2 * self.charges.width * inverse**3)
+        bend[:, 1, :, 1] = np.diag(2 * self.width * inverse**3)
         # Forces along x change with gaps, and the other way round those along y with widths.
         bend[:, 1, :, 0] = cross = -(inverse**2)[:, None] * self.spread
         bend[:, 0, :, 1] = cross.T
         return self._scale * bend.reshape(2 * k, 2 * k)
 
 
-def _plane(device: Device, position: Array, voltage: float) -> Plane:
+def _plane(actuator: Actuator, position: Array, voltage: float) -> Electric:
     """Exact line charges in a medium of one permittivity all around."""
-    moments = Moments(device.lying(position), permittivity=device.permittivity)
-    charges = moments.charges(device.potentials(voltage))
-    return Plane(charges, device.loaded, device.depth)
+    moments = Moments(actuator.lying(position), permittivity=actuator.permittivity)
+    charges = moments.charges(actuator.potentials(voltage))
+    return Electric(charges, actuator.loaded, actuator.depth, forces, tangent)
 
 
-def _plates(device: Device, position: Array, voltage: float) -> ParallelPlates:
+def _plates(actuator: Actuator, position: Array, voltage: float) -> Electric:
     """The field between plates at each place: the bottom electrode must be flat and held."""
-    top, bottom = device.electrodes
+    top, bottom = actuator.electrodes
     x, y = position[top].T
     gap = y - position[bottom[0], 1]
     spread = _trapezoidal_weights(len(top)) * (1.0 if x[-1] > x[0] else -1.0)
     width = spread @ x
     if not (gap > 0).all() or not (width > 0).all():
         raise ProblemError("electrodes: they cross or touch; leave a gap")
-    charges = PlateCharges(voltage, gap, width, device.permittivity)
-    return ParallelPlates(charges, top, device.depth, spread)
+    charges = PlateCharges(voltage, gap, width, actuator.permittivity, spread)
+    return Electric(charges, top, actuator.depth, PlateCharges.forces, PlateCharges.tangent)
 
 
 def _trapezoidal_weights(k: int) -> Array:
@@ -223,129 +154,47 @@ def _trapezoidal_weights(k: int) -> Array:
     return np.asarray(0.5 * (longer[2:] - longer[:-2]))
 
 
-@dataclass(frozen=True, eq=False)
-class Coulomb:
-    """The report's charges and forces, which are no derivatives of an energy."""
-
-    charges: ReportCharges
-    loaded: Index
-    depth: float
-
-    @cached_property
-    def _forces(self) -> Array:
-        return self.depth * report_forces(self.charges)
-
-    def forces(self) -> Array:
-        """(k, 2) in N."""
-        return self._forces
-
-    def tangent(self) -> Array:
-        """(2k, 2k) in N/m, the symmetric part alone of a lopsided one.
-
-        While the stiffness with it is positive, so are the real parts of all eigenvalues of the
-        whole one: what is called stable is, and pull-in is met at the latest where it should be.
-        """
-        whole = report_tangent(self.charges)
-        return 0.5 * self.depth * (whole + whole.T)
-
-
-@dataclass(frozen=True, eq=False)
-class InAir:
-    """Free and bound charge on the whole surface of the body, which all feels forces."""
-
-    charges: ChargesInAir
-    loaded: Index
-    depth: float
-
-    @cached_property
-    def _forces(self) -> Array:
-        return self.depth * forces_in_air(self.charges)
-
-    def forces(self) -> Array:
-        """(k, 2) in N."""
-        return self._forces
-
-    def tangent(self) -> Array:
-        """(2k, 2k) in N/m."""
-        return self.depth * tangent_in_air(self.charges)
-
-
-def _report(device: Device, position: Array, voltage: float) -> Coulomb:
-    """The report's kernel 1/(4πεr) and point forces."""
+def _report(actuator: Actuator, position: Array, voltage: float) -> Electric:
+    """The report's kernel 1/(4πεr) and point forces, which are no derivatives of an energy."""
     moments = ReportModel(
-        device.lying(position), permittivity=device.permittivity, depth=device.depth
+        actuator.lying(position), permittivity=actuator.permittivity, depth=actuator.depth
     )
-    charges = moments.charges(device.potentials(voltage))
-    return Coulomb(charges, device.loaded, device.depth)
+    charges = moments.charges(actuator.potentials(voltage))
+    return Electric(charges, actuator.loaded, actuator.depth, report_forces, _symmetric_tangent)
 
 
-def _in_air(device: Device, position: Array, voltage: float) -> InAir:
-    """Bare faces of the dielectric carry bound charge; asks for the permittivity ratio."""
-    around = device.outline
-    moments = SlabInAir(
-        faces_of(position, around, device.electrodes),
-        ratio=device.permittivity_ratio,
-        permittivity=device.permittivity,
-    )
-    return InAir(moments.charges(device.potentials(voltage)), around, device.depth)
+def _symmetric_tangent(charges: ReportCharges) -> Array:
+    """The symmetric part alone of a lopsided tangent.
 
-
-def _accept(device: Device) -> None:
-    """Any actuator will do."""
-
-
-def _refuse_no_plate(device: Device) -> None:
-    top, bottom = device.electrodes
-    network = device.network
-    height = network.start[bottom, 1]
-    if (
-        not network.held[bottom, 1].all()
-        or np.ptp(height) > SAME_PLACE * np.abs(network.start[top, 1] - height[0]).max()
-    ):
-        raise ProblemError(
-            "electrode 1: bends or can move up; between parallel plates the bottom one is flat "
-            'and held: take model="plane", or hold it'
-        )
-
-
-def _refuse_high_ratio(device: Device) -> None:
-    if device.permittivity_ratio > LARGEST_RATIO:
-        raise ProblemError(
-            f"permittivity ratio: {device.permittivity_ratio:g}; above {LARGEST_RATIO:g} forces "
-            "in air have too few digits: at such ratios the field outside counts for nothing, "
-            f"take {LARGEST_RATIO:g}"
-        )
-
-
-@dataclass(frozen=True)
-class Model:
-    """A model of charges.
-
-    Parameters
-    ----------
-    charge
-        Makes charges of a device at positions (n, 2) in m and a voltage (V).
-    refuse
-        Raises `ProblemError` for a device that it is not for.
-    conservative
-        Whether its forces are slopes of an energy; tests hold it to that.
+    While the stiffness with it is positive, so are the real parts of all eigenvalues of the whole
+    one: what is called stable is, and pull-in is met at the latest where it should be.
     """
-
-    charge: Callable[[Device, Array, float], Electric]
-    refuse: Callable[[Device], None] = _accept
-    conservative: bool = True
+    whole = report_tangent(charges)
+    return 0.5 * (whole + whole.T)
 
 
-MODELS: Mapping[str, Model] = {
-    "plane": Model(_plane),
-    "parallel_plates": Model(_plates, _refuse_no_plate),
-    "as_report": Model(_report, conservative=False),
-    "in_air": Model(_in_air, _refuse_high_ratio),
+def _in_air(actuator: Actuator, position: Array, voltage: float) -> Electric:
+    """Free and bound charge on the whole surface; asks for the permittivity ratio."""
+    around = actuator.outline
+    moments = SlabInAir(
+        faces_of(position, around, actuator.electrodes),
+        ratio=actuator.permittivity_ratio,
+        permittivity=actuator.permittivity,
+    )
+    charges = moments.charges(actuator.potentials(voltage))
+    return Electric(charges, around, actuator.depth, forces_in_air, tangent_in_air)
+
+
+CHARGES: Mapping[str, Callable[[Actuator, Array, float], Electric]] = {
+    "plane": _plane,
+    "parallel_plates": _plates,
+    "as_report": _report,
+    "in_air": _in_air,
 }
-"""Name -> model."""
+"""Name of a model -> charges of an actuator at positions (n, 2) in m and a voltage (V)."""
 
 
-def charge_actuator(device: Device, position: Array, voltage: float) -> Electric:
+def charge_actuator(actuator: Actuator, position: Array, voltage: float) -> Electric:
     """Charges of an actuator's own model at positions (n, 2) in m and a voltage (V).
 
     Raises
@@ -353,4 +202,12 @@ def charge_actuator(device: Device, position: Array, voltage: float) -> Electric
     ProblemError
         If electrodes cross or touch there.
     """
-    return MODELS[device.model].charge(device, position, voltage)
+    return CHARGES[actuator.model](actuator, position, voltage)
+
+
+def uncharged(actuator: Actuator) -> Electric:
+    """No charges, which do nothing."""
+    k = len(actuator.loaded)
+    return Electric(
+        None, actuator.loaded, 1.0, lambda _: np.zeros((k, 2)), lambda _: np.zeros((2 * k, 2 * k))
+    )

@@ -9,7 +9,6 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from msvalidate.dielectric.actuator.balance import stiffness
 from msvalidate.dielectric.actuator.equilibria import ActuatorEquilibrium
-from msvalidate.dielectric.actuator.films import points_near_tips
 from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.lattice.ties import TIE
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
@@ -22,9 +21,7 @@ FIRST_SHIFT, LONGEST_SHIFT = 1e-6, 10.0
 """Shifts below zero, over the largest stiffness, tried tenfold until no mode lies below."""
 
 
-def lowest_modes(
-    held: ActuatorEquilibrium, count: int = 1, *, without_tips: float = 0.0
-) -> tuple[Array, Array]:
+def lowest_modes(held: ActuatorEquilibrium, count: int = 1) -> tuple[Array, Array]:
     """Smallest eigenvalues (N/m) of K_mech - K_elec, charges free to follow, and their modes.
 
     The first is above zero where the actuator is stable, and falls to zero at pull-in. Modes have
@@ -37,10 +34,6 @@ def lowest_modes(
         Where.
     count
         Number of modes.
-    without_tips
-        Distance (m) from an edge of the top electrode within which points are held, to see what
-        the inside does: the last points before an edge are pulled in first, an artefact of the
-        mesh. 0 holds none.
 
     Returns
     -------
@@ -59,9 +52,6 @@ def lowest_modes(
     electric = charge_actuator(actuator, held.position, held.voltage)
     K = stiffness(actuator, held.position, electric)
     free = np.flatnonzero(~actuator.network.held.ravel())
-    if without_tips:
-        away = ~np.repeat(points_near_tips(actuator, without_tips), 2)[free]
-        K, free = csr_array(K[away][:, away]), free[away]
     if whole_number("count", count, 1) > len(free):
         raise ProblemError(f"count: {count} modes; the actuator has {len(free)} free components")
     values, vectors = _smallest(csr_array(0.5 * (K + K.T)), count)

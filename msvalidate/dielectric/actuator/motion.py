@@ -38,17 +38,11 @@ class RelaxedActuator:
         Where; its iterations are the steps taken.
     dt, damping
         Time step (s) and damping rate (1/s).
-    history
-        (looks, 4): step, residual force (N), kinetic energy (J), mean height of the top (m).
-    charged
-        Times that charges were solved for.
     """
 
     equilibrium: ActuatorEquilibrium
     dt: float
     damping: float
-    history: Array
-    charged: int
 
 
 def relax_actuator(
@@ -98,19 +92,19 @@ def relax_actuator(
     finite_number("tolerance", tolerance, above=0, most=LOOSEST)
     every = whole_number("charges_every", charges_every, 1)
     step, rate, patience = _time_stepping(actuator.network, dt, damping, tolerance, max_steps)
-    run, history = _Run(actuator, volts, start, step, rate), []
+    run = _Run(actuator, volts, start, step, rate)
     for count in range(patience + 1):
-        is_recorded = count % LOOK_EVERY == 0
-        if is_recorded or count % every == 0:
+        is_looked_at = count % LOOK_EVERY == 0
+        if is_looked_at or count % every == 0:
             run.charge(count)
-        if is_recorded:
-            history.append(run.measure(count))
-            if run.is_at_rest(history[-1], tolerance):
-                return RelaxedActuator(
-                    run.equilibrium(count), step, rate, np.array(history), run.charged
-                )
+        if is_looked_at and run.is_at_rest(tolerance):
+            return RelaxedActuator(run.equilibrium(count), step, rate)
         run.advance()
-    raise SolverError(run.unfinished(history[-1], patience))
+    raise SolverError(
+        f"{run.name} is not at rest after {patience} steps: residual "
+        f"{np.abs(run.balance()).max():.3g} N, kinetic energy {run.kinetic:.3g} J; raise "
+        "max_steps, or stay below pull-in"
+    )
 
 
 def _time_stepping(
@@ -153,7 +147,7 @@ class _Run:
             moved = np.where(network.held, moved, start.displacement)
         self.displacement, self.velocity = moved, np.zeros_like(moved)
         self.free, self.inertia = ~network.held, network.mass[:, None]
-        self.force, self.stored, self.charged = np.empty_like(moved), 0.0, 0
+        self.force, self.stored = np.empty_like(moved), 0.0
         self.size = float(np.ptp(network.points, axis=0).max())
         self.electric: Electric | None = None
         self.pull = np.zeros_like(moved)
@@ -174,7 +168,6 @@ class _Run:
             ) from error
         self.pull = np.array(self.actuator.network.force)
         self.pull[self.electric.loaded] += self.electric.forces()
-        self.charged += 1
 
     def balance(self) -> Array:
         """Out-of-balance force (n, 2) in N, 0 where it is held."""
@@ -193,24 +186,17 @@ class _Run:
                 f"{self.name} diverged by step {step}; take a smaller dt, or a lower voltage"
             )
 
-    def measure(self, step: int) -> tuple[int, float, float, float]:
-        """Step, residual (N), kinetic energy (J) and mean height of the top (m)."""
-        residual = float(np.abs(self.balance()).max())
-        kinetic = 0.5 * float((self.inertia * self.velocity**2).sum())
-        height = float(self.position[self.actuator.electrodes[0], 1].mean())
-        return step, residual, kinetic, height
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy (J)."""
+        return 0.5 * float((self.inertia * self.velocity**2).sum())
 
-    def is_at_rest(self, row: tuple[int, float, float, float], tolerance: float) -> bool:
-        if row[2] > tolerance**2 * self.stored or self.electric is None:
+    def is_at_rest(self, tolerance: float) -> bool:
+        """Whether forces balance and nothing moves."""
+        self.balance()  # what springs store there
+        if self.kinetic > tolerance**2 * self.stored or self.electric is None:
             return False
         return is_balanced(self.actuator, self.displacement, self.electric, tolerance)
-
-    def unfinished(self, row: tuple[int, float, float, float], steps: int) -> str:
-        """Message for a run that is not at rest after so many steps."""
-        return (
-            f"{self.name} is not at rest after {steps} steps: residual {row[1]:.3g} N, "
-            f"kinetic energy {row[2]:.3g} J; raise max_steps, or stay below pull-in"
-        )
 
     def equilibrium(self, steps: int) -> ActuatorEquilibrium:
         """Where it rests, if that is stable."""

@@ -11,7 +11,6 @@ capacitances are known.
 from msvalidate.dielectric.charges.dielectric import (
     ChargesInAir,
     SlabInAir,
-    capacitance_in_air,
     forces_in_air,
 )
 from msvalidate.dielectric.charges.electrodes import (
@@ -28,13 +27,12 @@ from msvalidate.dielectric.charges.exact import (
 from msvalidate.dielectric.charges.faces import Faces, faces_of, slab_faces
 from msvalidate.dielectric.charges.forces import forces, tangent
 from msvalidate.dielectric.charges.moments import Charges, Moments, capacitance
-from msvalidate.dielectric.charges.multipole import Multipole
 from msvalidate.dielectric.charges.patches import (
     PatchCharges,
     Patches,
-    PatchMoments,
     conductors,
     patch_capacitance,
+    patch_charges,
 )
 from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.dielectric.charges.report_model import (
@@ -52,15 +50,12 @@ __all__ = [
     "Electrodes",
     "Faces",
     "Moments",
-    "Multipole",
     "PatchCharges",
-    "PatchMoments",
     "Patches",
     "ReportCharges",
     "ReportModel",
     "SlabInAir",
     "capacitance",
-    "capacitance_in_air",
     "conductors",
     "consistent_forces",
     "disc",
@@ -72,6 +67,7 @@ __all__ = [
     "forces",
     "forces_in_air",
     "patch_capacitance",
+    "patch_charges",
     "plate",
     "report_forces",
     "report_tangent",

@@ -15,8 +15,9 @@ from msvalidate.problem.checks import (
     positive_number,
 )
 
-MOST_DENSE = 30_000
-"""Segments or patches beyond which no matrix is made of all pairs: it would take 7 GB or more."""
+MOST_DENSE = 5_000
+"""Segments or patches beyond which no matrix of all pairs is made: 0.2 GB, of which models
+take up to a dozen."""
 
 ROUNDED = 8 * float(np.finfo(float).eps)
 """Error of an integral over pairs, over its larger terms: sums of some eight, rounded each."""
@@ -29,8 +30,8 @@ def refuse_dense(what: str, count: int) -> None:
     """Raise `ProblemError` before memory is taken for a matrix of too many segments or patches."""
     if count > MOST_DENSE:
         raise ProblemError(
-            f"{what}: {count}, a matrix of {8e-9 * count**2:.3g} GB; take at most {MOST_DENSE}, or "
-            "of electrodes in one medium the charges of `Multipole`"
+            f"{what}: {count} of them, whose matrix takes {8e-9 * count**2:.2g} GB; take at most "
+            f"{MOST_DENSE}, graded towards edges"
         )
 
 

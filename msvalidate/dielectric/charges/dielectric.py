@@ -22,25 +22,22 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
     check_error,
     check_permittivity,
     check_ratio,
     check_voltages,
-    condition_number,
     logarithm_error,
-    one_norm,
     refuse_dense,
 )
 from msvalidate.dielectric.charges.faces import Faces
 from msvalidate.dielectric.charges.moments import Complex, check_points, to_complex
-from msvalidate.dielectric.charges.neutral import subtract_middle
+from msvalidate.dielectric.charges.neutral import factorise, subtract_middle
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
-from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import positive_number, require_type
+from msvalidate.problem import Array
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 
 
@@ -56,6 +53,11 @@ class SlabInAir:
     permittivity
         Of the body (F/m).
 
+    Attributes
+    ----------
+    flux
+        Φ (n, n): part of the flux of one segment's charge that leaves through another.
+
     Raises
     ------
     ProblemError
@@ -68,11 +70,8 @@ class SlabInAir:
         self.faces = faces
         self.ratio = check_ratio(ratio)
         self.permittivity = check_permittivity(permittivity)
-        self._passed = fluxes.crossed(*self.lines()) / (2 * np.pi)
-        equations = np.asfortranarray(self._equations())
-        norm = one_norm(equations)
-        self._factor = lu_factor(equations, overwrite_a=True)
-        self._condition = condition_number(self._factor[0], norm, symmetric=False)
+        self.flux: Array = fluxes.crossed(*self.lines()).imag / (2 * np.pi)
+        self._inverse, self._condition = factorise(self._equations(), symmetric=False)
 
     @property
     def air(self) -> float:
@@ -83,23 +82,6 @@ class SlabInAir:
     def contrast(self) -> float:
         """(ε_r-1)/(ε_r+1)."""
         return (self.ratio - 1) / (self.ratio + 1)
-
-    @property
-    def flux(self) -> Array:
-        """Φ (n, n): part of the flux of one segment's charge that leaves through another."""
-        part: Array = self._passed.imag
-        return part
-
-    @property
-    def loss(self) -> Array:
-        """(n, n) voltage along one segment, times the air's permittivity, of charge on another."""
-        part: Array = self._passed.real
-        return part
-
-    def moved(self, points: ArrayLike) -> SlabInAir:
-        """The same body with the points (n, 2) of its surface elsewhere (m)."""
-        later = self.faces.moved(points)
-        return SlabInAir(later, ratio=self.ratio, permittivity=self.permittivity)
 
     def charges(self, voltages: ArrayLike) -> ChargesInAir:
         """Charges at potentials (k,) in V, one for each electrode."""
@@ -116,8 +98,7 @@ class SlabInAir:
     def solve(self, right: Array, *, adjoint: bool = False) -> Array:
         """Solution (n + 1, ...) for n rows of the equations; `adjoint` transposes them."""
         neutral = np.zeros((1, *right.shape[1:]))
-        solved: Array = lu_solve(self._factor, np.concatenate([right, neutral]), trans=int(adjoint))
-        return solved
+        return self._inverse(np.concatenate([right, neutral]), adjoint=adjoint)
 
     def _equations(self) -> Array:
         """Potentials times the air's permittivity, charges on bare faces, neutrality."""
@@ -173,11 +154,6 @@ class ChargesInAir:
         )
 
     @property
-    def density(self) -> Array:
-        """(n,) free charge per area (C/m²)."""
-        return self.free / self.moments.faces.length
-
-    @property
     def totals(self) -> Array:
         """(k,) free charge of the electrodes, per depth (C/m)."""
         faces = self.moments.faces
@@ -189,34 +165,6 @@ class ChargesInAir:
     def energy(self) -> float:
         """½ΣQV per depth (J/m)."""
         return 0.5 * float(self.totals @ self.voltages)
-
-    @property
-    def normal_fields(self) -> tuple[Array, Array]:
-        """Mean normal fields (n,) inside and outside of each segment (V/m), out of the body."""
-        moments = self.moments
-        scale = moments.air * moments.faces.length
-        mean, jump = (moments.flux @ self.charge) / scale, 0.5 * self.charge / scale
-        return mean - jump, mean + jump
-
-    @property
-    def tractions(self) -> Array:
-        """(n,) force per area (Pa) out of the body, from each segment's mean fields.
-
-        The difference of Maxwell's stresses ε(EE - ½E²) on both sides,
-
-            ½(εₐ·E_out² - ε·E_in²) + ½(ε - εₐ)·E_t²,
-
-        is normal to the surface on electrodes, where E_t = 0, and on bare faces. It is as in the
-        usual ideal dielectric, whose permittivity does not depend on strain. `forces_in_air` also
-        holds what pulls at the electrodes' edges, where no mean field tells of it.
-        """
-        moments = self.moments
-        inside, outside = self.normal_fields
-        lost = (moments.loss @ self.charge) / (moments.air * moments.faces.length)
-        along = np.where(moments.faces.bare, lost, 0.0)
-        normal = moments.air * outside**2 - moments.permittivity * inside**2
-        total: Array = 0.5 * (normal + (moments.permittivity - moments.air) * along**2)
-        return total
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (k,) in V at points (k, 2) in m, inside the body and out."""
@@ -275,33 +223,3 @@ def adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:
     )[:-1]
     on_bare = np.where(faces.bare, answer, 0.0)
     return moments.air * (answer - on_bare), moments.contrast * on_bare - 0.5 * (ratio - 1) * volt
-
-
-def covered_edge_exponent(ratio: float) -> float:
-    """Exponent λ of the potential, V - φ ~ r^λ, at a square edge of a body covered on one side.
-
-    The electrode ends at the edge. λ = (2/π)·atan √((3ε_r+1)/(ε_r+3)): with a quarter of the plane
-    in the body, sin λθ from both faces of the electrode meet at the bare face. Forces within r of
-    the edge go like r^(2λ-1), so for ε_r = 1 a pull remains at the electrode's very end, and for
-    greater ratios none does: it is on the bare face, and a mesh's end point holds less of it the
-    finer the mesh.
-
-    Source: closed form derived here, by matching sin λθ at the bare face.
-    """
-    given = positive_number("ratio", ratio)
-    return float(2 / np.pi * np.arctan(np.sqrt((3 * given + 1) / (given + 3))))
-
-
-def capacitance_in_air(faces: Faces, *, ratio: float = 1.0, permittivity: float = 1.0) -> float:
-    """Capacitance per depth (F/m) between two electrodes on a body in air.
-
-    Raises
-    ------
-    ProblemError
-        If there are not two, or as `SlabInAir`.
-    """
-    require_type("faces", faces, Faces)
-    if faces.count != 2:
-        raise ProblemError(f"electrodes: {faces.count}; a capacitance is of two")
-    moments = SlabInAir(faces, ratio=ratio, permittivity=permittivity)
-    return float(moments.charges((0.5, -0.5)).totals[0])

@@ -87,11 +87,6 @@ class Faces:
         return length
 
     @property
-    def normal(self) -> Array:
-        """(n, 2) unit vectors out of the body."""
-        return np.column_stack([self.along[:, 1], -self.along[:, 0]]) / self.length[:, None]
-
-    @property
     def middle(self) -> Array:
         """(n, 2) middles (m)."""
         return self.points + 0.5 * self.along

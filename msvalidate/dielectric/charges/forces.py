@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.dielectric.charges.moments import Charges, to_complex
+from msvalidate.dielectric.charges.moments import Charges, Complex, to_complex
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_type
@@ -59,9 +59,19 @@ def tangent(charges: Charges) -> Array:
         charges.charge,
         len(electrodes.points),
     )
-    m, n = first.shape
-    slope = -scale * np.stack([first.real, -first.imag], axis=-1).reshape(m, 2 * n)
+    slope = -scale * slopes(first)
+    return 0.5 * scale * bends(second) + slope.T @ moments.solve(slope)
+
+
+def slopes(first: Complex) -> Array:
+    """Complex derivatives (m, n) as real ones (m, 2n)."""
+    return np.stack([first.real, -first.imag], axis=-1).reshape(len(first), -1)
+
+
+def bends(second: Complex) -> Array:
+    """Complex second derivatives (n, n) as real ones (2n, 2n)."""
+    n = len(second)
     bend = np.empty((n, 2, n, 2))
     bend[:, 0, :, 0], bend[:, 1, :, 1] = second.real, -second.real
     bend[:, 0, :, 1] = bend[:, 1, :, 0] = -second.imag
-    return 0.5 * scale * bend.reshape(2 * n, 2 * n) + slope.T @ moments.solve(slope)
+    return bend.reshape(2 * n, 2 * n)

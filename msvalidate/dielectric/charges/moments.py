@@ -17,7 +17,7 @@ weighting, as that of any set of a logarithmic capacity below 1 is: Cholesky's f
 
 from __future__ import annotations
 
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +31,7 @@ from msvalidate.dielectric.charges.checks import (
     refuse_dense,
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes
-from msvalidate.dielectric.charges.neutral import Neutral, factorise, neutral_gmres, subtract_middle
+from msvalidate.dielectric.charges.neutral import Neutral, factorise, subtract_middle
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type
@@ -39,12 +39,6 @@ from msvalidate.problem.records import dataclass
 
 Weighting = Literal["galerkin", "collocation"]
 WEIGHTINGS: tuple[Weighting, ...] = ("galerkin", "collocation")
-LEAST_ITERATED = 1500
-"""Segments below which a new factor costs less than iterations with an old one."""
-RESIDUAL = 1e-12
-"""Of the potentials, left by iterations."""
-MOST_STEPS = 25
-"""Iterations beyond which electrodes have moved too far for an old factor, and get their own."""
 
 Complex = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
@@ -64,17 +58,6 @@ def segment_lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
     return to_complex(electrodes.start), to_complex(electrodes.along)
 
 
-class Equations(Protocol):
-    """Equations for charges: `Moments`, or `multipole.Multipole`."""
-
-    electrodes: Electrodes
-    permittivity: float
-    weighting: Weighting
-
-    def solve(self, potential: Array) -> Array:
-        """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
-
-
 @dataclass(frozen=True, eq=False)
 class Charges:
     """Charges at given voltages. Arrays are read-only.
@@ -91,18 +74,15 @@ class Charges:
         The constant c (V).
     error
         How far the charges may be from the solution of their equations, as sums over all segments
-        of the sizes of both, by the condition of the matrix or what one more correction changes.
-        Totals and energy share it. What the segments' number leaves out is not in it.
-    iterations
-        Of GMRES, 0 if a factor of these equations was at hand.
+        of the sizes of both, by the condition of the matrix. Totals and energy share it. What the
+        segments' number leaves out is not in it.
     """
 
-    moments: Equations
+    moments: Moments
     voltages: Array
     charge: Array
     floating: float
     error: float
-    iterations: int = 0
 
     def __post_init__(self) -> None:
         self.voltages.setflags(write=False)
@@ -171,89 +151,27 @@ class Moments:
         permittivity: float = 1.0,
         weighting: Weighting = "galerkin",
     ) -> None:
-        self._state(electrodes, permittivity, weighting)
-        self._nearby: Neutral | None = None
-        self._own: Neutral | None = self._factorise()
-
-    def _state(self, electrodes: Electrodes, permittivity: float, weighting: Weighting) -> None:
         self.electrodes = check_electrodes(electrodes)
         require_one_of("weighting", weighting, WEIGHTINGS)
         refuse_dense("segments", len(electrodes.segments))
         self.weighting: Weighting = weighting
         self.permittivity = check_permittivity(permittivity)
-        self._matrix: Array | None = None
-
-    def moved(self, points: ArrayLike) -> Moments:
-        """The same electrodes with their points (n, 2) elsewhere (m).
-
-        If they are many, their charges come from GMRES with the factor made for these: a few steps
-        while the points are near their old places. A solve that would take many makes the factor
-        of the new ones.
-        """
-        later = Moments.__new__(Moments)
-        later._state(self.electrodes.moved(points), self.permittivity, self.weighting)
-        few = len(self.electrodes.segments) < LEAST_ITERATED
-        later._nearby = None if few else self._own or self._nearby
-        later._own = later._factorise() if few else None
-        return later
+        matrix = coefficients(electrodes, self.permittivity, weighting)
+        inverse, condition = factorise(matrix, symmetric=weighting == "galerkin")
+        self._neutral = Neutral(inverse, len(matrix))
+        self._error = logarithm_error(electrodes.extent) * condition
 
     def charges(self, voltages: ArrayLike) -> Charges:
         """Charges at potentials (k,) in V, one for each electrode."""
         given = check_voltages("an electrode", self.electrodes.count, voltages)
         level, middle = subtract_middle(given)
-        solved, steps, error = self._solve(level[self.electrodes.electrode])
+        solved = self._neutral(level[self.electrodes.electrode])
         constant = float(solved[-1]) + middle
-        return Charges(self, given, solved[:-1], constant, check_error(error), steps)
+        return Charges(self, given, solved[:-1], constant, check_error(self._error))
 
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
-        return self._solve(potential)[0][:-1]
-
-    def _solve(self, potential: Array) -> tuple[Array, int, float]:
-        """Charges (m,) or (m, k) and then the constant, the steps taken, and the charges' error."""
-        if self._own is None and potential.ndim == 1:
-            found = self._iterate(potential)
-            if found is not None:
-                return found
-        if self._own is None:
-            self._own, self._nearby = self._factorise(), None
-        return self._own(potential), 0, self._rounding * self._own.condition
-
-    def _factorise(self) -> Neutral:
-        """The solution by a factor, for which the matrix is given up."""
-        matrix = self._coefficients()
-        self._matrix = None
-        solve, condition = factorise(matrix, symmetric=self.weighting == "galerkin")
-        return Neutral(solve, len(matrix), condition)
-
-    def _iterate(self, potential: Array) -> tuple[Array, int, float] | None:
-        """GMRES, or None if it takes too many steps."""
-        self._matrix = matrix = self._coefficients()
-        m, nearby = len(matrix), self._nearby
-        assert nearby is not None  # noqa: S101  `moved` has seen to it
-
-        def bordered(x: Array) -> Array:
-            return np.append(matrix @ x[:m] + x[m], x[:m].sum())
-
-        found = neutral_gmres(
-            bordered,
-            lambda x: nearby(x[:m], float(x[m])),
-            potential,
-            most=MOST_STEPS,
-            residual=RESIDUAL,
-        )
-        if found is None:
-            return None
-        return found.solved, found.steps, found.error + self._rounding * nearby.condition
-
-    @property
-    def _rounding(self) -> float:
-        return logarithm_error(self.electrodes.extent)
-
-    def _coefficients(self) -> Array:
-        if self._matrix is not None:
-            return self._matrix
-        return coefficients(self.electrodes, self.permittivity, self.weighting)
+        return self._neutral(potential)[:-1]
 
 
 def coefficients(electrodes: Electrodes, permittivity: float, weighting: Weighting) -> Array:

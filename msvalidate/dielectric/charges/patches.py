@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
     ROUNDED,
@@ -22,13 +21,12 @@ from msvalidate.dielectric.charges.checks import (
     check_owners,
     check_permittivity,
     check_voltages,
-    condition_number,
     freeze,
-    one_norm,
     refuse_dense,
     refuse_gaps,
 )
 from msvalidate.dielectric.charges.contact import areas, refuse_overlap, refuse_tilted
+from msvalidate.dielectric.charges.neutral import factorise
 from msvalidate.dielectric.kernels import polygons
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import finite_coordinates, require_type
@@ -83,13 +81,37 @@ class Patches:
         return areas(self.corners)
 
 
-class PatchMoments:
-    """Patches with the factor of their equations, made once for any voltages.
+@dataclass(frozen=True, eq=False)
+class PatchCharges:
+    """Charges at given voltages.
+
+    Parameters
+    ----------
+    charge
+        (n,) of the patches (C).
+    totals
+        (k,) of the conductors (C).
+    error
+        How far the charges may be from the solution of their equations, as sums over all patches of
+        the sizes of both, by the condition of the matrix.
+    """
+
+    charge: Array
+    totals: Array
+    error: float
+
+
+def patch_charges(
+    patches: Patches, voltages: ArrayLike, *, permittivity: float = 1.0
+) -> PatchCharges:
+    """Charges of conductors at potentials (k,) in V over that far away.
 
     Parameters
     ----------
     patches
         One conductor or more.
+    voltages
+        One for each conductor (V).
     permittivity
         Of the medium all around (F/m).
 
@@ -97,75 +119,18 @@ class PatchMoments:
     ------
     ProblemError
         If an argument is out of range.
+    SolverError
+        If rounding leaves the charges no digits.
     """
-
-    def __init__(self, patches: Patches, *, permittivity: float = 1.0) -> None:
-        require_type("patches", patches, Patches)
-        refuse_dense("patches", len(patches.corners))
-        self.patches = patches
-        self.permittivity = check_permittivity(permittivity)
-        mean = polygons.seen(patches.middle, patches.corners) / patches.area
-        equations = np.asfortranarray(mean / (4 * np.pi * self.permittivity))
-        norm = one_norm(equations)
-        self._factor = lu_factor(equations, overwrite_a=True)
-        self._condition = condition_number(self._factor[0], norm, symmetric=False)
-
-    def charges(self, voltages: ArrayLike) -> PatchCharges:
-        """Charges at potentials (k,) in V, one for each conductor, over that far away."""
-        given = check_voltages("a conductor", self.patches.count, voltages)
-        charge = lu_solve(self._factor, given[self.patches.conductor])
-        error = check_error(ROUNDED * self._condition)
-        return PatchCharges(self, given, charge, error)
-
-
-@dataclass(frozen=True, eq=False)
-class PatchCharges:
-    """Charges at given voltages. Arrays are read-only.
-
-    Parameters
-    ----------
-    moments
-        What they solve.
-    voltages
-        (k,) of the conductors (V).
-    charge
-        (n,) of the patches (C).
-    error
-        How far the charges may be from the solution of their equations, as sums over all patches of
-        the sizes of both, by the condition of the matrix.
-    """
-
-    moments: PatchMoments
-    voltages: Array
-    charge: Array
-    error: float
-
-    def __post_init__(self) -> None:
-        self.charge.setflags(write=False)
-
-    @property
-    def density(self) -> Array:
-        """(n,) charge per area (C/m²), of both faces together."""
-        return self.charge / self.moments.patches.area
-
-    @property
-    def totals(self) -> Array:
-        """(k,) of the conductors (C)."""
-        patches = self.moments.patches
-        total = np.bincount(patches.conductor, self.charge, patches.count)
-        return np.asarray(total, dtype=float)
-
-    @property
-    def energy(self) -> float:
-        """½ΣQV (J)."""
-        return 0.5 * float(self.totals @ self.voltages)
-
-    def potential(self, points: ArrayLike) -> Array:
-        """Potential (k,) in V at points (k, 3) in m."""
-        at = finite_coordinates("points", points, "k", 3)
-        seen = polygons.seen(at, self.moments.patches.corners)
-        total: Array = seen @ self.density / (4 * np.pi * self.moments.permittivity)
-        return total
+    require_type("patches", patches, Patches)
+    refuse_dense("patches", len(patches.corners))
+    scale = 4 * np.pi * check_permittivity(permittivity)
+    given = check_voltages("a conductor", patches.count, voltages)
+    seen = polygons.seen(patches.middle, patches.corners) / patches.area
+    inverse, condition = factorise(seen / scale, symmetric=False)
+    charge = inverse(given[patches.conductor])
+    totals = np.asarray(np.bincount(patches.conductor, charge, patches.count), dtype=float)
+    return PatchCharges(charge, totals, check_error(ROUNDED * condition))
 
 
 def patch_capacitance(patches: Patches, *, permittivity: float = 1.0) -> float:
@@ -174,13 +139,13 @@ def patch_capacitance(patches: Patches, *, permittivity: float = 1.0) -> float:
     Raises
     ------
     ProblemError
-        If there are more than two conductors, or as `PatchMoments`.
+        If there are more than two conductors, or as `patch_charges`.
     """
-    moments = PatchMoments(patches, permittivity=permittivity)
+    require_type("patches", patches, Patches)
     if patches.count > 2:
         raise ProblemError(f"patches: {patches.count} conductors; a capacitance is of one or two")
     voltages = (1.0,) if patches.count == 1 else (0.5, -0.5)
-    return float(moments.charges(voltages).totals[0])
+    return float(patch_charges(patches, voltages, permittivity=permittivity).totals[0])
 
 
 def conductors(*bodies: Patches) -> Patches:

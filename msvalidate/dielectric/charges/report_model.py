@@ -21,20 +21,17 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
     check_error,
     check_permittivity,
-    check_plane_points,
     check_voltages,
-    condition_number,
     logarithm_error,
-    one_norm,
     refuse_dense,
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes
 from msvalidate.dielectric.charges.moments import check_electrodes
+from msvalidate.dielectric.charges.neutral import factorise
 from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
 from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
 from msvalidate.problem import Array, Index
@@ -89,20 +86,7 @@ class ReportModel:
             border = float(np.abs(coefficients).max())
             coefficients = np.pad(coefficients, (0, 1), constant_values=border)
             coefficients[-1, -1] = 0.0
-        equations = np.asfortranarray(coefficients)
-        norm = one_norm(equations)
-        self._factor = lu_factor(equations, overwrite_a=True)
-        self._condition = condition_number(self._factor[0], norm, symmetric=False)
-
-    def moved(self, points: ArrayLike) -> ReportModel:
-        """The same electrodes with their points (n, 2) elsewhere (m)."""
-        return ReportModel(
-            self.electrodes.moved(points),
-            permittivity=self.permittivity,
-            depth=self.depth,
-            kernel=self.kernel,
-            charges_on=self.charges_on,
-        )
+        self._inverse, self._condition = factorise(coefficients, symmetric=False)
 
     def charges(self, voltages: ArrayLike) -> ReportCharges:
         """Charges at potentials (k,) in V, one for each electrode.
@@ -123,8 +107,7 @@ class ReportModel:
         if self.kernel == "plane":
             neutral = np.zeros((1, *potential.shape[1:]))
             potential = np.concatenate([potential, neutral])
-        solved: Array = lu_solve(self._factor, potential, trans=int(adjoint))
-        return solved[: len(self.pieces.charge_joint)]
+        return self._inverse(potential, adjoint=adjoint)[: len(self.pieces.charge_joint)]
 
     def places(self) -> Array:
         """(e, 2) joints of the pieces (m)."""
@@ -144,12 +127,11 @@ class ReportModel:
         part[np.arange(len(owner)), owner] = length / np.bincount(owner, length)[owner]
         return part
 
-    def views(self, points: Array | None = None) -> Views:
-        """How points (k, 2) see the pieces; the joints of charges, if none are given."""
+    def views(self) -> Views:
+        """How the joints of charges see the pieces."""
         at = self.places()
-        seen_from = at[self.pieces.charge_joint] if points is None else points
         return views_of(
-            seen_from,
+            at[self.pieces.charge_joint],
             at[self.pieces.ends],
             kernel=self.kernel,
             permittivity=self.permittivity,
@@ -189,11 +171,6 @@ class ReportCharges:
         return at
 
     @property
-    def density(self) -> Array:
-        """(c,) charge per area (C/m²), of both faces together."""
-        return self.charge / np.bincount(self.moments.pieces.owner, self.moments.lengths())
-
-    @property
     def totals(self) -> Array:
         """(k,) of the electrodes, per depth (C/m)."""
         electrode = self.moments.pieces.electrode
@@ -204,17 +181,6 @@ class ReportCharges:
     def energy(self) -> float:
         """½ΣQV per depth (J/m)."""
         return 0.5 * float(self.totals @ self.voltages)
-
-    def potential(self, points: ArrayLike) -> Array:
-        """Potential (n,) in V at points (n, 2) in m, at half the depth."""
-        moments = self.moments
-        spread = moments.spread() @ self.charge
-        at: Array = moments.views(check_plane_points("points", points)).mean @ spread
-        if moments.kernel == "report":
-            return at
-        first = moments.views().mean[0] @ spread  # the plane's potentials lack a constant
-        lacking = float(self.voltages[moments.pieces.electrode[0]] - first)
-        return at + lacking
 
 
 def report_forces(charges: ReportCharges) -> Array:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.dielectric.charges.dielectric import ChargesInAir, adjoint_weights
-from msvalidate.dielectric.charges.moments import Complex
+from msvalidate.dielectric.charges.forces import bends, slopes
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array
@@ -35,24 +35,10 @@ def tangent_in_air(charges: ChargesInAir) -> Array:
     less_first, less_second = integrals.turned(*lines, on_covered - charge, n)
     through, sent, second = fluxes.twisted(*lines, weight, charge, n)
     whole = 2 * np.pi
-    potential = -_slopes(0.5 * (more_first - less_first)) / whole
-    bound = -2 * moments.contrast * _slopes(through) / whole
+    potential = -slopes(0.5 * (more_first - less_first)) / whole
+    bound = -2 * moments.contrast * slopes(through) / whole
     moved = moments.solve(np.where(faces.bare[:, None], bound, potential))[:-1]
-    turned = _slopes(0.5 * (more_first + less_first) / moments.air + 2 * sent) / whole
+    turned = slopes(0.5 * (more_first + less_first) / moments.air + 2 * sent) / whole
     cross = turned.T @ moved
-    bend = _bends((more_second - less_second) / (8 * moments.air) + second) / whole
+    bend = bends((more_second - less_second) / (8 * moments.air) + second) / whole
     return bend - 0.5 * (cross + cross.T)
-
-
-def _slopes(first: Complex) -> Array:
-    """Complex derivatives (m, n) as real ones (m, 2n)."""
-    return np.stack([first.real, -first.imag], axis=-1).reshape(len(first), -1)
-
-
-def _bends(second: Complex) -> Array:
-    """Complex second derivatives (n, n) as real ones (2n, 2n)."""
-    n = len(second)
-    bend = np.empty((n, 2, n, 2))
-    bend[:, 0, :, 0], bend[:, 1, :, 1] = second.real, -second.real
-    bend[:, 0, :, 1] = bend[:, 1, :, 0] = -second.imag
-    return bend.reshape(2 * n, 2 * n)

@@ -17,8 +17,6 @@ from msvalidate.problem.records import dataclass
 
 Kernel = Literal["report", "plane"]
 KERNELS: tuple[Kernel, ...] = ("report", "plane")
-STEEP = 1e300
-"""Quotient beyond which its inverse hyperbolic sine is taken as the logarithm of its double."""
 ON_IT = 1e-13
 """Distance from a piece over its length below which a point lies on its line."""
 
@@ -102,14 +100,7 @@ def quotient_angle(top: Array, bottom: Array) -> Array:
 
 
 def _asinh_over(top: Array, bottom: Array) -> Array:
-    """asinh(top/bottom), 0 where the bottom is: there it only ever meets a factor of 0.
-
-    Over a subnormal bottom the quotient is beyond all numbers, and its logarithm is not.
-    """
+    """asinh(top/bottom), 0 where the bottom is: there it only ever meets a factor of 0."""
     top, bottom = np.broadcast_arrays(top, bottom)
-    size = np.abs(top)
-    steep = (bottom > 0) & (size / STEEP > bottom)
-    quotient = np.divide(top, bottom, out=np.zeros(top.shape), where=(bottom > 0) & ~steep)
-    log = np.log(np.where(steep, 2 * size, 1.0)) - np.log(np.where(steep, bottom, 1.0))
-    total: Array = np.arcsinh(quotient) + np.sign(top) * log
-    return total
+    quotient = np.divide(top, bottom, out=np.zeros(top.shape), where=bottom > 0)
+    return np.asarray(np.arcsinh(quotient))

@@ -38,21 +38,6 @@ def means(start: Complex, along: Complex) -> Array:
 means = compiled(means)
 
 
-def listed(first: Index, second: Index, start: Complex, along: Complex) -> Array:
-    """Means of ln r (k,) between listed pairs of segments."""
-    mean = np.empty(len(first))
-    for n in range(len(first)):
-        i, j = first[n], second[n]
-        if i == j:
-            mean[n] = np.log(abs(along[i])) - 1.5
-        else:
-            mean[n] = mean_log(start[i] - start[j], along[i], along[j])
-    return mean
-
-
-listed = compiled(listed)
-
-
 def seen(points: Complex, start: Complex, along: Complex) -> Array:
     """Means of ln r over each segment as seen from points (k, m), on the segment too."""
     mean = np.empty((len(points), len(start)))

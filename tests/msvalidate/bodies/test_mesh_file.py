@@ -372,8 +372,8 @@ WIDE = [*SQUARE, [2, 0], [2, 1]]
         ([[0, 0], [1, 0], [1, float("inf")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "inf at index"),
         ([[0, 0], [1, 0], [1, 1e200], [0, 1]], [("quad", [[0, 1, 2, 3]])], "1e+200 at index"),
         ([[*x, float("nan")] for x in SQUARE], [("quad", [[0, 1, 2, 3]])], "nan at index (0, 2)"),
-        (SQUARE, [("quad", [[0, 1, 2, 9]])], "mesh cells: points 0 to 9; there are 0 to 3"),
-        (SQUARE, [("quad", [[0, 1, 2, -9]])], "mesh cells: points -9 to 2; there are 0 to 3"),
+        (SQUARE, [("quad", [[0, 1, 2, 9]])], "mesh cells: points 0 to 9; there are 4, from 0"),
+        (SQUARE, [("quad", [[0, 1, 2, -9]])], "mesh cells: points -9 to 2; there are 4, from 0"),
         (
             [*SQUARE, [2, 2]],
             [("polygon", [[0, 1, 2, 4, 3]])],

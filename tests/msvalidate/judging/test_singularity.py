@@ -237,7 +237,7 @@ def test_what_is_no_wedge_is_refused(exponent, tensor, angle, message):
 def test_a_direction_that_is_no_angle_is_refused():
     with pytest.raises(ProblemError, match="side direction: nan"):
         clamped_free_exponent(CUBIC, 1.0, clamped_direction=np.nan)
-    with pytest.raises(ProblemError, match="give one angle in rad"):
+    with pytest.raises(ProblemError, match="is a list; give one number"):
         free_free_exponent(CUBIC, 1.0, side_direction=[0.0, 1.0])
 
 

@@ -48,14 +48,9 @@ WAYS = {
     "float16": lambda a: a.astype(np.float16),
     "big-endian": lambda a: a.astype(">i4"),
     "unsigned": lambda a: a.astype(np.uint64),
-    "objects": lambda a: a.astype(object),
-    "fractions": lambda a: [[Fraction(int(i)) for i in row] for row in a],
-    "nullable table": lambda a: pd.DataFrame(a).astype("Int64"),
-    "mixed table": lambda a: pd.DataFrame(a).astype({0: "Int64", 1: float}),
     "in columns": np.asfortranarray,
     "every other": lambda a: np.repeat(a, 2, axis=0)[::2],
     "read-only": lambda a: np.frombuffer(a.tobytes(), dtype=a.dtype).reshape(a.shape),
-    "no mask": np.ma.array,
 }
 
 
@@ -80,21 +75,10 @@ def test_indices_that_are_none_are_refused_without_a_warning(bad, what):
             indices_to(what, given)
 
 
-def test_large_indices_keep_their_last_digit():
-    # Through floats 2**53 + 1 is 2**53.
-    with pytest.raises(ProblemError, match="9007199254740993"):
-        ring(springs=[[0, 2**53 + 1]])
-
-
 @pytest.mark.parametrize(
     "held",
-    [
-        HELD.astype(int),
-        HELD.astype(float),
-        HELD.astype(object),
-        pd.DataFrame(HELD, dtype="boolean"),
-    ],
-    ids=["0 and 1", "0.0 and 1.0", "objects", "nullable table"],
+    [HELD.astype(int), HELD.astype(float)],
+    ids=["0 and 1", "0.0 and 1.0"],
 )
 def test_booleans_are_taken_by_value(held):
     taken = ring(held=held).held
@@ -111,29 +95,35 @@ def test_what_is_no_boolean_is_refused(held):
 MASKED = np.ma.array([0.3, 0.4, 0.5, 0.6], mask=[0, 0, 1, 0])
 
 
-@pytest.mark.parametrize(
+@table(
     "change",
     [
         {"stiffness": MASKED},
-        {"stiffness": [*MASKED]},
-        {"mass": MASKED},
+        {"stiffness": np.ma.array(MASKED.data, mask=False)},
         {"points": np.ma.masked_less(CORNERS, 4.5)},
         {"points": [*np.ma.masked_less(CORNERS, 4.5)]},
         {"springs": np.ma.masked_greater(RING, 2)},
         {"held": np.ma.array(HELD, mask=HELD)},
-        {"force": np.ma.masked_equal(np.zeros((4, 2)), 0.0)},
     ],
-    ids=lambda change: next(iter(change)),
 )
-def test_masked_entries_are_refused(change):
+def test_masked_arrays_are_refused(change):
     # Their fill values were stiffnesses of 1e20 N/m, or what stood behind the mask.
-    with pytest.raises(ProblemError, match=f"{next(iter(change))}: .*masked"):
+    with pytest.raises(ProblemError, match=f"{next(iter(change))}: a masked array"):
         ring(**change)
 
 
-def test_an_array_in_which_nothing_is_masked_loses_nothing():
-    given = np.ma.array(MASKED.data, mask=False)
-    assert ring(stiffness=given).stiffness.tolist() == MASKED.data.tolist()
+@table(
+    "odd",
+    [
+        CORNERS.astype(object),
+        pd.DataFrame(CORNERS).astype("Float64"),
+        [[Fraction(1, 3)] * 2] * 4,
+        [[None, 1.0]] * 4,
+    ],
+)
+def test_numbers_of_other_kinds_are_refused(odd):
+    with pytest.raises(ProblemError, match="points: expected numbers"):
+        ring(points=odd)
 
 
 def test_positions_of_fewer_digits_or_with_a_mask_do_not_pass_by():
@@ -145,7 +135,7 @@ def test_positions_of_fewer_digits_or_with_a_mask_do_not_pass_by():
     assert internal_force(network, position).dtype == np.float64
     direct = energy(network, position.astype(float))
     assert energy(network, position) == direct
-    with pytest.raises(ProblemError, match=r"position: .*masked"):
+    with pytest.raises(ProblemError, match=r"position: a masked array"):
         energy(network, np.ma.masked_less(CORNERS, 4.5))
 
 
@@ -164,19 +154,13 @@ def test_columns_in_memory_are_as_good_as_rows():
 class Elsewhere:
     """As tensors are that have gradients or live on a GPU: they refuse to become arrays."""
 
-    def __init__(self, error):
-        self.error = error
-
     def __array__(self, dtype=None, copy=None):
-        raise self.error
+        raise TypeError("copy to host")
 
 
-@table("error", [RuntimeError("call detach()"), TypeError("copy to host")])
-def test_what_refuses_to_become_an_array_is_told_with_its_own_remedy(error):
-    with pytest.raises(
-        ProblemError, match=rf"force: Elsewhere that is no array \({re.escape(str(error))}\)"
-    ):
-        ring(force=Elsewhere(error))
+def test_what_refuses_to_become_an_array_is_told():
+    with pytest.raises(ProblemError, match="force: no array, "):
+        ring(force=Elsewhere())
 
 
 @pytest.mark.parametrize(

@@ -132,7 +132,10 @@ def refused(message):
         (lambda: plate(loads=(BodyForce((0.0, NAN)),)), "body force: nan at index 1"),
         (lambda: BodyForce.gravity(0.0, (0.0, -9.81)), "gravity: density: 0.0 kg/m³; it must be"),
         (lambda: BodyForce.gravity(NAN, (0.0, -9.81)), "gravity: density: nan"),
-        (lambda: BodyForce.gravity(1e3, -9.81), "gravity: -9.81; give 2 or 3 components in m/s²"),
+        (
+            lambda: BodyForce.gravity(1e3, -9.81),
+            "gravity: shape (); give 2 or 3 components in m/s²",
+        ),
         (lambda: BodyForce.gravity(1e3, (0.0, NAN)), "gravity: nan at index 1"),
         (
             lambda: plate(loads=(BodyForce.gravity(1e3, (0.0, 0.0, -9.81)),)),

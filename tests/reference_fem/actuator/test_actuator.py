@@ -7,11 +7,8 @@ import pytest
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from reference_fem.actuator import (
-    Film,
     SoftSlab,
     equilibrium_at,
-    first_instability,
-    stiffness_gains,
     sweep,
     turning_point,
 )
@@ -59,60 +56,6 @@ def test_uniform_slab_follows_its_curve(element):
         assert held.charge.sum() == pytest.approx(0, abs=1e-12)
 
 
-def uniform_gain(ratio, V=None, h=10.0):
-    """K_elec = ε V²/(h² l³) against K_mech = -P'(l), per h of movement, of f = ½ ε V²/(h l)²."""
-    step = 1e-6
-
-    def P(ratio):
-        return (1 - ratio) + ratio * (np.sqrt(2 / (1 + ratio**2)) - 1)
-
-    stiffness = (P(ratio - step) - P(ratio + step)) / (2 * step)
-    return (uniform_voltage(ratio) if V is None else V) ** 2 / (h**2 * ratio**3) / stiffness
-
-
-@pytest.mark.parametrize("voltage", [1.0, 5.0])
-def test_gains_hold_that_of_the_uniform_motion(voltage):
-    # One cell along, two up: a tilt of the top, which fields like better, and the motion as one.
-    held = equilibrium_at(SoftSlab(facing_slab(1.0, 10.0), LATTICE, 2, "plates", "Q1"), voltage)
-    values, modes = stiffness_gains(held, 2)
-    assert values[1] == pytest.approx(uniform_gain(held.ratio), rel=1e-6)
-    y = held.actuator.body.points[:, 1]
-    assert np.abs(modes[1][:, 1]) == pytest.approx(y / 10, abs=1e-5)
-    assert modes[0][4, 1] == pytest.approx(-modes[0][5, 1], rel=1e-6)
-
-
-def test_gain_is_the_loss_of_stability():
-    # Of the whole: K_mech - K_elec has a negative eigenvalue from a gain of 1 on. Here by the
-    # second difference of the free energy along the mode, at a fixed voltage.
-    actuator = SoftSlab(facing_slab(10.0, 10.0), LATTICE, 2, "plates", "Q1")
-    stiffness = []
-    for voltage in (5.5, 6.2):
-        held = equilibrium_at(actuator, voltage)
-        values, modes = stiffness_gains(held)
-
-        def energy(share, held=held, mode=modes[0]):
-            u = held.displacement + share * mode
-            field = actuator.electric(u).capacitance * held.voltage**2 / 2
-            return actuator.solid.energy(u) - field
-
-        step = 1e-3
-        bent = (energy(step) - 2 * energy(0.0) + energy(-step)) / step**2
-        K = actuator.solid.tangent(held.displacement)
-        way = modes[0].T.ravel()
-        assert bent == pytest.approx((1 - values[0]) * (way @ (K @ way)), rel=1e-3)
-        stiffness.append(bent)
-    assert stiffness[0] > 0 > stiffness[1]
-
-
-def test_a_long_slab_is_lost_to_waves_before_it_pulls_in_as_a_whole():
-    actuator = SoftSlab(facing_slab(20.0, 10.0), LATTICE, 2, "plates", "Q1")
-    lost = first_instability(actuator, equilibrium_at(actuator, 5.9))
-    assert 0.9 < lost.voltage / 6.348 < 0.97
-    assert stiffness_gains(lost.held)[0][0] == pytest.approx(1, abs=1e-3)
-    top = actuator.body.points[:, 1] == 10
-    assert lost.mode[top, 1].max() * lost.mode[top, 1].min() < 0
-
-
 def test_uniform_slab_pulls_in_where_it_should():
     actuator = between_plates()
     found = sweep(actuator, (6.0, 6.6), resolution=0.02)
@@ -122,9 +65,8 @@ def test_uniform_slab_pulls_in_where_it_should():
     assert [held.voltage for held in found.held] == [6.0, low]
     top = turning_point(actuator, found.held[0])
     assert (top.voltage, top.ratio) == pytest.approx((6.348, 0.692), abs=5e-4)
-    assert uniform_gain(top.ratio) == pytest.approx(1, abs=1e-3)
-    closed = Film(LATTICE, 10.0, sides="held").pull_in()
-    assert top.voltage == pytest.approx(closed.voltage, rel=1e-7)
+    closed = max(uniform_voltage(ratio) for ratio in np.linspace(0.65, 0.75, 10_001))
+    assert top.voltage == pytest.approx(closed, rel=1e-7)
 
 
 def test_linear_stress_pulls_in_at_two_thirds():
@@ -299,8 +241,6 @@ def test_bad_sweeps_are_refused():
     rest = equilibrium_at(actuator, 0.0)
     with pytest.raises(ProblemError, match="start is at 0 V"):
         turning_point(actuator, rest)
-    with pytest.raises(ProblemError, match="gains: held is at 0 V"):
-        stiffness_gains(rest)
     with pytest.raises(ProblemError, match="actuator: None"):
         turning_point(None, held)
     with pytest.raises(ProblemError, match="start: 5; give an Actuated"):

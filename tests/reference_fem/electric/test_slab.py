@@ -1,4 +1,4 @@
-"""A charged slab in air: capacitance, far boundary, forces at edges, response, moved meshes."""
+"""A charged slab in air: charges, far boundary, forces at edges, response, moved meshes."""
 
 from __future__ import annotations
 
@@ -13,15 +13,13 @@ from msvalidate.problem import Isotropic, ProblemError, SolverError, format_poin
 from reference_fem import (
     Electrode,
     Slab,
-    capacitance,
     facing_slab,
-    far_boundary,
     move_air,
     respond,
     slab_mesh,
     solve_charges,
-    surface_profile,
 )
+from reference_fem.electric import FAR
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from tests.table import table
 
@@ -76,45 +74,20 @@ def test_meshes_are_one_family():
         assert len(lines) == 2 * len(np.unique(coarse[:, axis])) - 1
 
 
-# --- capacitance ----------------------------------------------------------------------------------
+# --- charges --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("ratio", "layers"), [(1.0, 32), (6.0, 16)])
-def test_capacitance_of_facing_strips(ratio, layers):
-    found = capacitance(facing_slab(ratio, 1.0), layers)
-    exact = facing_strips_capacitance(ratio)
-    assert abs(found.value - exact) <= found.uncertainty
-    assert found.uncertainty <= 1e-3 * exact
-    assert found.order == pytest.approx(3.0, abs=0.3)  # 2·grading·λ with λ = 1/2
-    # In a unit of its own: proportional to the permittivity, and to no length.
-    same = solve_charges(slab_mesh(facing_slab(ratio, 1.0), 8)).totals
-    scaled = solve_charges(
-        slab_mesh(facing_slab(7 * ratio, 7.0, permittivity=2.0, air=2.0), 8)
-    ).totals
-    assert scaled == pytest.approx(2 * same, rel=1e-9)
-
-
-def test_capacitance_of_unequal_strips_against_the_method_of_moments():
-    # No code in common: charges on segments in open space, without a mesh of it.
-    found = capacitance(facing_slab(6.0, 1.0, covered=0.5), 16)
-    along = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 161))
-    top = np.column_stack([1.5 + 3 * along, np.ones(161)])
-    moments = Moments(electrodes_of_chains(top, np.column_stack([6 * along, np.zeros(161)])))
-    other = moments.charges((1.0, 0.0)).totals[0]
-    assert found.value == pytest.approx(other, rel=1e-4)
-    assert abs(found.value - other) <= found.uncertainty
-
-
-def test_linear_elements_reach_the_same_at_their_own_order():
-    found = capacitance(facing_slab(2.0, 1.0), 32, element="Q1")
-    assert abs(found.value - facing_strips_capacitance(2.0)) <= found.uncertainty
-    assert found.order == pytest.approx(2.0, abs=0.2)
+def between_bounds(slab, layers, reach, element="Q2"):
+    """Capacitance with the natural and with the floating far boundary (F/m)."""
+    mesh = slab_mesh(slab, layers, element=element, reach=reach)
+    return [solve_charges(mesh, (1.0, 0.0), far).totals[0] for far in FAR]
 
 
 def test_far_boundaries_bracket_endless_air_and_fall_with_the_square():
     exact = facing_strips_capacitance(2.0)
-    reach, natural, floating = far_boundary(facing_slab(2.0, 1.0), 24, 10.0).T
-    assert reach.tolist() == [10.0, 20.0]
+    reach = np.array([10.0, 20.0])
+    slab = facing_slab(2.0, 1.0)
+    natural, floating = np.transpose([between_bounds(slab, 24, far) for far in reach])
     assert (natural < exact).all()
     assert (floating > exact).all()
     # Both errors go with the square of the box's size, which is the slab's and twice the reach.
@@ -122,6 +95,25 @@ def test_far_boundaries_bracket_endless_air_and_fall_with_the_square():
     assert -np.diff(np.log(gap)) / np.diff(np.log(2 * reach + 1.5)) == pytest.approx(2.0, abs=0.05)
     # The mean is nearer by far.
     assert (np.abs(0.5 * (natural + floating) - exact) <= 0.05 * gap).all()
+
+
+@pytest.mark.parametrize(("element", "order"), [("Q1", 2.0), ("Q2", 3.0)])  # or twice the grading
+def test_capacitance_of_facing_strips_is_reached_at_its_order(element, order):
+    means = [np.mean(between_bounds(facing_slab(2.0, 1.0), n, None, element)) for n in (8, 16, 32)]
+    first, last = np.diff(means)
+    assert np.log2(first / last) == pytest.approx(order, abs=0.3)
+    assert means[2] + last / (2**order - 1) == pytest.approx(
+        facing_strips_capacitance(2.0), rel=1e-3
+    )
+
+
+def test_capacitance_of_unequal_strips_against_the_method_of_moments():
+    # No code in common: charges on segments in open space, without a mesh of it.
+    found = np.mean(between_bounds(facing_slab(6.0, 1.0, covered=0.5), 16, None))
+    along = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 161))
+    top = np.column_stack([1.5 + 3 * along, np.ones(161)])
+    moments = Moments(electrodes_of_chains(top, np.column_stack([6 * along, np.zeros(161)])))
+    assert found == pytest.approx(moments.charges((1.0, 0.0)).totals[0], rel=1e-3)
 
 
 def test_charges_of_several_electrodes_are_neutral_and_store_the_energy():
@@ -261,22 +253,6 @@ def test_wide_slab_is_squeezed_as_an_oedometer():
     assert (moved[2] == 0).all()
 
 
-def test_profile_states_its_own_error():
-    slab = facing_slab(3.0, 1.0, 0.1, covered=1 / 3, permittivity=3.0)
-    x = np.array([0.0, 0.4, 1.2, 1.45])  # the tips are at 1 and 2
-    found = surface_profile(slab, SOFT, x, 16)
-    finer = surface_profile(slab, SOFT, x, 24)
-    assert found.value.shape == (8,)
-    assert (np.abs(found.value - finer.value) <= found.uncertainty).all()
-    assert (finer.uncertainty > 0).all()
-    assert (finer.uncertainty[4:] <= 2e-3 * np.abs(finer.value[4:]).max()).all()
-    # The response to gathered forces is another route to the same.
-    mesh = slab_mesh(slab, 24)
-    top = np.column_stack([x, np.ones(4)])
-    gathered = respond(mesh, solve_charges(mesh).gathered(), SOFT).at(top).T.ravel()
-    assert np.abs(gathered - finer.value).max() <= 1e-4 * np.abs(finer.value).max()
-
-
 def test_depth_is_the_materials_thickness():
     mesh = slab_mesh(facing_slab(2.0, 1.0), 4)
     forces = solve_charges(mesh).forces
@@ -325,15 +301,6 @@ BOTTOM = Electrode("bottom", 0.0, 1.0, 0.0)
         (lambda: slab_mesh(facing_slab(1.0, 1.0), 8, reach=0.5), "too near; give several"),
         (lambda: slab_mesh(facing_slab(1.0, 1.0), 6000, grading=1.0), "take fewer"),
         (lambda: slab_mesh(facing_slab(1e9, 1.0), 8), "take fewer"),
-        (lambda: capacitance(facing_slab(1.0, 1.0), 12), "layers: 12; give a multiple of 8"),
-        (lambda: capacitance(facing_slab(1.0, 1.0), "8"), "layers: '8'; give a whole number"),
-        (lambda: far_boundary(facing_slab(1.0, 1.0), 4, 10.0, 1.5), "doublings: 1.5"),
-        (lambda: surface_profile(None, SOFT, [0.5], 8), "slab: None; give a Slab"),
-        (lambda: capacitance(lopsided(), 8), "electrodes: 3; a capacitance is of two"),
-        (
-            lambda: surface_profile(facing_slab(1.0, 1.0), SOFT, [2.0], 8),
-            r"places along the top: .* from 0 to 1 m",
-        ),
     ],
 )
 def test_bad_input_gets_a_clear_line(ask, words):

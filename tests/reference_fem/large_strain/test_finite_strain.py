@@ -404,6 +404,6 @@ def test_a_uniform_strain_that_is_met_at_once_is_looked_at_where_it_is():
     law = st_venant_kirchhoff(Isotropic(1e6, 0.0, "plane_strain", thickness=0.2))
     solid = Solid(body, law, ends)
     along = np.where(ends, body.points * [1.0, 0.0], 0.0)
-    assert deform(solid, -0.2 * along, nothing(solid)).error < 1e-12
+    assert deform(solid, -0.2 * along, nothing(solid)).error < 2e-12
     with pytest.raises(SolverError, match="no stable equilibrium"):
         deform(solid, -0.6 * along, nothing(solid))

@@ -1,4 +1,4 @@
-"""Equilibria at a voltage: two ways to the same place, and what is refused."""
+"""Equilibria at a voltage, and what is refused."""
 
 from __future__ import annotations
 
@@ -10,15 +10,6 @@ import pytest
 from msvalidate.dielectric.actuator import ActuatorEquilibrium, PulledIn, at_voltage, slab, uniform
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
-
-
-def test_newton_and_staggered_find_one_equilibrium(body):
-    whole = at_voltage(body, 0.4)
-    turns = at_voltage(body, 0.4, method="staggered")
-    moved = np.abs(whole.displacement).max()
-    assert moved > 0.001
-    assert np.abs(whole.displacement - turns.displacement).max() <= 1e-8 * moved
-    assert turns.iterations > whole.iterations
 
 
 def test_displacement_grows_with_the_voltage_squared(film):
@@ -101,7 +92,6 @@ def test_beyond_pull_in_one_line_names_both_voltages(plates):
         ({"voltage": np.nan}, "voltage: nan"),
         ({"voltage": np.inf}, "voltage: inf"),
         ({"voltage": "high"}, "voltage"),
-        ({"method": "guess"}, "choose newton or staggered"),
         ({"tolerance": 0.1}, "at most"),
         ({"bracket": -1.0}, "bracket"),
         ({"start": 3}, "start: 3; give an ActuatorEquilibrium"),

@@ -15,13 +15,6 @@ def test_motion_comes_to_rest_at_the_equilibrium(film, every):
     run = relax_actuator(film, 1.0, charges_every=every)
     rest = at_voltage(film, 1.0)
     assert np.abs(run.equilibrium.displacement - rest.displacement).max() <= 1e-6
-    assert (
-        run.charged < run.equilibrium.iterations + 20
-        if every == 7
-        else run.charged > run.equilibrium.iterations
-    )
-    assert run.history[-1, 1] < run.history[0, 1]
-    assert run.history[-1, 3] < 4.0
 
 
 def test_motion_beyond_pull_in_says_so(plates):

@@ -10,7 +10,6 @@ import pytest
 from msvalidate.dielectric.charges import (
     Electrodes,
     Moments,
-    PatchMoments,
     ReportModel,
     SlabInAir,
     capacitance,
@@ -18,6 +17,7 @@ from msvalidate.dielectric.charges import (
     electrodes_of_chains,
     facing_strips,
     facing_strips_capacitance,
+    patch_charges,
     plate,
     slab_faces,
     strip_points,
@@ -162,12 +162,15 @@ def test_bad_input_is_told_in_one_line(make, words):
         Moments,
         ReportModel,
         lambda _: SlabInAir(slab_faces(2.0, 1.0, 4)),
-        lambda _: PatchMoments(plate((1.0, 1.0), 2)),
+        lambda _: patch_charges(plate((1.0, 1.0), 2), (1.0,)),
     ],
 )
 def test_a_matrix_beyond_memory_is_refused(make, monkeypatch):
     monkeypatch.setattr(checks, "MOST_DENSE", 3)
-    with pytest.raises(ProblemError, match=r"(segments|patches): \d+, a matrix of .* GB; take at"):
+    with pytest.raises(
+        ProblemError,
+        match=r"(segments|patches): \d+ of them, whose matrix takes .* GB; take at most 3",
+    ):
         make(facing_strips(1.0, 1.0, 2))
 
 

@@ -18,7 +18,6 @@ from msvalidate.dielectric.charges import (
     forces,
     strip_points,
 )
-from msvalidate.dielectric.charges import moments as method
 from msvalidate.dielectric.charges.moments import WEIGHTINGS, coefficients
 from msvalidate.dielectric.charges.neutral import factorise
 from msvalidate.problem import SolverError
@@ -216,49 +215,6 @@ def test_three_electrodes_obey_reciprocity():
     np.testing.assert_allclose(held.sum(axis=0), 0, atol=1e-12)
     assert (np.diag(held) > 0).all()
     assert (held[~np.eye(3, dtype=bool)] < 0).all()
-
-
-@pytest.fixture
-def iterated(monkeypatch):
-    """Electrodes of few segments count as many."""
-    monkeypatch.setattr(method, "LEAST_ITERATED", 1)
-
-
-@pytest.mark.usefixtures("iterated")
-@pytest.mark.parametrize("weighting", WEIGHTINGS)
-def test_moved_electrodes_are_solved_by_the_old_factor_in_a_few_steps(wavy, weighting):
-    first = Moments(wavy(60), weighting=weighting)
-    assert first.charges(VOLTAGES).iterations == 0
-    points = first.electrodes.points
-    later = first.moved(points * (1 + 1e-3 * np.sin(5 * points[:, :1])))
-    found, again = later.charges(VOLTAGES), Moments(later.electrodes, weighting=weighting)
-    expected = again.charges(VOLTAGES)
-    assert 1 <= found.iterations <= 8
-    scale = np.abs(expected.charge).max()
-    np.testing.assert_allclose(found.charge, expected.charge, rtol=0, atol=1e-9 * scale)
-    assert found.floating == pytest.approx(expected.floating, abs=1e-10)
-    assert found.energy == pytest.approx(expected.energy, rel=1e-11)
-    third = later.moved(points).charges(VOLTAGES)
-    assert third.iterations <= 2
-    np.testing.assert_allclose(third.charge, first.charges(VOLTAGES).charge, atol=1e-9 * scale)
-
-
-@pytest.mark.usefixtures("iterated")
-def test_electrodes_moved_too_far_get_a_factor_of_their_own(wavy, monkeypatch):
-    first = Moments(wavy(60))
-    later = first.moved(first.electrodes.points * [1.0, 0.3])
-    monkeypatch.setattr(method, "MOST_STEPS", 1)
-    found = later.charges(VOLTAGES)
-    assert found.iterations == 0
-    np.testing.assert_allclose(found.charge, charged(later.electrodes).charge, atol=1e-12)
-
-
-def test_a_few_electrodes_moved_have_a_factor_at_once(wavy):
-    first = Moments(wavy(10))
-    found = first.moved(first.electrodes.points * 1.1).charges(VOLTAGES)
-    assert found.iterations == 0
-    expected = charged(found.moments.electrodes)
-    np.testing.assert_array_equal(found.charge, expected.charge)
 
 
 def test_an_energy_without_a_minimum_is_refused():

@@ -13,9 +13,9 @@ from numpy.polynomial.legendre import leggauss
 from msvalidate.dielectric.charges.exact import disc_capacitance, square_capacitance
 from msvalidate.dielectric.charges.patches import (
     Patches,
-    PatchMoments,
     conductors,
     patch_capacitance,
+    patch_charges,
 )
 from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.dielectric.charges.views import corner_potential
@@ -76,18 +76,6 @@ def test_rectangles_by_edges_and_by_corners_agree(point, width, depth):
     by_corners = at[1, 1] - at[0, 1] - at[1, 0] + at[0, 0]
     corners = rectangle(left, left + width, low, low + depth)
     assert seen(np.array([point]), corners)[0, 0] == pytest.approx(by_corners, rel=1e-9)
-
-
-@pytest.mark.parametrize("tiny", [5e-324, -5e-324, 2.2e-309, 1e-300])
-def test_a_place_next_to_an_edges_line_is_seen_as_one_on_it(tiny):
-    # The quotient of 0.37 m over a subnormal distance is beyond all numbers; asinh of it is 744.
-    x, z = np.array([[tiny, 0.0]]), np.zeros((1, 2))
-    beside, on = corner_potential(x, np.full((1, 2), 0.37), z)[0]
-    assert beside == pytest.approx(on, abs=1e-290)
-    both = corner_potential(np.full((1, 2), 0.37), x, z)[0]
-    assert both[0] == pytest.approx(both[1], abs=1e-290)
-    strip = tiny * (1 + np.log(2 * 0.37) - np.log(abs(tiny)))  # x (1 + ln 2y/x) as x tends to 0
-    assert beside == pytest.approx(strip, rel=1e-9, abs=5e-323)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -203,16 +191,12 @@ def test_capacitance_goes_with_size_and_permittivity(scale, permittivity, turn):
     assert moved == pytest.approx(scale * permittivity * patch_capacitance(base), rel=1e-8)
 
 
-def test_energy_is_half_charge_times_voltage_and_potential_is_met_at_middles():
+def test_potentials_are_met_at_middles():
     patches = conductors(plate((1.0, 1.0), 4, height=0.3), plate((1.0, 1.0), 4))
-    charges = PatchMoments(patches, permittivity=2.0).charges((3.0, -1.0))
-    assert charges.energy == pytest.approx(0.5 * charges.totals @ [3.0, -1.0], rel=EXACT)
-    at_middles = charges.potential(patches.middle)
+    found = patch_charges(patches, (3.0, -1.0), permittivity=2.0)
+    at_middles = seen(patches.middle, patches.corners) @ (found.charge / patches.area) / (8 * np.pi)
     assert at_middles == pytest.approx(np.array([3.0, -1.0])[patches.conductor], rel=1e-10)
-    far = np.array([[1e4, 2e4, -1e4]])
-    monopole = charges.totals.sum() / (8 * np.pi * np.linalg.norm(far))
-    assert charges.potential(far) == pytest.approx([monopole], rel=1e-3)
-    assert charges.density @ patches.area == pytest.approx(charges.totals.sum(), rel=EXACT)
+    assert found.totals.sum() == pytest.approx(found.charge.sum(), rel=EXACT)
 
 
 # --- bad input ------------------------------------------------------------------------------------
@@ -254,9 +238,7 @@ def test_bad_questions_are_refused():
     with pytest.raises(ProblemError, match="give a Patches"):
         conductors(one.corners)
     with pytest.raises(ProblemError, match=r"voltages: shape \(2,\); give \(1,\)"):
-        PatchMoments(one).charges((1.0, 0.0))
-    with pytest.raises(ProblemError, match=r"points: shape \(3,\); give \(k, 3\)"):
-        PatchMoments(one).charges((1.0,)).potential(np.zeros(3))
+        patch_charges(one, (1.0, 0.0))
     three = conductors(*(plate((1.0, 1.0), 2, height=z) for z in (0.0, 1.0, 2.0)))
     with pytest.raises(ProblemError, match="patches: 3 conductors; a capacitance is of one or two"):
         patch_capacitance(three)
