@@ -14,11 +14,9 @@ import numpy as np
 
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.patterns import cubic_tensor
-from msvalidate.lattice.turned import rotation_matrix
 from msvalidate.problem import VOIGT, Array, Isotropic, Material, ProblemError
 from msvalidate.problem.checks import (
     finite,
-    finite_angle,
     finite_coordinates,
     finite_number,
     format_value,
@@ -272,7 +270,7 @@ def moduli(tensor: Array) -> Moduli:
     ProblemError
         If it is no such tensor, or a uniaxial stress has no one strain (C11 = 0 or C11 = C12).
     """
-    C = _check_voigt(tensor)
+    C = check_voigt(tensor)
     d = AXES_OF[len(C)]
     C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
     if not is_same_tensor(C, cubic_tensor(d, C11, C12, C44)):
@@ -310,7 +308,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     ProblemError
         If it is no Voigt tensor, or a uniform strain costs no energy.
     """
-    C = _check_voigt(tensor)
+    C = check_voigt(tensor)
     d = AXES_OF[len(C)]
     normal, shear = C[:d, :d], np.diag(C)[d:]
     largest = np.abs(C).max()
@@ -353,7 +351,7 @@ def isotropic_part(tensor: Array) -> Array:
         As for `isotropic_moduli`.
     """
     mean = isotropic_moduli(tensor)
-    return isotropic_tensor(AXES_OF[len(_check_voigt(tensor))], mean.E, mean.nu)
+    return isotropic_tensor(AXES_OF[len(check_voigt(tensor))], mean.E, mean.nu)
 
 
 def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
@@ -370,7 +368,7 @@ def cubic_part(tensor: Array) -> Array:
     ProblemError
         If it is no Voigt tensor.
     """
-    C = _check_voigt(tensor)
+    C = check_voigt(tensor)
     d = AXES_OF[len(C)]
     normal, along = C[:d, :d], np.trace(C[:d, :d])
     across = (normal.sum() - along) / (d * (d - 1))
@@ -389,77 +387,7 @@ def is_of_material(tensor: Array, material: Isotropic) -> bool:
     return (d - 1) * nu < 1 and is_same_tensor(tensor, isotropic_tensor(d, E, nu))
 
 
-def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
-    """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
-
-    Source: the law of transformation of tensors, [Nye1957], chapter VIII.
-
-    Raises
-    ------
-    ProblemError
-        If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
-    """
-    C = _check_voigt(tensor)
-    Q = rotation_matrix(turn, AXES_OF[len(C)])
-    # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
-    first, second = np.array(VOIGT[len(Q)]).T
-    B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
-    swapped = Q[np.ix_(first, second)] * Q[np.ix_(second, first)]
-    bond = np.where(first == second, B, B + swapped)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.array(finite("turned tensor", bond @ C @ bond.T))
-
-
-def directional_modulus(tensor: Array, directions: Array) -> Array:
-    """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
-
-    1/E = v S v, v the Voigt vector of n⊗n and S the compliance.
-
-    Source: [Nye1957], chapter VIII: E = 1/S of the rotated compliance.
-
-    Raises
-    ------
-    ProblemError
-        If it is no Voigt tensor, is singular, or the directions are not unit vectors.
-    """
-    C = _check_voigt(tensor)
-    n = finite("directions", directions)
-    d = AXES_OF[len(C)]
-    if n.ndim != 2 or n.shape[1] != d or np.abs((n**2).sum(axis=1) - 1).max(initial=0) > 1e-9:
-        raise ProblemError(f"directions: shape {n.shape}; give unit vectors (q, {d})")
-    v = voigt_directions(n)
-    return np.asarray(1 / (v * _strain_under(C, v.T).T).sum(axis=1))
-
-
-def directional_ratio(tensor: Array, angle: float) -> float:
-    """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
-
-    Stress n⊗n gives strain S:(n⊗n); nu is minus its part across, m⊗m, over its part along, n⊗n.
-
-    Source: [Nye1957], chapter VIII, by the rotated compliance.
-
-    Raises
-    ------
-    ProblemError
-        If it is no plane tensor, is singular, or the angle is not one finite number.
-    """
-    C, turn = _check_voigt(tensor, 2), finite_angle("angle", angle)
-    c, s = np.cos(turn), np.sin(turn)
-    along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
-    strain = _strain_under(C, along)
-    with np.errstate(all="ignore"):
-        return finite_number("directional ratio", -(across @ strain) / (along @ strain))
-
-
-def _strain_under(C: Array, stress: Array) -> Array:
-    """Voigt strain under a Voigt stress, columns (3 or 6, q)."""
-    if np.linalg.matrix_rank(C) < len(C):
-        raise ProblemError("directional moduli: the tensor is singular; some strain costs nothing")
-    with np.errstate(all="ignore"):
-        return np.asarray(np.linalg.solve(C, stress))
-
-
-def _check_voigt(tensor: Array, dim: int | None = None) -> Array:
+def check_voigt(tensor: Array, dim: int | None = None) -> Array:
     """The tensor as an array, of the plane or of space, or as said."""
     C = finite("tensor", tensor)
     if C.shape not in {(3, 3), (6, 6)} or dim not in (None, AXES_OF[len(C)]):
