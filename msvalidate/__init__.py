@@ -16,12 +16,12 @@ _HOMES = {
     "bodies.fit": ("fitted_constants",),
     "bodies.lattice_network": ("lattice_network",),
     "bodies.mesh_file": ("read_mesh",),
-    "bodies.zones": ("calibrate_zones",),
     "case.building": ("read_case",),
     "case.case": ("Case",),
     "case.comparison": ("compare_case",),
     "constants.homogenise": ("homogenise",),
     "constants.stiffness": ("isotropic_moduli",),
+    "constants.zones": ("calibrate_zones",),
     "dynamics.integrate": ("State", "motion", "recommended_time_step"),
     "dynamics.integrators": ("INTEGRATORS",),
     "dynamics.spectrum": ("natural_frequencies",),
@@ -52,12 +52,12 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.bodies.fit import fitted_constants as fitted_constants
     from msvalidate.bodies.lattice_network import lattice_network as lattice_network
     from msvalidate.bodies.mesh_file import read_mesh as read_mesh
-    from msvalidate.bodies.zones import calibrate_zones as calibrate_zones
     from msvalidate.case.building import read_case as read_case
     from msvalidate.case.case import Case as Case
     from msvalidate.case.comparison import compare_case as compare_case
     from msvalidate.constants.homogenise import homogenise as homogenise
     from msvalidate.constants.stiffness import isotropic_moduli as isotropic_moduli
+    from msvalidate.constants.zones import calibrate_zones as calibrate_zones
     from msvalidate.dynamics.integrate import State as State
     from msvalidate.dynamics.integrate import motion as motion
     from msvalidate.dynamics.integrate import recommended_time_step as recommended_time_step

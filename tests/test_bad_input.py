@@ -15,18 +15,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import reference_fem
-from msvalidate.bodies.calibrate import calibrate_material, default_constants
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.directions import directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.routes import ROUTES
-from msvalidate.constants.stiffness import (
-    directional_ratio,
-    moduli,
-    rotate_tensor,
-    spring_tensor,
-    square_constants,
-    square_tensor,
-)
+from msvalidate.constants.routes import ROUTES, default_constants
+from msvalidate.constants.stiffness import moduli, spring_tensor, square_constants, square_tensor
 from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.dynamics.implicit import ConvergenceError
 from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer, motion

@@ -10,12 +10,10 @@ from dataclasses import replace
 
 from msvalidate.bodies.uniform_tension import check_uniform_tension
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import calibrate_by_route, default_constants
+from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.lattice import Lattice, Pattern
 from msvalidate.problem import Isotropic
 from msvalidate.problem.material import State
-
-__all__ = ["calibrate", "calibrate_material", "default_constants"]
 
 
 def calibrate(

@@ -33,8 +33,8 @@ from collections.abc import Callable
 import numpy as np
 
 from msvalidate.bodies.cut_solid import points_held, traction_on_solid
-from msvalidate.bodies.lattice_network import refuse_other_domain
-from msvalidate.bodies.zones import OneOrEach, density_by_point, stiffness_by_place
+from msvalidate.bodies.lattice_network import nodal_force
+from msvalidate.constants.zones import OneOrEach, constants_by_zone
 from msvalidate.lattice.cut import CutLattice
 from msvalidate.lattice.drawn import is_outside_solid
 from msvalidate.lattice.outline import crossed_cells, is_outside, outline, straight_pieces
@@ -42,7 +42,6 @@ from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import (
     Array,
-    BodyForce,
     Boundary,
     Domain,
     Mask,
@@ -53,7 +52,6 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
-    Weight,
     corners_of,
     measure_of,
     prescribed_displacements_at,
@@ -94,8 +92,7 @@ def cut_network(
     """
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
-    refuse_other_domain(problem, lattice)
-    k, kappa = stiffness_by_place(problem, lattice, constants, volume)
+    k, kappa, density = constants_by_zone(problem, lattice, constants, volume)
     held, displacement = prescribed_displacements_at(
         problem, lattice.points, support_selector(lattice)
     )
@@ -105,8 +102,9 @@ def cut_network(
             "choose a smaller one"
         )
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
-        force = _nodal_force(problem, lattice)
-        mass = _nodal_mass(problem, lattice)
+        mass = density * problem.material.thickness * lattice.point_volume
+        force = nodal_force(problem, lattice, mass, _applied_force)
+    volumes = Volumes(lattice.points, lattice.cells, kappa * lattice.fraction)
     return spring_network(
         lattice.points,
         lattice.springs,
@@ -115,16 +113,9 @@ def cut_network(
         held=held,
         displacement=displacement,
         force=force,
-        volumes=_volumes(lattice, kappa),
+        volumes=volumes if kappa.any() else None,
         cells=lattice.cells,
     )
-
-
-def _volumes(lattice: CutLattice, kappa: Array) -> Volumes | None:
-    """The lattice's cells, where they resist a change of volume."""
-    if not kappa.any():
-        return None
-    return Volumes(lattice.points, lattice.cells, kappa * lattice.fraction)
 
 
 # Supports -----------------------------------------------------------------------------------------
@@ -194,34 +185,18 @@ def _is_wall(region: Part, lattice: CutLattice) -> bool:
 # Loads --------------------------------------------------------------------------------------------
 
 
-def _nodal_mass(problem: Problem, lattice: CutLattice) -> Array:
-    density = density_by_point(problem, lattice)
-    return np.asarray(density * problem.material.thickness * lattice.point_volume)
-
-
-def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
-    """Loads as forces (n, d) in N on the lattice's points; the thickness enters here."""
+def _applied_force(load: PointForce | Traction, lattice: CutLattice) -> Array:
+    """Forces (n, d) of a point force, or per thickness of a traction."""
+    if isinstance(load, PointForce):
+        places, vectors = _nearest_in_body(load, lattice), np.array([load.force])
+    elif lattice.points.shape[1] == 3:
+        of_end = _is_end(load, lattice)
+        return _end_forces(load, lattice) if of_end else traction_on_solid(load, lattice)
+    else:
+        places, vectors = _traction_forces(load, lattice)
+    points, weights = lattice.weights_at(places)
     force = np.zeros(lattice.points.shape)
-    thickness = problem.material.thickness
-    for load in problem.loads:
-        if isinstance(load, PointForce):
-            places, vectors = _nearest_in_body(load, lattice), np.array([load.force])
-        elif isinstance(load, BodyForce):
-            volume = thickness * lattice.point_volume[:, None]
-            force += volume * vectors_at("body force", load.force, lattice.points)
-            continue
-        elif isinstance(load, Weight):
-            force += np.outer(_nodal_mass(problem, lattice), load.acceleration)
-            continue
-        elif lattice.points.shape[1] == 3:
-            of_faces = _is_end(load, lattice)
-            force += _end_forces(load, lattice) if of_faces else traction_on_solid(load, lattice)
-            continue
-        else:
-            places, vectors = _traction_forces(load, lattice)
-            vectors = thickness * vectors
-        points, weights = lattice.weights_at(places)
-        np.add.at(force, points, weights[..., None] * vectors[:, None])
+    np.add.at(force, points, weights[..., None] * vectors[:, None])
     return force
 
 

@@ -219,7 +219,7 @@ def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
             raise ProblemError("fitted constants: a spring is stressed at rest; give none that is")
         if not np.array_equal(network.springs, networks[0].springs):
             raise ProblemError("fitted constants: the networks' springs differ; give the same")
-        if (network.volumes is None) != (networks[0].volumes is None):
+        if not np.array_equal(network.resisting, networks[0].resisting):
             raise ProblemError("fitted constants: volumes in some networks only; give all or none")
     found = integers("kind", kind)
     kinds = np.unique(found)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import numpy as np
 
-from msvalidate.bodies.zones import OneOrEach, density_by_point, stiffness_by_place
+from msvalidate.constants.zones import OneOrEach, constants_by_zone
 from msvalidate.lattice import CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network
@@ -27,6 +30,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import require_one_of, require_type
 
+Kind = TypeVar("Kind", bound=Lattice)
 RIGHT = 1e-9
 """Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
 
@@ -69,32 +73,24 @@ def lattice_network(
     require_type("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
-    refuse_other_domain(problem, lattice)
-    k, kappa = stiffness_by_place(problem, lattice, constants, volume)
+    k, kappa, density = constants_by_zone(problem, lattice, constants, volume)
+    require_one_of("mass", mass, ("shared", "equal"))
     weight = boundary_weights(lattice, weights)
     held, displacement = prescribed_displacements(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
-        force, masses = _nodal_force(problem, lattice), _nodal_mass(problem, lattice, mass)
+        shared = density * problem.material.thickness * lattice.point_volume
+        force = nodal_force(problem, lattice, shared, _applied_force)
     return spring_network(
         lattice.points,
         lattice.springs,
         k * lattice.factor * weight,
-        mass=masses,
+        mass=shared if mass == "shared" else np.full(len(shared), shared.mean()),
         held=held,
         displacement=displacement,
         force=force,
         volumes=_volumes(lattice, kappa),
         cells=lattice.cells,
     )
-
-
-def refuse_other_domain(problem: Problem, lattice: Lattice) -> None:
-    """Raise `ProblemError` unless a lattice fills the problem's own domain."""
-    if lattice.domain != problem.domain:
-        raise ProblemError(
-            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
-            "build it from the problem's own"
-        )
 
 
 def _volumes(lattice: Lattice, kappa: Array) -> Volumes | None:
@@ -111,37 +107,36 @@ def _volumes(lattice: Lattice, kappa: Array) -> Volumes | None:
     return cells
 
 
-def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
-    require_one_of("mass", rule, ("shared", "equal"))
-    total = density_by_point(problem, lattice) * problem.material.thickness
-    if rule == "shared":
-        return np.asarray(total * lattice.point_volume)
-    n = len(lattice.points)
-    whole = total[0] * lattice.domain.volume if len(total) == 1 else total @ lattice.point_volume
-    return np.full(n, whole / n)
+Applied = Callable[[PointForce | Traction, Kind], Array]
+"""Forces (n, d) on a lattice's points of a point force (N), or of a traction (N per thickness)."""
 
 
-def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
-    """Loads as forces (n, d) in N on the lattice points; the thickness enters here."""
+def nodal_force(problem: Problem, lattice: Kind, mass: Array, applied: Applied[Kind]) -> Array:
+    """Loads as forces (n, d) in N on the points of masses (n,) in kg; the thickness enters here."""
     force = np.zeros(lattice.points.shape)
     thickness = problem.material.thickness
     for load in problem.loads:
-        if isinstance(load, PointForce):
-            at = load.region.select(lattice.points, lattice.domain.tolerance)
-            if not at.any():
-                raise ProblemError(
-                    f"point force at {load.region}: no lattice point there; "
-                    "choose cells that put one there"
-                )
-            force[at] += load.force
-        elif isinstance(load, Traction):
-            force += thickness * _traction_force(load, lattice)
-        elif isinstance(load, BodyForce):
+        if isinstance(load, BodyForce):
             volume = thickness * lattice.point_volume[:, None]
             force += volume * vectors_at("body force", load.force, lattice.points)
         elif isinstance(load, Weight):
-            force += np.outer(_nodal_mass(problem, lattice, "shared"), load.acceleration)
+            force += np.outer(mass, load.acceleration)
+        else:
+            force += (1.0 if isinstance(load, PointForce) else thickness) * applied(load, lattice)
     return force
+
+
+def _applied_force(load: PointForce | Traction, lattice: Lattice) -> Array:
+    """Forces (n, d) of a point force, or per thickness of a traction."""
+    if isinstance(load, PointForce):
+        at = load.region.select(lattice.points, lattice.domain.tolerance)
+        if not at.any():
+            raise ProblemError(
+                f"point force at {load.region}: no lattice point there; "
+                "choose cells that put one there"
+            )
+        return np.outer(at, load.force)
+    return _traction_force(load, lattice)
 
 
 def _traction_force(load: Traction, lattice: Lattice) -> Array:

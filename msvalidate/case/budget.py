@@ -8,8 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.comparison import Comparison, largest
+from msvalidate.case.comparison import Comparison
 from msvalidate.case.springs import SpringAnswer
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import AXES, Array, ProblemError, SolverError, prescribed_displacements
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.body import nodal_forces
@@ -136,7 +137,7 @@ def _lattice_table(found: Comparison) -> pd.DataFrame:
             "spacing": answer.spacing,
             "points": len(answer.lattice.points),
             "springs": len(answer.lattice.springs),
-            "difference": largest(answer.at(found.points) - wanted) / size,
+            "difference": max_length(answer.at(found.points) - wanted) / size,
             "seconds": answer.seconds,
         }
         for answer in found.springs
@@ -145,7 +146,7 @@ def _lattice_table(found: Comparison) -> pd.DataFrame:
         "spacing": 0.0,
         "points": math.nan,
         "springs": math.nan,
-        "difference": largest(found.limit.displacement - wanted) / size,
+        "difference": max_length(found.limit.displacement - wanted) / size,
         "seconds": math.nan,
     }
     return pd.DataFrame([*rows, limit] if math.isfinite(found.limit.uncertainty) else rows)
@@ -157,7 +158,7 @@ def _mesh_table(found: Comparison) -> pd.DataFrame:
         {
             "element": solution.body.element.name,
             "nodes": len(solution.body.points),
-            "difference": largest(solution.at(found.points) - wanted) / size,
+            "difference": max_length(solution.at(found.points) - wanted) / size,
         }
         for solution in found.reference.solutions
     ]
@@ -168,7 +169,7 @@ def point_table(points: Array, displacement: Array, reference: Reference) -> pd.
     """Places and displacements of a candidate and of elasticity (m), and their difference (1)."""
     wanted = reference.displacement.value
     axes = AXES[: points.shape[1]]
-    away = np.linalg.norm(displacement - wanted, axis=1) / (largest(wanted) or 1.0)
+    away = np.linalg.norm(displacement - wanted, axis=1) / (max_length(wanted) or 1.0)
     columns = dict(zip(axes, points.T, strict=True))
     columns |= {f"u{axis}": u for axis, u in zip(axes, displacement.T, strict=True)}
     columns |= {f"elastic_u{axis}": u for axis, u in zip(axes, wanted.T, strict=True)}

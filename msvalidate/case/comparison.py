@@ -15,6 +15,7 @@ from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.gaps import bridged_gaps
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Anisotropic,
     Array,
@@ -121,18 +122,13 @@ class Comparison:
     @property
     def size(self) -> float:
         """Largest displacement (m) of elasticity at the points."""
-        return largest(self.reference.displacement.value)
+        return max_length(self.reference.displacement.value)
 
     @property
     def relative(self) -> Array:
         """Length (p,) of springs - elasticity over the largest displacement."""
         away = self.displacement - self.reference.displacement.value
         return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
-
-
-def largest(field: Array) -> float:
-    """Length of the longest of some vectors (p, d)."""
-    return float(np.linalg.norm(field, axis=1).max())
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
@@ -159,7 +155,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     limit = limit_of(answers, points)
     progress("elements")
     reference = converge(case.problem, points, case.accuracy)
-    if not largest(reference.displacement.value):
+    if not max_length(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
     homogenised, notes = _homogenised(case, answers[0], points)
     rows = []
@@ -189,10 +185,10 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
 
 def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Row:
     found, wanted = springs.at(reference.points), reference.displacement.value
-    size = largest(wanted)
-    difference = largest(found - wanted) / size if size else math.inf
+    size = max_length(wanted)
+    difference = max_length(found - wanted) / size if size else math.inf
     verdict = agreement(difference, reference.error, case.band)
-    return Row("displacement", "m", largest(found), size, difference, reference.error, verdict)
+    return Row("displacement", "m", max_length(found), size, difference, reference.error, verdict)
 
 
 def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
@@ -232,7 +228,7 @@ def _refuse_unstrained(case: Case, reference: Reference) -> None:
     domain, law = case.problem.domain, case.problem.material
     longest = max(high - low for low, high in domain.span)
     stiff = float(np.abs(elastic_tensor(law)).max()) * domain.volume * law.thickness
-    bent = (largest(reference.displacement.value) / longest) ** 2
+    bent = (max_length(reference.displacement.value) / longest) ** 2
     if abs(float(reference.energy.value[0])) <= UNSTRAINED * stiff * bent:
         raise SolverError("the body moves as one and is not strained")
 
@@ -352,10 +348,10 @@ def say_bridged(lattice: Lattice) -> str:
 def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
     """Whether springs would agree on finer lattices, never, or one cannot tell."""
     wanted = reference.displacement.value
-    size = largest(wanted)
+    size = max_length(wanted)
     if not size:
         return ""
-    left = largest(limit.displacement - wanted) / size
+    left = max_length(limit.displacement - wanted) / size
     doubt = limit.uncertainty / size + reference.error
     word = agreement(left, doubt, case.band) if math.isfinite(doubt) else ""
     return {AGREES: COARSE, DIFFERS: OTHER_MATERIAL}.get(word, NOT_TOLD)

@@ -11,9 +11,10 @@ import pandas as pd
 
 from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
-from msvalidate.case.comparison import Row, largest
+from msvalidate.case.comparison import Row
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result, refuse_extreme
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
@@ -62,7 +63,7 @@ class Judgement:
     @property
     def size(self) -> float:
         """Largest displacement (m) of elasticity."""
-        return largest(self.reference.displacement.value)
+        return max_length(self.reference.displacement.value)
 
     @property
     def relative(self) -> Array:
@@ -108,14 +109,14 @@ def judge_result(
     progress("elements")
     reference = converge(case.problem, matched.places, case.accuracy, first=body)
     wanted = reference.displacement.value
-    size = largest(wanted)
+    size = max_length(wanted)
     if not size:
         raise ProblemError("case: elasticity does not move at these points; load the body")
     rest = result.rest if unrest is None else unrest
-    difference = largest(matched.displacement - wanted) / size
+    difference = max_length(matched.displacement - wanted) / size
     doubt = reference.error + result.accuracy + matched.contradiction / size
     word = agreement(difference, doubt, case.band, 0.0 if math.isnan(rest) else rest)
-    row = Row("displacement", "m", largest(matched.displacement), size, difference, doubt, word)
+    row = Row("displacement", "m", max_length(matched.displacement), size, difference, doubt, word)
     progress("causes")
     field = _field(case.problem, matched, reference, doubt, result.known)
     try:

@@ -22,10 +22,10 @@ from scipy.spatial import KDTree
 
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.bodies.zones import OneOrEach, calibrate_zones
 from msvalidate.case.case import MESH_EDGES, Case, make_lattice, spacing_by_cells, spacing_of
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import calibrate_by_route
+from msvalidate.constants.routes import calibrate_by_route
+from msvalidate.constants.zones import OneOrEach, calibrate_zones
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy

@@ -99,7 +99,7 @@ def relax_cell(
         `refine.LARGEST_ERROR`.
     """
     dim, k = normal.shape[1], stiffness
-    B = _elongations(count, springs, normal)
+    B = elongations(count, springs, normal)
     large = solver == "multigrid" or (solver == "auto" and (count - 1) * dim > MULTIGRID[dim])
     if large and count > 1:  # a single point has no motion to look for
         try:
@@ -120,11 +120,15 @@ def relax_cell(
     return RelaxedCell(elongation, floppy, error, "direct")
 
 
-def _elongations(n: int, pairs: Index, normal: Array) -> csr_array:
-    """Elongations (m, n·d) of springs by motions of the points: none of one to its own image."""
+def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) -> csr_array:
+    """Elongations (m, n·d) of springs along directions (m, d) by motions of a cell's points.
+
+    Of periodic motions, or of waves that turn by factors (m,) on the way to the second point: none
+    of a spring to its own image that does not turn.
+    """
     m, d = normal.shape
     column = pairs[:, :, None] * d + np.arange(d)
-    value = np.stack([-normal, normal], axis=1)
+    value = np.stack([-normal, normal if turn is None else turn[:, None] * normal], axis=1)
     row = np.broadcast_to(np.arange(m)[:, None, None], column.shape)
     return csr_array((value.ravel(), (row.ravel(), column.ravel())), shape=(m, n * d))
 

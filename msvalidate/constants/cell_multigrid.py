@@ -94,7 +94,7 @@ class _Cycle:
 
     Raises
     ------
-    Unsettled
+    NotConverged
         If a level is not positive definite, but for translations; with a motion to blame.
     """
 
@@ -191,7 +191,7 @@ def _solve(K: bsr_array, force: Array, cycle: _Cycle, stop: Stop | None = None) 
 
     Raises
     ------
-    Unsettled
+    NotConverged
         If it takes more than `MOST_CYCLES`, or there is a motion without stiffness.
     """
     size = np.abs(force).max(axis=0, initial=0.0)
@@ -265,9 +265,9 @@ def multigrid_relaxation(
 
     Raises
     ------
-    Loose
+    MechanismFound
         If a motion without stiffness was found: certain.
-    Unsettled
+    NotConverged
         If conjugate gradients do not answer.
     """
     unit = float(k.max(initial=0.0))

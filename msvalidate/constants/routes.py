@@ -1,9 +1,11 @@
-"""Two routes from a pattern to an isotropic material, or why one does not lead there.
+"""Constants that make a lattice an isotropic material, by two routes, or why none leads there.
 
 The first is taken where it leads to the material, or else the second:
 
-- ``springs``: central springs alone. Where every point is a centre of symmetry they obey Cauchy's
-  relation λ = μ, so there is one ratio: 1/3 in the plane, 1/4 in a solid.
+- ``springs``: central springs alone. Where every point is a centre of symmetry the tensor is linear
+  in the constants and obeys Cauchy's relation λ = μ, so there is one ratio: 1/3 in the plane, 1/4
+  in a solid. Elsewhere the points at rest leave other ratios: honeycomb (k1 + 3 k2)/(k1 + 9 k2),
+  between 1/3 and 1.
 - ``volume energy``: springs that carry λ = μ, and beside them an energy ½ κ V0 (V/V0 - 1)² a cell,
   which resists nothing but a change of its volume: κ = λ - μ brings any ratio (the idea is that of
   [Golec2020]). With E and nu of the d axes, in-plane ones for d=2,
@@ -18,64 +20,218 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
+from scipy.optimize import least_squares, nnls
 
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.homogenise import deforms_affinely, homogenise
-from msvalidate.constants.spring_constants import Target, isotropic_constants, target_at_cauchy
-from msvalidate.constants.stable_range import least_stable_volume
-from msvalidate.constants.stiffness import ALIKE, UNIT, moduli
-from msvalidate.lattice import Constants, Pattern
-from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import require_one_of
+from msvalidate.constants.stiffness import (
+    ALIKE,
+    CAUCHY,
+    UNIT,
+    Moduli,
+    axes_moduli,
+    edge_constants,
+    is_of_material,
+    is_same_tensor,
+    isotropic_moduli,
+    isotropic_tensor,
+    lame,
+    moduli,
+    pattern_tensor,
+    square_constants,
+    triangular_constants,
+)
+from msvalidate.constants.waves import least_stable_volume
+from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
+from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
+from msvalidate.problem.checks import (
+    finite,
+    format_value,
+    length_in_metres,
+    require_one_of,
+    require_type,
+)
+from msvalidate.problem.material import State
+
+CLOSED: Mapping[str, Callable[[Isotropic], Constants]] = {
+    "square": square_constants,
+    "triangular": triangular_constants,
+}
+"""Patterns whose constants have a closed form."""
+PATTERN_OF: Mapping[str, Callable[[], Pattern]] = {
+    "square": patterns.square,
+    "square at 45°": patterns.square,
+    "triangular": patterns.triangular,
+}
+"""Lattices built without a pattern, and what repeats in them; a turn changes no isotropic solid."""
+START = 1e-3
+"""Least constant to start a search from, relative to the largest: at zero springs are gone."""
+ORDINARY = 1e100
+"""Moduli times thickness beyond which, or below one over which, squares have no digits left."""
 
 
-def calibrate_by_first_route(target: Target, pattern: Pattern, spacing: float) -> Calibration:
-    """By springs alone where they will do, or else with a volume energy.
-
-    Parameters
-    ----------
-    target, pattern
-        What is to be, and of what.
-    spacing
-        Length (m) of the pattern's unit.
+def calibrate_by_route(
+    material: Material, lattice: Pattern | Lattice, spacing: float | None, route: str | None
+) -> Calibration:
+    """What `bodies.calibrate.calibrate_material` returns, but for what it says of the body.
 
     Raises
     ------
     ProblemError
-        If neither leads there.
+        As there.
     """
+    if not isinstance(material, Isotropic):
+        raise ProblemError(f"calibrate: {format_value(material)}; the material must be isotropic")
+    pattern, unit = _repeating_cell(lattice, spacing)
+    if not 1 / ORDINARY < material.E * material.thickness < ORDINARY:
+        raise ProblemError(
+            f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
+            "m; choose units that give ordinary numbers"
+        )
+    if route is not None:
+        check_route(route)
+    lead = _by_first_route if route is None else ROUTES[route]
+    found = lead(material, pattern, unit)
+    if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
+        _refuse_soft_cells(pattern, unit, found)
+    return found
+
+
+def constants_of(
+    material: Material, lattice: Lattice, given: Constants | Calibration | None, volume: float
+) -> tuple[Array, float]:
+    """Spring constants (kinds,) and κ of a material: those given, checked, or its own by springs.
+
+    Parameters
+    ----------
+    material, lattice
+        Of a body, or of a zone of it.
+    given, volume
+        Spring constants (N/m) with κ, or a calibration, which has its own.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, κ is given twice, a calibration is for another lattice,
+        spacing, thickness or isotropic material, or there are no constants by springs alone.
+    """
+    if given is None:
+        return np.array(default_constants(material, lattice)), volume
+    if isinstance(given, Calibration):
+        if volume:
+            raise ProblemError(
+                f"volume stiffness: {format_value(volume)}; a calibration brings its own, leave "
+                "it out"
+            )
+        _refuse_other_material(given, lattice, material)
+        volume = given.volume
+    constants = given.constants if isinstance(given, Calibration) else given
+    k = finite("spring constants", constants)
+    if k.shape != (lattice.kinds,):
+        raise ProblemError(
+            f"spring constants: {format_value(constants)}; give {lattice.kinds}, one a kind"
+        )
+    return k, volume
+
+
+def default_constants(material: Material, lattice: Lattice) -> Constants:
+    """Spring constants (N/m), one a kind, of the lattice that is the material by springs alone.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be, or the material is given as a tensor.
+    """
+    require_type("lattice", lattice, Lattice)
+    if not isinstance(material, Isotropic):
+        raise ProblemError("spring constants: the material is a tensor; give the constants")
+    if not isinstance(lattice.domain, Mesh) or isinstance(lattice, PatternLattice):
+        return calibrate_by_route(material, lattice, None, "springs").constants
+    return edge_constants(material)
+
+
+def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:
+    """A calibration of something else, whose constants would make another material of this."""
+    pattern, unit = _repeating_cell(lattice, None)
+    scales = pattern.dim == 3  # in the plane constants are the same at any spacing
+    if (given.lattice, len(given.constants)) != (pattern.name, pattern.kinds):
+        mismatch = f"a {given.lattice} lattice, not {pattern.name}"
+    elif scales and abs(given.spacing - unit) > ALIKE * unit:
+        mismatch = f"a spacing of {given.spacing:g} m, not {unit:g} m"
+    elif abs(given.thickness - material.thickness) > ALIKE * material.thickness:
+        mismatch = f"a thickness of {given.thickness:g} m, not {material.thickness:g} m"
+    elif isinstance(material, Isotropic) and not is_of_material(given.tensor, material):
+        mismatch = (
+            f"E = {given.E:g} Pa and nu = {given.nu:g} of another state or size than the problem's "
+            f"{material.E:g} and {material.nu:g} in {material.state}"
+        )
+    else:
+        return
+    raise ProblemError(f"calibration: for {mismatch}; calibrate the problem's own body")
+
+
+def _repeating_cell(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
+    """What repeats, and the length (m) of its unit."""
+    require_type("lattice", lattice, Pattern | Lattice)
+    if isinstance(lattice, Pattern):
+        return lattice, length_in_metres("spacing", 1.0 if spacing is None else spacing)
+    if spacing is not None:
+        raise ProblemError(f"spacing: {format_value(spacing)}; a body has its own, leave it out")
+    if isinstance(lattice, PatternLattice):
+        return lattice.pattern, lattice.spacing
+    if lattice.name in PATTERN_OF:
+        return PATTERN_OF[lattice.name](), 1.0  # plane tensors do not depend on it
+    raise ProblemError(
+        f"spring constants: none known for {lattice.name}; give the constants, or calibrate the "
+        "pattern that it was made from"
+    )
+
+
+def _by_first_route(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
+    """By springs alone where they will do, or else with a volume energy."""
     try:
-        return _springs_alone(target, pattern, spacing)
+        return _springs_alone(material, pattern, spacing)
     except ProblemError:
         if not deforms_affinely(pattern):
             raise
-        return _with_volume_energy(target, pattern, spacing)
+        return _with_volume_energy(material, pattern, spacing)
 
 
-def _springs_alone(target: Target, pattern: Pattern, spacing: float) -> Calibration:
-    constants = isotropic_constants(target, pattern, spacing)
+def _springs_alone(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
+    constants = isotropic_constants(material, pattern, spacing)
     tensor = homogenise(pattern, constants, spacing).tensor
-    return _calibration(target, pattern, spacing, constants, 0.0, "springs", tensor)
+    return _calibration(material, pattern, spacing, constants, 0.0, "springs", tensor)
 
 
-def _with_volume_energy(target: Target, pattern: Pattern, spacing: float) -> Calibration:
+def _with_volume_energy(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
     """Springs of the material's μ at Cauchy's ratio; κ = λ - μ."""
-    E, nu, d = target.E, target.nu, pattern.dim
-    _refuse_loose_points(pattern)
+    d = pattern.dim
+    E, nu = axes_moduli(material, d, f"{pattern.name} lattice")
+    if not deforms_affinely(pattern):
+        raise ProblemError(
+            f"{pattern.name} lattice: its points move on in a uniform strain, and more so with "
+            "what is added to its springs; take one whose points are centres of symmetry, or route "
+            "'springs'"
+        )
     room = 1 - (d - 1) * nu
     if room <= 0:
         raise ProblemError(
-            f"{pattern.name} lattice: nu = {target.material.nu:g} in {target.material.state}; "
+            f"{pattern.name} lattice: nu = {material.nu:g} in {material.state}; "
             "nothing is compressible, and κ would be infinite: take nu below 1/2, such as 0.499"
         )
     kappa = E * ((d + 1) * nu - 1) / (2 * (1 + nu) * room)
-    springs = _cauchy_springs(E / (2 * (1 + nu)), pattern, spacing)
+    state: State = "plane_stress" if d == 2 else "solid"
+    _, mu = lame(d, E, nu)
+    cauchy = Isotropic(2 * mu * (1 + CAUCHY[d]), CAUCHY[d], state)
+    springs = _springs_alone(cauchy, pattern, spacing)
     normal = np.arange(len(springs.tensor)) < d
     tensor = springs.tensor + kappa * np.outer(normal, normal)
-    return _calibration(target, pattern, spacing, springs.constants, kappa, "volume energy", tensor)
+    return _calibration(
+        material, pattern, spacing, springs.constants, kappa, "volume energy", tensor
+    )
 
 
-ROUTES: Mapping[str, Callable[[Target, Pattern, float], Calibration]] = {
+ROUTES: Mapping[str, Callable[[Isotropic, Pattern, float], Calibration]] = {
     "springs": _springs_alone,
     "volume energy": _with_volume_energy,
 }
@@ -90,7 +246,7 @@ def check_route(route: str) -> None:
 
 
 def _calibration(
-    target: Target,
+    material: Isotropic,
     pattern: Pattern,
     spacing: float,
     constants: Constants,
@@ -99,7 +255,7 @@ def _calibration(
     tensor: Array,
 ) -> Calibration:
     """The material, of the state and thickness asked for, that a tensor is."""
-    material, found = target.material, moduli(tensor)
+    found = moduli(tensor)
     E, nu = found.E / material.thickness, found.nu
     if material.state == "plane_strain":
         nu = nu / (1 + nu)
@@ -118,12 +274,7 @@ def _calibration(
     )
 
 
-def _cauchy_springs(mu: float, pattern: Pattern, spacing: float) -> Calibration:
-    """Springs of a shear modulus (N/m or Pa) and the ratio that central springs have."""
-    return _springs_alone(target_at_cauchy(mu, pattern), pattern, spacing)
-
-
-def refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> None:
+def _refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> None:
     """Raise `ProblemError` where κ is too far below zero for points between the cells' corners."""
     d, mu = pattern.dim, found.tensor[-1, -1]
     least = least_stable_volume(pattern, found.constants) / spacing ** (d - 2)
@@ -137,10 +288,112 @@ def refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> N
     )
 
 
-def _refuse_loose_points(pattern: Pattern) -> None:
-    if not deforms_affinely(pattern):
+def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
+    """Spring constants (N/m), one a kind, that make a pattern a material by springs alone.
+
+    By closed form where there is one, by the pattern's own rules where one leaves the material's
+    ratio, or by search: linear where points follow a uniform strain, on the relaxed tensor
+    elsewhere.
+
+    Parameters
+    ----------
+    material, pattern
+        What is to be, and what repeats.
+    spacing
+        Length (m) of the pattern's unit.
+
+    Raises
+    ------
+    ProblemError
+        With the reason and the nearest that there is, if there are none.
+    """
+    E, nu = axes_moduli(material, pattern.dim, f"{pattern.name} lattice")
+    if pattern.name in CLOSED:
+        return CLOSED[pattern.name](material)
+    for rule in pattern.rules.values():
+        solid = _isotropic_moduli(pattern, rule, spacing)
+        if solid is not None and abs(nu - solid.nu) <= ALIKE:
+            return tuple(k * E / solid.E for k in rule)
+    if deforms_affinely(pattern):
+        return _affine_constants(pattern, spacing, E, nu)
+    return _relaxed_constants(pattern, spacing, E, nu)
+
+
+def _isotropic_moduli(pattern: Pattern, constants: Constants, spacing: float) -> Moduli | None:
+    """Moduli of an isotropic solid; None of any other."""
+    try:
+        found = moduli(homogenise(pattern, constants, spacing).tensor)
+    except ProblemError:
+        return None
+    return found if abs(found.zener - 1) <= ALIKE else None
+
+
+def _affine_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> Constants:
+    """Non-negative least squares: the tensor is linear in the constants, one column a kind."""
+    d, cauchy = pattern.dim, CAUCHY[pattern.dim]
+    target = isotropic_tensor(d, E, cauchy)
+    kinds = np.eye(pattern.kinds)
+    columns = [pattern_tensor(pattern, tuple(k), spacing).ravel() for k in kinds]
+    constants, _ = nnls(np.column_stack(columns), target.ravel())
+    tensor = (np.column_stack(columns) @ constants).reshape(target.shape)
+    if not is_same_tensor(target, tensor):
         raise ProblemError(
-            f"{pattern.name} lattice: its points move on in a uniform strain, and more so with "
-            "what is added to its springs; take one whose points are centres of symmetry, or route "
-            "'springs'"
+            f"{pattern.name} lattice: no spring constants make it isotropic, the nearest leave "
+            f"{_describe_tensor(tensor)}; take another lattice, or give the constants"
         )
+    if abs(nu - cauchy) > ALIKE:
+        raise ProblemError(
+            f"{pattern.name} lattice: nu = {nu:.6g}; central springs make it isotropic at "
+            f"{cauchy:.6g} only (λ = μ): take that ratio or a volume energy, or give "
+            "the constants"
+        )
+    return tuple(constants.tolist())
+
+
+def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> Constants:
+    """Least squares on the tensor with the points at rest, from each of the pattern's rules."""
+    if nu >= 1 / (pattern.dim - 1):
+        raise ProblemError(
+            f"{pattern.name} lattice: nu = {nu:.6g}; nothing is compressible, which takes an "
+            "infinite constant: take a lower ratio"
+        )
+    target = isotropic_tensor(pattern.dim, E, nu)
+    largest = float(np.abs(target).max())
+
+    def misfit(constants: Array) -> Array:
+        tensor = homogenise(pattern, tuple(constants), spacing).tensor
+        return np.asarray((tensor - target).ravel() / largest)
+
+    unit = largest * spacing ** (pattern.dim - 2)
+    limits = {"ftol": None, "xtol": 1e-15, "gtol": 1e-15}
+    tries = []
+    for rule in pattern.rules.values():
+        start = np.maximum(np.array(rule) / max(rule), START) * unit
+        tries.append(least_squares(misfit, start, "3-point", (0, np.inf), x_scale=unit, **limits))
+    # Of constants that are exact but for rounding, those of the first rule.
+    exact = [found for found in tries if np.abs(found.fun).max() <= ALIKE]
+    best = exact[0] if exact else min(tries, key=lambda found: float(found.cost))
+    solid = homogenise(pattern, tuple(best.x), spacing)
+    if np.abs(best.fun).max() > ALIKE:
+        raise ProblemError(
+            f"{pattern.name} lattice: no spring constants make it isotropic at nu = {nu:.6g}; the "
+            f"nearest found, {', '.join(f'{k:.3g}' for k in best.x)} N/m, leave "
+            f"{_describe_tensor(solid.tensor)}: take a ratio nearer to those of its rules, or give "
+            f"the "
+            "constants"
+        )
+    if solid.floppy:
+        raise ProblemError(
+            f"{pattern.name} lattice: nu = {nu:.6g}; the constants that it takes leave points "
+            "loose: take another ratio, or give the constants"
+        )
+    return tuple(best.x.tolist())
+
+
+def _describe_tensor(tensor: Array) -> str:
+    """What a tensor is, in words."""
+    try:
+        mean = isotropic_moduli(tensor)
+    except ProblemError:
+        return "some strain without energy"
+    return f"nu = {mean.nu:.6g} and a Zener ratio of {mean.zener:.6g}"

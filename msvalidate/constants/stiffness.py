@@ -14,11 +14,9 @@ import numpy as np
 
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.patterns import cubic_tensor
-from msvalidate.lattice.turned import rotation_matrix
-from msvalidate.problem import VOIGT, Array, Isotropic, ProblemError
+from msvalidate.problem import VOIGT, Array, Isotropic, Material, ProblemError
 from msvalidate.problem.checks import (
     finite,
-    finite_angle,
     finite_coordinates,
     finite_number,
     format_value,
@@ -190,6 +188,25 @@ def triangular_constants(material: Isotropic) -> tuple[float]:
     return (math.sqrt(3) / 2 * E,)
 
 
+def edge_constants(material: Isotropic) -> tuple[float]:
+    """The constant of a spring per edge of a mesh: E·t (N/m) in the plane, E (Pa) in space.
+
+    Raises
+    ------
+    ProblemError
+        If the ratio is not that of central springs, 1/3 in the plane or 1/4 in space.
+    """
+    E, nu = axes_moduli(material, material.dim, "springs along a mesh's edges")
+    only = CAUCHY[material.dim]
+    if abs(nu - only) > ALIKE:
+        raise ProblemError(
+            f"springs along a mesh's edges: ratio {nu:.6g} ({material.state}, nu = "
+            f"{material.nu:g}); their mean over directions has {only:.6g} only: take that, or "
+            "give the constant"
+        )
+    return (E,)
+
+
 def in_plane_moduli(material: Isotropic) -> tuple[float, float]:
     """In-plane modulus (N/m, thickness included) and ratio of an isotropic material.
 
@@ -217,6 +234,32 @@ def in_plane_moduli(material: Isotropic) -> tuple[float, float]:
     raise ProblemError("in-plane constants: the material is a solid; take plane stress or strain")
 
 
+def axes_moduli(material: Isotropic, dim: int, what: str) -> tuple[float, float]:
+    """E and ratio of the d axes of `what`: in-plane ones (E in N/m), or the solid's (Pa).
+
+    Raises
+    ------
+    ProblemError
+        If the material is of another dimension.
+    """
+    if dim == 2:
+        return in_plane_moduli(material)
+    if material.state != "solid":
+        raise ProblemError(f"{what}: material in {material.state}; give a solid")
+    return material.E, material.nu
+
+
+def lame(dim: int, E: float, nu: float) -> tuple[float, float]:
+    """Lamé's constants λ, infinite at nu = 1/(d - 1), and μ, of E and nu of d axes.
+
+    λ = E nu/((1 + nu)(1 - (d - 1) nu)), μ = E/(2(1 + nu)).
+
+    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
+    """
+    mu, room = E / (2 * (1 + nu)), 1 - (dim - 1) * nu
+    return (2 * mu * nu / room if room else math.inf), mu
+
+
 def moduli(tensor: Array) -> Moduli:
     """E, nu along x and Zener ratio of a tensor of cubic (in the plane square) symmetry.
 
@@ -227,7 +270,7 @@ def moduli(tensor: Array) -> Moduli:
     ProblemError
         If it is no such tensor, or a uniaxial stress has no one strain (C11 = 0 or C11 = C12).
     """
-    C = _check_voigt(tensor)
+    C = check_voigt(tensor)
     d = AXES_OF[len(C)]
     C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
     if not is_same_tensor(C, cubic_tensor(d, C11, C12, C44)):
@@ -265,7 +308,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     ProblemError
         If it is no Voigt tensor, or a uniform strain costs no energy.
     """
-    C = _check_voigt(tensor)
+    C = check_voigt(tensor)
     d = AXES_OF[len(C)]
     normal, shear = C[:d, :d], np.diag(C)[d:]
     largest = np.abs(C).max()
@@ -274,15 +317,29 @@ def isotropic_moduli(tensor: Array) -> Moduli:
         raise ProblemError(
             f"moduli: lowest eigenvalue {lowest * largest:g} {UNIT[d]}; some strain costs no energy"
         )
-    bulk = normal.mean()
-    mu = (np.trace(normal) + 2 * shear.sum() - d * bulk) / ((d - 1) * (d + 2))
+    bulk, mu = _invariant_moduli(C)
     mean11 = np.trace(normal) / d
     mean12 = (normal.sum() - np.trace(normal)) / (d * (d - 1))
-    lame = bulk - 2 * mu / d
-    nu = lame / ((d - 1) * lame + 2 * mu)
+    C12 = bulk - 2 * mu / d
+    nu = C12 / ((d - 1) * C12 + 2 * mu)
     found = (2 * mu * (1 + nu), nu, 2 * shear.mean() / (mean11 - mean12))
     E, nu, zener = finite("moduli E, nu and zener", found).tolist()
     return Moduli(E=E, nu=nu, zener=zener)
+
+
+def _invariant_moduli(C: Array) -> tuple[float, float]:
+    """Bulk and shear modulus, in its unit, of the isotropic tensor nearest to a Voigt tensor."""
+    d = AXES_OF[len(C)]
+    bulk = C[:d, :d].mean()
+    mu = (np.trace(C) + np.trace(C[d:, d:]) - d * bulk) / ((d - 1) * (d + 2))
+    return float(bulk), float(mu)
+
+
+def shear_modulus(material: Material) -> float:
+    """μ, N/m with the thickness in the plane or Pa in space; of a tensor its isotropic part's."""
+    if isinstance(material, Isotropic):
+        return material.thickness * lame(material.dim, material.E, material.nu)[1]
+    return material.thickness * _invariant_moduli(material.C)[1]
 
 
 def isotropic_part(tensor: Array) -> Array:
@@ -294,19 +351,13 @@ def isotropic_part(tensor: Array) -> Array:
         As for `isotropic_moduli`.
     """
     mean = isotropic_moduli(tensor)
-    return isotropic_tensor(AXES_OF[len(_check_voigt(tensor))], mean.E, mean.nu)
+    return isotropic_tensor(AXES_OF[len(check_voigt(tensor))], mean.E, mean.nu)
 
 
 def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
-    """Voigt tensor of E and nu of its own axes (in the plane the in-plane ones), nu below 1/(d-1).
-
-    C12 = E nu/((1 + nu)(1 - (d - 1) nu)), C44 = E/(2(1 + nu)), C11 = C12 + 2·C44.
-
-    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
-    """
-    mu = E / (2 * (1 + nu))
-    lame = 2 * mu * nu / (1 - (dim - 1) * nu)
-    return cubic_tensor(dim, lame + 2 * mu, lame, mu)
+    """Voigt tensor of E and nu of its own axes: C12 = λ, C44 = μ, C11 = λ + 2μ (see `lame`)."""
+    C12, C44 = lame(dim, E, nu)
+    return cubic_tensor(dim, C12 + 2 * C44, C12, C44)
 
 
 def cubic_part(tensor: Array) -> Array:
@@ -317,7 +368,7 @@ def cubic_part(tensor: Array) -> Array:
     ProblemError
         If it is no Voigt tensor.
     """
-    C = _check_voigt(tensor)
+    C = check_voigt(tensor)
     d = AXES_OF[len(C)]
     normal, along = C[:d, :d], np.trace(C[:d, :d])
     across = (normal.sum() - along) / (d * (d - 1))
@@ -329,77 +380,14 @@ def is_same_tensor(tensor: Array, other: Array) -> bool:
     return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
 
 
-def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
-    """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
-
-    Source: the law of transformation of tensors, [Nye1957], chapter VIII.
-
-    Raises
-    ------
-    ProblemError
-        If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
-    """
-    C = _check_voigt(tensor)
-    Q = rotation_matrix(turn, AXES_OF[len(C)])
-    # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
-    first, second = np.array(VOIGT[len(Q)]).T
-    B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
-    swapped = Q[np.ix_(first, second)] * Q[np.ix_(second, first)]
-    bond = np.where(first == second, B, B + swapped)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.array(finite("turned tensor", bond @ C @ bond.T))
+def is_of_material(tensor: Array, material: Isotropic) -> bool:
+    """Whether a tensor (N/m in the plane, else Pa) is that of a material, to within `ALIKE`."""
+    d = AXES_OF[len(tensor)]
+    E, nu = axes_moduli(material, d, "tensor")
+    return (d - 1) * nu < 1 and is_same_tensor(tensor, isotropic_tensor(d, E, nu))
 
 
-def directional_modulus(tensor: Array, directions: Array) -> Array:
-    """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
-
-    1/E = v S v, v the Voigt vector of n⊗n and S the compliance.
-
-    Source: [Nye1957], chapter VIII: E = 1/S of the rotated compliance.
-
-    Raises
-    ------
-    ProblemError
-        If it is no Voigt tensor, is singular, or the directions are not unit vectors.
-    """
-    C = _check_voigt(tensor)
-    n = finite("directions", directions)
-    d = AXES_OF[len(C)]
-    if n.ndim != 2 or n.shape[1] != d or np.abs((n**2).sum(axis=1) - 1).max(initial=0) > 1e-9:
-        raise ProblemError(f"directions: shape {n.shape}; give unit vectors (q, {d})")
-    v = voigt_directions(n)
-    return np.asarray(1 / (v * _strain_under(C, v.T).T).sum(axis=1))
-
-
-def directional_ratio(tensor: Array, angle: float) -> float:
-    """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
-
-    Stress n⊗n gives strain S:(n⊗n); nu is minus its part across, m⊗m, over its part along, n⊗n.
-
-    Source: [Nye1957], chapter VIII, by the rotated compliance.
-
-    Raises
-    ------
-    ProblemError
-        If it is no plane tensor, is singular, or the angle is not one finite number.
-    """
-    C, turn = _check_voigt(tensor, 2), finite_angle("angle", angle)
-    c, s = np.cos(turn), np.sin(turn)
-    along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
-    strain = _strain_under(C, along)
-    with np.errstate(all="ignore"):
-        return finite_number("directional ratio", -(across @ strain) / (along @ strain))
-
-
-def _strain_under(C: Array, stress: Array) -> Array:
-    """Voigt strain under a Voigt stress, columns (3 or 6, q)."""
-    if np.linalg.matrix_rank(C) < len(C):
-        raise ProblemError("directional moduli: the tensor is singular; some strain costs nothing")
-    with np.errstate(all="ignore"):
-        return np.asarray(np.linalg.solve(C, stress))
-
-
-def _check_voigt(tensor: Array, dim: int | None = None) -> Array:
+def check_voigt(tensor: Array, dim: int | None = None) -> Array:
     """The tensor as an array, of the plane or of space, or as said."""
     C = finite("tensor", tensor)
     if C.shape not in {(3, 3), (6, 6)} or dim not in (None, AXES_OF[len(C)]):

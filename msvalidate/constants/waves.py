@@ -1,4 +1,14 @@
-"""The highest frequency of an endless lattice, over all waves that it carries."""
+"""Waves of an endless lattice: the highest frequency, and how soft its cells' volumes may be.
+
+κ of cells' volumes may be below zero as long as every wave costs energy. Long waves ask for
+λ + 2μ > 0, less than the bulk modulus does. Where the corners of the cells are all the points there
+are, short ones ask for no more. Where they are not, the corners may swell their cells while the
+other points stay: triangles in rectangular cells bear κ > -5/3 μ (in-plane nu > -1/2), FCC
+κ > -5/4 μ (nu > -1/6).
+
+A body asks for more where its boundary cuts springs but no cells: FCC of 2 x 2 x 2 cells is not
+stable at nu = 0, BCC not at -1/2.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +16,26 @@ import math
 from itertools import product
 
 import numpy as np
-from scipy.linalg import eigvalsh
+from scipy.linalg import LinAlgError, eigvalsh
 from scipy.optimize import minimize
+from scipy.sparse import csr_array, diags_array
 
+from msvalidate.constants.cell_at_rest import elongations
 from msvalidate.lattice import Constants, Pattern
-from msvalidate.problem import Array
+from msvalidate.lattice.pattern import SAME_DISTANCE
+from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import refuse_too_many, require_type
 
 PHASES = 8
 """Of waves along each axis, even, so that pi is one."""
+LONG = 1e-3
+"""Phase of long waves, in rad a cell: what is left of the short ones is its square."""
 SAME_HEIGHT = 1e-9
 """Relative difference at which two squared frequencies count as different; rounding is 1e-14."""
 LARGEST_CELL = 1000
 """Points of a cell up to which all frequencies of all waves are found: dense matrices."""
+LARGEST_SOFT = 100
+"""Points of a cell up to which `least_stable_volume` looks at all waves."""
 
 
 def highest_frequency(pattern: Pattern, constants: Constants) -> float:
@@ -36,28 +53,19 @@ def highest_frequency(pattern: Pattern, constants: Constants) -> float:
         If the constants are not one a kind, or the cell has too many points.
     """
     require_type("pattern", pattern, Pattern)
-    n, d = pattern.points.shape
-    refuse_too_many("frequency of a periodic cell", n, LARGEST_CELL)
-    normal = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]
+    refuse_too_many("frequency of a periodic cell", len(pattern.points), LARGEST_CELL)
     k = pattern.stiffness(constants)
     unit = float(k.max(initial=0.0)) or 1.0
-    block = (k / unit)[:, None, None] * normal[:, :, None] * normal[:, None, :]
-    i, j = pattern.springs.T
-    mass = np.repeat(pattern.volume / pattern.volume.mean(), d)
+    mass = np.repeat(pattern.volume / pattern.volume.mean(), pattern.dim)
 
-    def square(phases: Array) -> float:
-        turn = np.exp(1j * (pattern.image @ phases))[:, None, None]
-        D = np.zeros((n, n, d, d), dtype=complex)
-        np.add.at(D, (i, i), block)
-        np.add.at(D, (j, j), block)
-        np.add.at(D, (i, j), -turn * block)
-        np.add.at(D, (j, i), -turn.conj() * block)
-        matrix = D.transpose(0, 2, 1, 3).reshape(n * d, n * d) / np.sqrt(np.outer(mass, mass))
-        return float(eigvalsh(matrix)[-1])
+    def square(phase: Array) -> float:
+        stretch = _wave_elongations(pattern, phase)
+        matrix = stretch.conj().T @ diags_array(k / unit) @ stretch
+        return float(eigvalsh(matrix.toarray() / np.sqrt(np.outer(mass, mass)))[-1])
 
     steps = 2 * math.pi / PHASES * np.arange(PHASES)
     # A wave and its opposite are one: half of the phases of the last axis will do.
-    waves = product(*[steps] * (d - 1), steps[: PHASES // 2 + 1])
+    waves = product(*[steps] * (pattern.dim - 1), steps[: PHASES // 2 + 1])
     each = [(square(np.array(wave)), wave) for wave in waves]
     best = max(value for value, _ in each)
     # Of waves as high but for rounding, the first.
@@ -65,3 +73,65 @@ def highest_frequency(pattern: Pattern, constants: Constants) -> float:
     options = {"xatol": 1e-8, "fatol": 1e-14}
     uphill = minimize(lambda q: -square(q), start, method="Nelder-Mead", options=options)
     return unit * max(best, -float(uphill.fun))
+
+
+def least_stable_volume(pattern: Pattern, constants: Constants) -> float:
+    """κ above which every wave of an endless lattice costs energy, at a spacing of 1 m.
+
+    Of cells as `msvalidate.lattice.fill` makes them: the pattern's own, from corner to corner. In
+    the plane in N/m, at any spacing; in space in Pa, over the spacing.
+
+    Source: stability by the energies of all waves, [BornHuang1954].
+
+    Parameters
+    ----------
+    pattern, constants
+        What repeats, with a point in the corner of its cell, and its springs' constants (N/m).
+
+    Raises
+    ------
+    ProblemError
+        If no point is in the corner, the constants are not one a kind, the cell has too many
+        points, or some wave already costs the springs nothing.
+    """
+    require_type("pattern", pattern, Pattern)
+    if not (np.abs(pattern.points) <= SAME_DISTANCE).all(axis=1).any():
+        raise ProblemError(
+            f"{pattern.name} lattice: no point in the corner of its cell, so it has no cells of a "
+            "volume; shift the pattern"
+        )
+    refuse_too_many("waves of a periodic cell", len(pattern.points), LARGEST_SOFT)
+    k = pattern.stiffness(constants)
+    steps = 2 * math.pi / PHASES * (np.arange(PHASES) - PHASES // 2 + 1)
+    # A wave and its opposite are one: half of the phases of the last axis will do.
+    grid = np.array(list(product(*[steps] * (pattern.dim - 1), steps[steps >= 0])))
+    grid = grid[np.abs(grid).max(axis=1) > 0]
+    try:
+        return -1 / max(_volume_ratio(pattern, k, q) for q in np.concatenate([grid, LONG * grid]))
+    except LinAlgError as error:
+        raise ProblemError(
+            f"{pattern.name} lattice: some wave costs its central springs nothing; give constants "
+            "that hold every point"
+        ) from error
+
+
+def _volume_ratio(pattern: Pattern, k: Array, phase: Array) -> float:
+    """Largest ratio of the energies of cells' volumes with κ = 1 and of central springs."""
+    n, d = pattern.points.shape
+    (corner,) = np.flatnonzero((np.abs(pattern.points) <= SAME_DISTANCE).all(axis=1))
+    size = np.array(pattern.size)
+    slope = np.zeros((n, d), dtype=complex)  # of V by the motions: a side's area over its corners
+    for place in product((0, 1), repeat=d):
+        way = (2 * np.array(place) - 1) * np.prod(size) / size / 2 ** (d - 1)
+        slope[corner] += np.exp(1j * (place @ phase)) * way
+    stretch = _wave_elongations(pattern, phase).toarray()
+    central = (stretch.conj().T * k) @ stretch
+    volume = np.outer(slope.ravel().conj(), slope.ravel()) / np.prod(size)
+    return float(eigvalsh(volume, central)[-1])
+
+
+def _wave_elongations(pattern: Pattern, phase: Array) -> csr_array:
+    """Elongation of springs by motions (m, n·d) of a cell in a wave of phases (d,) a cell."""
+    unit = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]
+    turn = np.exp(1j * (pattern.image @ phase))
+    return elongations(len(pattern.points), pattern.springs, unit, turn)

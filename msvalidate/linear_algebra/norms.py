@@ -1,6 +1,8 @@
-"""The norm by which residuals and moves are measured."""
+"""The norms by which residuals and moves are measured."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from msvalidate.problem import Array
 
@@ -8,3 +10,8 @@ from msvalidate.problem import Array
 def max_abs(values: Array) -> float:
     """Largest magnitude: 0 of no values, NaN if there is one, without an array of magnitudes."""
     return abs(float(max(values.max(), -values.min()))) if values.size else 0.0
+
+
+def max_length(vectors: Array) -> float:
+    """Length of the longest of some vectors (n, d)."""
+    return float(np.linalg.norm(vectors, axis=1).max())

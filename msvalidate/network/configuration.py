@@ -77,8 +77,7 @@ class Configuration:
         along = (self.vector * w).sum(axis=1) / self.length**2
         pull = ((self.network.stiffness - self.slack) * along)[:, None] * self.vector
         force = self.network.assemble_forces(pull + self.slack[:, None] * w)
-        volumes = self.network.volumes
-        return force + cells.force_change(volumes, self.displacement, motion) if volumes else force
+        return force + self.network.of_cells(cells.force_change, self.displacement, motion)
 
     def mode_energy(self, motion: Array) -> float:
         """Twice the energy (J) of a small motion (n, d) in m: motionᵀ K motion.

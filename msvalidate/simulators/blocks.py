@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.constants.stiffness import lame
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.protocol import Request, Simulator, SimulatorError, ask
@@ -61,12 +63,12 @@ class Effective:
 
 def linear_law(E: float, nu: float) -> Stress:
     """Hooke's law of the small strain, as a stress of the deformation gradient."""
-    shear, lame = E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - 2 * nu)
+    lam, mu = lame(3, E, nu)
 
     def stress(F: Array) -> Array:
         strain = (F + np.swapaxes(F, -1, -2)) / 2 - np.eye(3)
         spread = np.trace(strain, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
-        return np.asarray(2 * shear * strain + lame * spread)
+        return np.asarray(2 * mu * strain + lam * spread)
 
     return stress
 
@@ -169,9 +171,9 @@ def at_rest_both_ways(
     assert other.displacement is not None  # noqa: S101
     move = (answer.displacement - other.displacement) / 2 / times
     sum_of_both = (answer.displacement + other.displacement) / 2 / times
-    if not _largest(move):
+    if not max_length(move):
         raise SimulatorError(f"answer: {case.name} does not move under its loads")
-    even = _largest(sum_of_both) / _largest(move)
+    even = max_length(sum_of_both) / max_length(move)
     return AtRest(case, there, move, even, answer.about, elements)
 
 
@@ -241,7 +243,7 @@ def nearest_material(
         own = by_ratio(nu)
         slope = (by_ratio(ahead) - by_ratio(behind)) / (ahead - behind)
         along = (slope * own).sum() / (own * own).sum()
-        shows = _largest(slope - along * own) > SHOWS * _largest(own)
+        shows = max_length(slope - along * own) > SHOWS * max_length(own)
         columns = np.column_stack([own.ravel(), *([scale * slope.ravel()] if shows else [])])
         change = np.linalg.lstsq(columns, found.ravel(), rcond=None)[0]
         scale = float(change[0])
@@ -249,9 +251,5 @@ def nearest_material(
         settled, nu = abs(new - nu) < SETTLED, new
         if settled or scale <= 0:
             break
-    left = _largest(found - scale * by_ratio(nu)) / (_largest(found) or 1.0)
+    left = max_length(found - scale * by_ratio(nu)) / (max_length(found) or 1.0)
     return Effective(E / scale if scale > 0 else np.nan, nu if shows else np.nan, left)
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators import blocks
@@ -107,8 +108,8 @@ def at_large_strain(
         return AtLargeStrain(
             name,
             float(np.abs(green).max()),
-            _largest(found - wanted) / _largest(wanted),
-            _largest(linear - wanted) / _largest(wanted),
+            max_length(found - wanted) / max_length(wanted),
+            max_length(linear - wanted) / max_length(wanted),
             stated_unrest(request, answer),
         )
     raise refused or CannotRepresent("no body")
@@ -128,7 +129,3 @@ def _strained(
         gravity=times * request.gravity,
         name=f"{request.name}, loads times {times:.4g}",
     )
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())

@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from msvalidate.constants import stiffness
 from msvalidate.problem import VOIGT, Array, ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, require_one_of
 from msvalidate.problem.records import dataclass
@@ -70,9 +71,9 @@ class Prediction:
 
 def lame(E: float, nu: float) -> tuple[float, float]:
     """Lamé's mu and lam (Pa) of E (Pa) and nu. Raises `ProblemError` where a solid has none."""
-    E = positive_number("law: E", E, "Pa")
     nu = finite_number("law: nu", nu, above=-1.0, below=0.5)
-    return E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    lam, mu = stiffness.lame(3, positive_number("law: E", E, "Pa"), nu)
+    return mu, lam
 
 
 def law_named(text: str) -> str:

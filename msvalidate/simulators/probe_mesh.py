@@ -8,6 +8,7 @@ from itertools import permutations
 import numpy as np
 from scipy.sparse import csr_array
 
+from msvalidate.constants.stiffness import lame
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
@@ -142,6 +143,5 @@ class Block:
     @property
     def wave_speed(self) -> float:
         """m/s of pressure waves in the asked material; of ratio .49 where it is nearer to 1/2."""
-        E, nu = self.material.E, min(self.material.nu, 0.49)
-        modulus = E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
-        return float(np.sqrt(modulus / self.material.density))
+        lam, mu = lame(3, self.material.E, min(self.material.nu, 0.49))
+        return float(np.sqrt((lam + 2 * mu) / self.material.density))

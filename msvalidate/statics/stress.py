@@ -27,7 +27,7 @@ from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.ties import TIE
 from msvalidate.network import Configuration, Network
-from msvalidate.network.laws.volumes import dilatation
+from msvalidate.network.laws.volumes import Volumes, dilatation
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite,
@@ -100,7 +100,7 @@ def cell_stress(
         Of a plane body, m.
     parts
         (m, c) part of each spring that is each cell's, as `spring_shares` of
-        `msvalidate.bodies.zones` has it.
+        `msvalidate.constants.zones` has it.
 
     Raises
     ------
@@ -121,28 +121,25 @@ def cell_stress(
     virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
-    total += _pressure_virial(network, lattice, found, geometry)[:, None, None] * np.eye(
-        network.dim
-    )
+    pressure = network.of_cells(_pressure_virial, lattice, found, geometry)
+    total += np.multiply.outer(pressure, np.eye(network.dim))
     if geometry == "nonlinear":
         volume = volume * _volume_ratio(lattice, found)
     return _voigt_components(total / volume[:, None, None])
 
 
 def _pressure_virial(
-    network: Network, lattice: Lattice, found: Equilibrium, geometry: Geometry
+    volumes: Volumes, lattice: Lattice, found: Equilibrium, geometry: Geometry
 ) -> Array:
     """Each axis's part (c,) in N·m of the virial of the cells' volumes: κ (V/V0 - 1) V."""
-    if network.volumes is None:
-        return np.zeros(len(lattice.cells))
-    if not np.array_equal(network.volumes.cells, lattice.cells):
+    if not np.array_equal(volumes.cells, lattice.cells):
         raise ProblemError(
             "stress: the network's volumes are not the lattice's cells; give its own"
         )
     linear = geometry == "linear"
-    grown = dilatation(network.volumes, found.displacement, linear=linear)
-    V = network.volumes.rest_volume * (1.0 if linear else 1 + grown)
-    return np.asarray(network.volumes.stiffness * grown * V)
+    grown = dilatation(volumes, found.displacement, linear=linear)
+    V = volumes.rest_volume * (1.0 if linear else 1 + grown)
+    return np.asarray(volumes.stiffness * grown * V)
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:

@@ -23,9 +23,9 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.bodies.zones import calibrate_zones
 from msvalidate.case.building import build_case
 from msvalidate.case.reading import parse_source
+from msvalidate.constants.zones import calibrate_zones
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from msvalidate.bodies.calibrate import default_constants
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import square_tensor
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, fill, patterns, square

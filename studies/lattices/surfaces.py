@@ -11,7 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.constants.stiffness import directional_modulus
+from msvalidate.constants.directions import directional_modulus
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 from msvalidate.problem import VOIGT, Array

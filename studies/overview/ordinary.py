@@ -20,9 +20,10 @@ import pandas as pd
 from scipy.spatial import Delaunay
 
 from msvalidate.case.case import Case
-from msvalidate.case.comparison import compare_case, largest
+from msvalidate.case.comparison import compare_case
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.lattice import fill, patterns
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, Region, Support, Traction
 
 BAND = 0.05
@@ -147,7 +148,7 @@ def rows(part: Part) -> list[dict[str, object]]:
     narrowest = min(high - low for low, high in found.case.problem.domain.span)
     told = []
     for springs in found.springs[:2]:
-        away = largest(springs.at(found.points) - wanted) / largest(wanted)
+        away = max_length(springs.at(found.points) - wanted) / max_length(wanted)
         told.append({
             "body": part.body,
             "lattice": springs.lattice.name,

@@ -20,8 +20,8 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate import lattice
+from msvalidate.constants.directions import directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.stiffness import directional_ratio, rotate_tensor
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting

@@ -18,7 +18,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from msvalidate.constants.stiffness import directional_ratio, moduli, square_tensor
+from msvalidate.constants.directions import directional_ratio
+from msvalidate.constants.stiffness import moduli, square_tensor
 from msvalidate.judging.candidate import DisplacementSolver, solve_springs
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity

@@ -25,8 +25,8 @@ from matplotlib.figure import Figure
 
 from msvalidate import lattice
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.directions import directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.stiffness import directional_ratio, rotate_tensor
 from msvalidate.judging.candidate import DisplacementSolver, solve_springs
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity

@@ -22,8 +22,8 @@ from msvalidate.studies.lattices import (
 from msvalidate.studies.lattices.cases import Case
 
 from msvalidate import lattice
+from msvalidate.constants.directions import directional_modulus
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import directional_modulus
 from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.singularity import clamped_free_exponent

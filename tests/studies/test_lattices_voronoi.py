@@ -24,13 +24,9 @@ from scipy.stats import t as student
 from scipy.stats import ttest_rel
 
 import reference_fem
+from msvalidate.constants.directions import rotate_tensor
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import (
-    cubic_part,
-    isotropic_moduli,
-    isotropic_part,
-    rotate_tensor,
-)
+from msvalidate.constants.stiffness import cubic_part, isotropic_moduli, isotropic_part
 from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.evidence import judge
 from msvalidate.judging.sweep import Setting

@@ -28,8 +28,8 @@ from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import ROUTES
-from msvalidate.constants.stable_range import least_stable_volume
 from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.constants.waves import least_stable_volume
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.bodies.calibrate import calibrate, calibrate_material, default_constants
+from msvalidate.bodies.calibrate import calibrate, calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import deforms_affinely
-from msvalidate.constants.routes import ROUTES
+from msvalidate.constants.routes import ROUTES, default_constants
 from msvalidate.constants.stiffness import isotropic_tensor
 from msvalidate.lattice import fill, patterns, square, triangular, voronoi, zigzag_block
 from msvalidate.problem import Anisotropic, Box, Isotropic, Problem, ProblemError, Support, Traction

@@ -11,15 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.bodies.calibrate import default_constants
+from msvalidate.constants.directions import directional_modulus, directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
+from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import (
     cubic_part,
-    directional_modulus,
-    directional_ratio,
     in_plane_moduli,
     moduli,
-    rotate_tensor,
     spring_tensor,
     square_constants,
     square_tensor,

@@ -1,17 +1,28 @@
-"""The highest frequency of an endless lattice."""
+"""The highest frequency of an endless lattice; how far below zero volumes may go."""
 
 from __future__ import annotations
 
 import re
+from itertools import product
 
+import numpy as np
 import pytest
 
-from msvalidate.constants.waves import highest_frequency
+from msvalidate.constants.waves import highest_frequency, least_stable_volume
 from msvalidate.lattice import patterns, repeat_cell
 from msvalidate.lattice.pattern import pattern_by_shells
 from msvalidate.problem import ProblemError
 
 LATTICES = patterns.all_patterns()
+ISOTROPIC = {
+    "square": (1.0, 0.5),
+    "triangular": (1.0,),
+    "cubic18": (1.0, 1.0),
+    "bcc": (1.0, 2 / 3),
+    "fcc": (1.0, 0.25),
+}
+WHERE_UNSTABLE = {"square": -3, "triangular": -5 / 3, "cubic18": -3, "bcc": -2, "fcc": -5 / 4}
+"""Least κ over μ. -3 is λ + 2μ = 0 of a long wave, κ being added to λ = μ."""
 
 
 @pytest.mark.parametrize(
@@ -50,3 +61,61 @@ def test_bad_input_is_refused():
         highest_frequency("square", (1.0, 1.0))
     with pytest.raises(ProblemError, match=re.escape("the most is 1e+03")):
         highest_frequency(repeat_cell(patterns.fcc(), 7), (1.0, 1.0))
+
+
+# Volumes below zero ------------------------------------------------------------------------------
+
+
+def test_waves_that_cost_nothing_are_refused():
+    with pytest.raises(ProblemError, match="cubic 6 lattice: some wave costs its central springs"):
+        least_stable_volume(patterns.cubic6(), (1.0,))
+
+
+@pytest.mark.parametrize("name", WHERE_UNSTABLE)
+def test_volumes_bear_so_much(name):
+    pattern = getattr(patterns, name)()
+    mu = pattern.tensor(ISOTROPIC[name])[-1, -1]
+    assert least_stable_volume(pattern, ISOTROPIC[name]) == pytest.approx(WHERE_UNSTABLE[name] * mu)
+
+
+@pytest.mark.parametrize("name", ["triangular", "bcc", "fcc"])
+def test_a_torus_is_stable_to_just_there(name):
+    # Two cells along each axis, closed to a ring: all waves of phase 0 and pi, as one matrix.
+    pattern = getattr(patterns, name)()
+    least = least_stable_volume(pattern, ISOTROPIC[name])
+    springs, volumes = torus(pattern, ISOTROPIC[name])
+    lowest = [np.linalg.eigvalsh(springs + part * least * volumes)[0] for part in (0.999, 1.001)]
+    assert lowest[0] > -1e-13
+    assert lowest[1] < -1e-5
+
+
+def torus(pattern, constants):
+    """Stiffness of the springs and of the volumes with κ = 1 of a ring of two cells an axis."""
+    twice = repeat_cell(pattern, 2)
+    n, d = twice.points.shape
+    normal = twice.vectors / np.linalg.norm(twice.vectors, axis=1)[:, None]
+    stretch = np.zeros((len(normal), n, d))
+    each = np.arange(len(normal))
+    np.add.at(stretch, (each, twice.springs[:, 1]), normal)
+    np.add.at(stretch, (each, twice.springs[:, 0]), -normal)
+    stretch = stretch.reshape(len(normal), -1)
+    size, corners = np.array(pattern.size), list(product((0, 1), repeat=d))
+    slopes = []
+    for cell in corners:
+        slope = np.zeros((n, d))
+        for place in corners:
+            at = (np.add(cell, place) % 2) * size
+            (point,) = np.flatnonzero(np.abs(twice.points - at).max(axis=1) < 1e-9)
+            slope[point] += (2 * np.array(place) - 1) * np.prod(size) / size / 2 ** (d - 1)
+        slopes.append(slope.ravel())
+    slopes = np.array(slopes)
+    k = twice.stiffness(constants)
+    return (stretch.T * k) @ stretch, slopes.T @ slopes / np.prod(size)
+
+
+def test_cells_without_a_corner_are_refused():
+    shifted = pattern_by_shells(
+        "shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0, 2**0.5), {"one": (1.0, 1.0)}
+    )
+    with pytest.raises(ProblemError, match="no point in the corner of its cell"):
+        least_stable_volume(shifted, (1.0, 0.5))

@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
-from msvalidate.constants.stiffness import rotate_tensor
+from msvalidate.constants.directions import rotate_tensor
 from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table

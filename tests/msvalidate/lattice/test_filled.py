@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.bodies.calibrate import default_constants
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
+from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import moduli, spring_tensor
 from msvalidate.lattice import Pattern, boundary_weights, fill, patterns, repeat_cell
 from msvalidate.lattice.pattern import pattern_by_shells

@@ -7,7 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.constants.stiffness import rotate_tensor, spring_tensor, square_tensor
+from msvalidate.constants.directions import rotate_tensor
+from msvalidate.constants.stiffness import spring_tensor, square_tensor
 from msvalidate.lattice import WEIGHTS, boundary_weights, diagonal_square, square, trapezium
 from msvalidate.problem import Box, ProblemError
 from tests.table import table

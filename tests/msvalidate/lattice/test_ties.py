@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.fit import fitted_constants
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.spring_constants import isotropic_constants, target_of
+from msvalidate.constants.routes import isotropic_constants
 from msvalidate.constants.waves import highest_frequency
 from msvalidate.kernels.grid import recognised
 from msvalidate.lattice import cut_lattice, fill, fill_rotated, patterns
@@ -338,9 +338,9 @@ def test_constants_that_several_rules_lead_to_are_those_of_the_first():
     """Where as many constants as there like make the solid, rounding must not choose among them."""
     pattern = patterns.honeycomb()
     material = Isotropic(E=3.0, nu=0.5)
-    usual = isotropic_constants(target_of(material, pattern), pattern, 1.0)
+    usual = isotropic_constants(material, pattern, 1.0)
     rules = dict(reversed([*pattern.rules.items(), ("again", next(iter(pattern.rules.values())))]))
-    found = isotropic_constants(target_of(material, pattern), replace(pattern, rules=rules), 1.0)
+    found = isotropic_constants(material, replace(pattern, rules=rules), 1.0)
     np.testing.assert_allclose(found, usual, rtol=1e-7)
 
 

@@ -11,12 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import (
-    directional_modulus,
-    directional_ratio,
-    pattern_tensor,
-    rotate_tensor,
-)
+from msvalidate.constants.directions import directional_modulus, directional_ratio, rotate_tensor
+from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import fill, fill_rotated, patterns
 from msvalidate.problem import Anisotropic, Box, Problem, ProblemError, Region, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium

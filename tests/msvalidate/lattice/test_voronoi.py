@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.bodies.calibrate import default_constants
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenise
+from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import isotropic_moduli
 from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.lattice import STIFFNESS_RULES, boundary_weights, voronoi, voronoi_box

@@ -7,11 +7,11 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.bodies import zones
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.bodies.zones import calibrate_zones, material_fractions, spring_shares
+from msvalidate.constants import zones
 from msvalidate.constants.stiffness import isotropic_tensor
+from msvalidate.constants.zones import calibrate_zones, material_fractions, spring_shares
 from msvalidate.lattice import (
     CutLattice,
     cut_lattice,
@@ -219,7 +219,7 @@ def mean_of_moduli(fraction, ratio):
 
 @pytest.mark.parametrize("ratio", [10.0, 0.1], ids=["stiff", "soft"])
 def test_cells_in_series_err_least_at_a_disc(ratio):
-    # The table at the head of `bodies.zones`, at twice its spacing.
+    # The table at the head of `constants.zones`, at twice its spacing.
     found = {rule: disc_error(ratio, rule, 64) for rule in (None, mean_of_moduli, of_the_middle)}
     wanted = (0.0155, 0.061, 0.058) if ratio > 1 else (0.048, 0.064, 0.106)
     assert list(found.values()) == pytest.approx(wanted, rel=0.08)

@@ -1,8 +1,12 @@
-"""Springs of a body with zones: each cell has the constants of its material.
+"""From a body's materials to the constants of its springs and cells, zone by zone.
 
-A spring has from each cell that shares it the cell's part of that cell's constant: on an interface
-half of each material's. A body whose zones end where cells do is then as exact as each material is
-alone: bars of two materials, one behind or beside the other, are exact.
+Constants that are given, or were calibrated before, are checked against the body; by default they
+are those of the material by springs alone.
+
+With zones each cell has the constants of its material. A spring has from each cell that shares it
+the cell's part of that cell's constant: on an interface half of each material's. A body whose zones
+end where cells do is then as exact as each material is alone: bars of two materials, one behind or
+beside the other, are exact.
 
 **A cell that a zone ends in** has of each material a fraction of its area or volume, found from
 `SAMPLES` places along each axis. Its density is the mean by fraction. Its moduli are those of the
@@ -24,23 +28,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import product
-from typing import cast
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 from scipy.spatial import KDTree
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import calibrate_by_route, spring_stiffnesses
-from msvalidate.constants.stiffness import isotropic_moduli
+from msvalidate.constants.routes import calibrate_by_route, constants_of
+from msvalidate.constants.stiffness import shear_modulus
 from msvalidate.lattice import Constants, CutLattice, Lattice, Pattern
 from msvalidate.lattice.outline import is_outside, outline
 from msvalidate.lattice.parts import cell_shape, point_parts, spring_parts
 from msvalidate.problem import (
     Array,
     CellSet,
-    Isotropic,
-    Material,
     Problem,
     ProblemError,
     cut_cells,
@@ -90,52 +92,90 @@ def calibrate_zones(
         return by("volume energy")
 
 
-def stiffness_by_place(
-    problem: Problem, lattice: Lattice, constants: OneOrEach | None, volume: float
-) -> tuple[Array, Array]:
-    """Constants of springs (m,) and κ of cells (c,).
+def constants_by_zone(
+    problem: Problem, lattice: Lattice, given: OneOrEach | None = None, volume: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """Constants of springs (m,) in N/m, κ of cells (c,), and density at points (n,) in kg/m³.
 
     Parameters
     ----------
     problem, lattice
-        The body.
-    constants, volume
+        The body: the lattice must fill the problem's domain.
+    given, volume
+        Constants and κ, as for `lattice_network`.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice fills another domain, or as `constants_of`; with zones, if there is not one
+        entry for each material.
+    """
+    if lattice.domain != problem.domain:
+        raise ProblemError(
+            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
+            "build it from the problem's own"
+        )
+    k, kappa, shear = _constants_of_each(problem, lattice, given, volume)
+    density = np.array([material.density for material in problem.materials])
+    at_points = np.full(len(lattice.points), density[0])
+    if not problem.zones:
+        return k[0, lattice.kind], np.full(len(lattice.cells), kappa[0]), at_points
+    fraction = material_fractions(problem, lattice)
+    if (density != density[0]).any():
+        at_points = np.asarray(point_parts(lattice) @ (fraction @ density))
+    bulk = shear * (1 + 2 / lattice.points.shape[1])
+    springs = _gifts(lattice, fraction / shear, k).sum(axis=1)
+    return springs, _volume_stiffness(fraction, shear, bulk, kappa), at_points
+
+
+def spring_shares(
+    problem: Problem, lattice: Lattice, constants: OneOrEach | None = None
+) -> csr_array:
+    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+
+    Which of the force of a spring on an interface is whose: `msvalidate.statics.stress.cell_stress`
+    takes them. A spring without stiffness has none.
+
+    Parameters
+    ----------
+    problem, lattice, constants
         As for `lattice_network`.
 
     Raises
     ------
     ProblemError
-        As `spring_stiffnesses`; with zones, if there is not one entry for each material.
+        As there.
     """
-    if not problem.zones:
-        alone = cast("Constants | Calibration | None", constants)  # others are refused there
-        k, kappa = spring_stiffnesses(problem.material, lattice, alone, volume)
-        return k[lattice.kind], np.full(len(lattice.cells), kappa)
-    if finite_number("volume stiffness", volume):
+    k, _, shear = _constants_of_each(problem, lattice, constants, 0.0)
+    gifts = _gifts(lattice, material_fractions(problem, lattice) / shear, k)
+    total = gifts.sum(axis=1)
+    return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
+
+
+def _constants_of_each(
+    problem: Problem, lattice: Lattice, given: OneOrEach | None, volume: float
+) -> tuple[Array, Array, Array]:
+    """Spring constants (materials, kinds), κ and μ (materials,) of a problem's materials."""
+    volume, count = finite_number("volume stiffness", volume), len(problem.materials)
+    if count > 1 and volume:
         raise ProblemError(
-            f"volume stiffness: {format_value(volume)} for {len(problem.materials)} materials; "
+            f"volume stiffness: {format_value(volume)} for {count} materials; "
             "give calibrate_zones(problem, lattice), which has one for each"
         )
-    each = [
-        spring_stiffnesses(material, lattice, given)
-        for material, given in zip(problem.materials, _each(problem, constants), strict=True)
+    each: tuple[Any, ...] = given if isinstance(given, tuple) else ()
+    if count == 1 or given is None:
+        each = (given,) * count
+    elif len(each) != count or not all(isinstance(one, Calibration | tuple) for one in each):
+        raise ProblemError(
+            f"spring constants: {format_value(given)} for {count} materials; give a tuple of "
+            "one entry each, such as calibrate_zones(problem, lattice)"
+        )
+    found = [
+        (*constants_of(material, lattice, one, volume), shear_modulus(material))
+        for material, one in zip(problem.materials, each, strict=True)
     ]
-    fraction = material_fractions(problem, lattice)
-    shear = np.array([_shear_modulus(material) for material in problem.materials])
-    found = _gifts(lattice, fraction / shear, np.array([k for k, _ in each])).sum(axis=1)
-    bulk = shear * (1 + 2 / lattice.points.shape[1])
-    volumes = np.array([kappa for _, kappa in each])
-    return found, _volume_stiffness(fraction, shear, bulk, volumes)
-
-
-def _shear_modulus(material: Material) -> float:
-    """μ (N/m) in the plane, with the thickness, or (Pa); of a tensor that of its isotropic part."""
-    if isinstance(material, Isotropic):
-        E, nu = material.E, material.nu
-    else:
-        found = isotropic_moduli(material.C)
-        E, nu = found.E, found.nu
-    return material.thickness * E / (2 * (1 + nu))
+    k, kappa, shear = zip(*found, strict=True)
+    return np.array(k), np.array(kappa), np.array(shear)
 
 
 def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) -> Array:
@@ -157,35 +197,6 @@ def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) 
     return found
 
 
-def spring_shares(
-    problem: Problem, lattice: Lattice, constants: OneOrEach | None = None
-) -> csr_array:
-    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
-
-    Which of the force of a spring on an interface is whose: `msvalidate.statics.stress.cell_stress`
-    takes them. A spring without stiffness has none.
-
-    Parameters
-    ----------
-    problem, lattice, constants
-        As for `lattice_network`.
-
-    Raises
-    ------
-    ProblemError
-        As there.
-    """
-    given = _each(problem, constants)
-    each = [
-        spring_stiffnesses(material, lattice, one)[0]
-        for material, one in zip(problem.materials, given, strict=True)
-    ]
-    shear = np.array([_shear_modulus(material) for material in problem.materials])
-    gifts = _gifts(lattice, material_fractions(problem, lattice) / shear, np.array(each))
-    total = gifts.sum(axis=1)
-    return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
-
-
 def _gifts(lattice: Lattice, soft: Array, k: Array) -> csr_array:
     """What each cell brings (m, c) to each spring's constant.
 
@@ -197,14 +208,6 @@ def _gifts(lattice: Lattice, soft: Array, k: Array) -> csr_array:
     kind = np.repeat(lattice.kind, np.diff(parts.indptr))
     data = parts.data * of_cell[parts.indices, kind]
     return csr_array((data, parts.indices, parts.indptr), shape=parts.shape)
-
-
-def density_by_point(problem: Problem, lattice: Lattice) -> Array:
-    """Mean density (n,) in kg/m³ of the material that is each point's, or one (1,) for all."""
-    density = np.array([material.density for material in problem.materials])
-    if (density == density[0]).all():
-        return density[:1]
-    return np.asarray(point_parts(lattice) @ (material_fractions(problem, lattice) @ density))
 
 
 def material_fractions(problem: Problem, lattice: Lattice) -> Array:
@@ -256,22 +259,3 @@ def _sampled_fractions(problem: Problem, lattice: Lattice, places: Array) -> Arr
         nearest = KDTree(flat[inside]).query(places[none].mean(axis=1))[1]
         each[none], total[none] = each[owner[nearest]], total[owner[nearest]]
     return np.asarray(each / total)
-
-
-def _each(
-    problem: Problem, constants: OneOrEach | None
-) -> tuple[Constants | Calibration | None, ...]:
-    """What is given for each of a problem's materials."""
-    count = len(problem.materials)
-    if constants is None:
-        return (None,) * count
-    if count == 1:
-        return (cast("Constants | Calibration", constants),)
-    entries = constants if isinstance(constants, tuple) else ()
-    each = [entry for entry in entries if isinstance(entry, Calibration | tuple)]
-    if len(each) != count or len(entries) != count:
-        raise ProblemError(
-            f"spring constants: {format_value(constants)} for {count} materials; give a tuple of "
-            "one entry each, such as calibrate_zones(problem, lattice)"
-        )
-    return tuple(each)

@@ -1,0 +1,77 @@
+"""A material seen along other axes: its tensor turned, and its moduli in any direction."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msvalidate.constants.stiffness import AXES_OF, check_voigt, voigt_directions
+from msvalidate.lattice.turned import rotation_matrix
+from msvalidate.problem import VOIGT, Array, ProblemError
+from msvalidate.problem.checks import finite, finite_angle, finite_number
+
+
+def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
+    """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
+
+    Source: the law of transformation of tensors, [Nye1957], chapter VIII.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
+    """
+    C = check_voigt(tensor)
+    Q = rotation_matrix(turn, AXES_OF[len(C)])
+    # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
+    first, second = np.array(VOIGT[len(Q)]).T
+    B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
+    swapped = Q[np.ix_(first, second)] * Q[np.ix_(second, first)]
+    bond = np.where(first == second, B, B + swapped)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.array(finite("turned tensor", bond @ C @ bond.T))
+
+
+def directional_modulus(tensor: Array, directions: Array) -> Array:
+    """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
+
+    1/E = v S v, v the Voigt vector of n⊗n and S the compliance.
+
+    Source: [Nye1957], chapter VIII: E = 1/S of the rotated compliance.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, is singular, or the directions are not unit vectors.
+    """
+    C = check_voigt(tensor)
+    n = finite("directions", directions)
+    d = AXES_OF[len(C)]
+    if n.ndim != 2 or n.shape[1] != d or np.abs((n**2).sum(axis=1) - 1).max(initial=0) > 1e-9:
+        raise ProblemError(f"directions: shape {n.shape}; give unit vectors (q, {d})")
+    v = voigt_directions(n)
+    return np.asarray(1 / np.einsum("qi,ij,qj->q", v, _compliance(C), v))
+
+
+def directional_ratio(tensor: Array, angle: float) -> float:
+    """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
+
+    nu = -S12/S11 of the compliance S along axes turned by the angle.
+
+    Source: [Nye1957], chapter VIII, by the rotated compliance.
+
+    Raises
+    ------
+    ProblemError
+        If it is no plane tensor, is singular, or the angle is not one finite number.
+    """
+    C, turn = check_voigt(tensor, 2), finite_angle("angle", angle)
+    S = _compliance(rotate_tensor(C, -turn))
+    with np.errstate(all="ignore"):
+        return finite_number("directional ratio", -S[1, 0] / S[0, 0])
+
+
+def _compliance(C: Array) -> Array:
+    if np.linalg.matrix_rank(C) < len(C):
+        raise ProblemError("directional moduli: the tensor is singular; some strain costs nothing")
+    with np.errstate(all="ignore"):
+        return np.asarray(np.linalg.inv(C))
