@@ -14,6 +14,8 @@ EVEN = 256
 """Steps of a grid of which numbers that are all multiples show no rounding to it."""
 DIGITS, BINARY_DIGITS = 17, 40
 """Decimal digits that no number has more of; binary ones up to which numbers count as rounded."""
+VANISHING = 1e-290
+"""Size of a number whose own rounding is not a normal number."""
 DOUBLE, SINGLE = float(np.finfo(np.float64).eps), float(np.finfo(np.float32).eps)
 
 
@@ -53,6 +55,7 @@ def spacing_of_numbers(values: Array) -> float:
     if np.array_equal(_in_single(values), values):
         found.append(SINGLE * size)
     sample = values.ravel()[:: max(1, values.size // 10_000)]
+    sample = np.where(np.abs(sample) > VANISHING, sample, 0.0)
     if len(np.unique(np.abs(sample[sample != 0]))) < LEAST:
         return max(found)
     exponent = math.floor(math.log2(size))
