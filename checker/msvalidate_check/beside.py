@@ -91,7 +91,7 @@ def longest(vectors: Array) -> float:
 
 
 def best_scale(found: Array, wanted: Array) -> float:
-    """The number of times that a field (n, d) is another, 0 within rounding; NaN if that one is 0."""
+    """The number of times that a field (n, d) is another, 0 if within rounding; NaN if it is 0."""
     square, parts = float((wanted**2).sum()), found * wanted
     product = float(parts.sum())
     if abs(product) <= ROUNDING * float(np.abs(parts).sum()):
