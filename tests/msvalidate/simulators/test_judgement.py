@@ -346,6 +346,14 @@ def test_a_solver_of_constraints_that_is_stopped_is_told_the_row_and_what_to_set
     assert "floor" not in said
 
 
+def test_a_fall_that_goes_up_is_told_by_its_sign():
+    asked = Asked(
+        lambda request: simulator_of("linear")(replace(request, gravity=-request.gravity))
+    )
+    found = sheet_of(judge_simulator(asked, ASKED, parts=("gate",)), asked, ("gate",))
+    assert found.next == "free fall: it falls up: turn the sign of gravity"
+
+
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
 def test_the_nearest_material_is_that_of_any_size(size):
     """Two shapes, of which the ratio mixes; and one, which no ratio changes but in size."""
