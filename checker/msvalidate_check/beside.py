@@ -13,6 +13,8 @@ Array = np.ndarray
 Driven = Literal["loads", "weight", "supports", "both"]
 """What moves a body: loads, its own weight alone, its supports, or supports and something else."""
 AXES = "xyz"
+ROUNDING = 1e-12
+"""Of the sizes of a sum's parts: no more than this is left of parts that cancel."""
 MOST_RATIO = 0.495
 """Ratio up to which elements without a pressure of their own are asked."""
 
@@ -89,9 +91,12 @@ def longest(vectors: Array) -> float:
 
 
 def best_scale(found: Array, wanted: Array) -> float:
-    """The number of times that a field (n, d) is another; NaN if that one is 0."""
-    square = float((wanted**2).sum())
-    return float((found * wanted).sum()) / square if square else math.nan
+    """The number of times that a field (n, d) is another, 0 if within rounding; NaN if it is 0."""
+    square, parts = float((wanted**2).sum()), found * wanted
+    product = float(parts.sum())
+    if abs(product) <= ROUNDING * float(np.abs(parts).sum()):
+        product = 0.0
+    return product / square if square else math.nan
 
 
 def fit(columns: Array, target: Array) -> Array:

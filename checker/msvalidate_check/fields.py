@@ -41,7 +41,7 @@ def read_field(path: Path) -> tuple[Array | None, Array, float | None]:
         _refuse_large(path.stat().st_size)
         return readers[path.suffix.lower()](path)
     except CheckError as error:
-        raise CheckError(f"{path.name}: {error}") from error
+        raise CheckError(" ".join(f"{path.name}: {error}".split())) from error
     except Exception as error:  # whatever readers stumble over
         why = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise CheckError(

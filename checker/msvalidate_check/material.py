@@ -127,7 +127,7 @@ def _moduli(
 
     def size(name: str, at: float) -> float:
         times = best_scale(found, case.at_ratio(at)[order])
-        return case.E * _over_E(name, case.state, at) / times if times > 0 else math.inf
+        return case.E * _over_E(name, case.state, at) / times if times > 0 else math.nan
 
     own, scale, _ = _parts(case, order, found, nu)
     by_scale = own / (scale * (own**2).sum())

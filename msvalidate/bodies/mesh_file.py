@@ -30,6 +30,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from xml.parsers import expat
 
 import meshio
 import numpy as np
@@ -49,6 +50,8 @@ LARGEST_FILE = 1_000_000_000
 """Bytes of a mesh file beyond which it is not read."""
 MOST_UNPACKED, UNPACKED = 100_000_000, 20
 """Bytes that the blocks of any file may have when unpacked, and times its own size."""
+DEEPEST = 100
+"""Elements of XML in each other, beyond which a file is refused."""
 PLANE = 1e-9
 """Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
 
@@ -196,6 +199,8 @@ def _refuse_before_reading(file: Path, form: str, said: str) -> None:
     size = file.stat().st_size
     if size > LARGEST_FILE:
         raise ProblemError(f"{said}: {size:g} bytes; the most is {LARGEST_FILE:g}")
+    if form == "vtu":
+        _refuse_deep(file, said)
     if form == "abaqus":
         with file.open(encoding="utf-8", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
@@ -203,6 +208,23 @@ def _refuse_before_reading(file: Path, form: str, said: str) -> None:
                     raise ProblemError(
                         f"{said}: line {number} includes another file; join the files into one"
                     )
+
+
+def _refuse_deep(file: Path, said: str) -> None:
+    """Refuse elements in elements without end: the tree of them takes a hundred times the file."""
+    depth = 0
+
+    def step(by: int) -> None:
+        nonlocal depth
+        depth += by
+        if depth > DEEPEST:
+            raise ProblemError(f"{said}: more than {DEEPEST} elements in each other; write again")
+
+    parser = expat.ParserCreate("iso-8859-1")  # of which all bytes are
+    parser.StartElementHandler = lambda *_: step(1)
+    parser.EndElementHandler = lambda _: step(-1)
+    with contextlib.suppress(expat.ExpatError), file.open("rb") as data:
+        parser.ParseFile(data)
 
 
 def _announced_cells(file: Path, form: str) -> int:

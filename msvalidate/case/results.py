@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,8 @@ LARGEST, LEAST = 1e100, 1e-100
 LARGEST_FILE = 2_000_000_000
 """Bytes beyond which a file is not read."""
 MOST_POINTS = 3_000_000
+MOST_COLUMNS = 1000
+"""Values in a line of a table, beyond which its reader takes minutes and gigabytes."""
 IDS = ("id", "node", "point", "index")
 PLACES = ("points", "x", "position", "positions", "coordinates")
 MOVES = ("displacement", "displacements", "u", "disp")
@@ -172,10 +175,11 @@ def _read_csv(file: Path, field: str | None) -> dict[str, Any]:
         raise ProblemError("--field: a table has columns, no fields; leave it out")
     try:
         text = file.read_text(encoding="utf-8-sig")
+        refuse_wide(io.StringIO(text, newline=""))
         table = pd.read_csv(io.StringIO(text), skipinitialspace=True, comment="#")
     except UnicodeDecodeError as error:
         raise ProblemError(f"byte {error.start} is no UTF-8; save it as such") from error
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError) as error:
+    except (csv.Error, ValueError) as error:
         raise ProblemError(
             f"not a table: {' '.join(str(error).split())}; write it again"
         ) from error
@@ -199,6 +203,13 @@ def _read_csv(file: Path, field: str | None) -> dict[str, Any]:
             found["id"] = _table_numbers(table, [names[name]])[:, 0]
             break
     return found
+
+
+def refuse_wide(lines: Iterable[str]) -> None:
+    """Raise `ValueError` or `csv.Error` of too wide a table, before it is read as one."""
+    widest = max(map(len, csv.reader(lines)), default=0)
+    if widest > MOST_COLUMNS:
+        raise ValueError(f"{widest} values in a line, at most {MOST_COLUMNS} are read")
 
 
 def _columns(names: Mapping[str, Any], *choices: Sequence[str]) -> list[Any]:

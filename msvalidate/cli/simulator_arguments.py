@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -169,10 +170,12 @@ def _setting(text: str) -> tuple[str, Any]:
     if not equals or not name or not text.isprintable():
         raise argparse.ArgumentTypeError(f"{text!r}; give NAME=VALUE")
     try:
-        return name, json.loads(value, parse_constant=_refuse_constant)
+        return name, json.loads(value, parse_constant=_finite, parse_float=_finite)
     except (ValueError, RecursionError):
         return name, value
 
 
-def _refuse_constant(name: str) -> float:
-    raise argparse.ArgumentTypeError(f"{name} is no number that can be handed on; give another")
+def _finite(text: str) -> float:
+    if not math.isfinite(float(text)):
+        raise argparse.ArgumentTypeError(f"{text} is no number that can be handed on; give another")
+    return float(text)

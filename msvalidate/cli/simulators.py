@@ -120,9 +120,8 @@ def _told(args: argparse.Namespace) -> list[str]:
 def _name(args: argparse.Namespace) -> str:
     """Of the folder of results, one for each of case, adapter and settings."""
     name = f"{files.folder_name(args.file.stem)}-{files.folder_name(label_of(args.adapter))}"
-    whole = "-".join([name, *_told(args)]).replace("=", "-").replace('"', "")
-    told = files.folder_name(whole)
-    if told == whole or not args.set:
+    told = files.folder_name("-".join([name, *_told(args)]).replace("=", "-").replace('"', ""))
+    if not args.set:
         return told
     mark = hashlib.sha256("\0".join(_told(args)).encode()).hexdigest()[:8]
     return f"{told[: files.LONGEST_FOLDER - 9]}-{mark}"

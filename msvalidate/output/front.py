@@ -16,6 +16,11 @@ OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "overview/part.svg"
 LEDGER, SENTENCES = "claims", "ledger"
 COMMITTED = "the committed baseline"
+SHORTER = {
+    "true where the source says": "true only where stated",
+    "false as said, true if": "false as worded, true if read otherwise",
+}
+"""Verdicts of the ledger as they are counted here."""
 TOPIC = ("topic", "says", "found", "studies")
 ROUNDING = 1e-9
 """A number of the ledger below this is shown as 0."""
@@ -90,7 +95,9 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     lines = tuple(_line(row) for row in rows.astype(str).to_dict("records"))
     heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
     counts = [f"{n} {verdict}" for n, verdict in verdicts.to_numpy()[:, ::-1]]
-    sentences = "; ".join(counts).replace(", true if", ", but true in another reading")
+    sentences = "; ".join(counts)
+    for said, shorter in SHORTER.items():
+        sentences = sentences.replace(said, shorter)
     return Front(lines, _advice(lines), source, heads, sentences, judged_from)
 
 

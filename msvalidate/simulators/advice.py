@@ -20,6 +20,8 @@ AT_GATE = {
     "the same again": "start each question from nothing, and make sums in one order",
 }
 """Row of the gate -> what helps."""
+NEAR = 0.1
+"""Of 2: how far off a fall is that goes the other way."""
 SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
 """Rows of the gate that only what is not at rest is stopped by: to be mended first."""
 
@@ -60,6 +62,8 @@ def _at_gate(found: Judgement, asked: Asked) -> str:
             f"{few[0]}: try {each}, until twice as many change nothing; and state in at_rest how "
             "far it is from that"
         )
+    if stops[0] == "free fall" and abs(found.gate.stops[0].value - 2) < NEAR:
+        return "free fall: it falls up: turn the sign of gravity"
     return f"{stops[0]}: {AT_GATE.get(stops[0], 'mend it first: no number counts before that')}"
 
 

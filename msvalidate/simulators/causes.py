@@ -47,7 +47,8 @@ def state_and_causes(
     open_rows = [row for row in left if not moving and not row.may_settle]
     causes += [_rounded_words(row) for row in rows if row.is_rounded]
     unread = reading is not None and not reading.is_valid
-    off = predicted is not None and law is not None and not _alike(law, predicted)
+    band = BAND if reading is None else max(BAND, reading.shown)
+    off = predicted is not None and law is not None and not _alike(law, predicted, band)
     if off and predicted is not None and law is not None:
         causes.append(
             f"law: read as E {law[0]:.4g} Pa, nu {law[1]:.4g}; its documents say "
@@ -103,22 +104,23 @@ def is_over_density(part: float, density: float) -> bool:
 def _law_causes(
     material: Isotropic, reading: Reading | None, law: tuple[float, float] | None
 ) -> list[str]:
-    found = []
+    found, shown = [], SHOWN if reading is None else reading.shown
     if reading is not None and not reading.is_valid:
         found.append(f"law: {'; '.join(reading.refusals())}")
     elif reading is not None and reading.E is None:
         found.append(f"law: no solid at rest; {reading.elastic.because}")
     if reading is not None and reading.is_bound:
         found.append("law: uniform strain pulls at inner nodes, so it is of no one solid")
-    if law is not None and not _alike(law, (material.E, material.nu), SHOWN):
+    if law is not None and not _alike(law, (material.E, material.nu), shown):
         near, over = nearest_law(*law, material.E, material.nu), law[0] / material.E
         found.append(
             f"law: E {law[0] / material.E:.4g} times the asked, nu {law[1]:.4g} for {material.nu:g}"
             f"{f': as {near} (--law {LAWS[near].key})' if near else ''}"
             f"{OVER if is_over_density(over, material.density) else ''}"
         )
-    if reading is not None and reading.masses is not None and reading.masses.off > BAND:
-        found.append(f"mass: {reading.masses.pattern}; {reading.masses.spread}")
+    masses = reading.masses if reading is not None else None
+    if masses is not None and masses.off > max(BAND, masses.error + shown - SHOWN):
+        found.append(f"mass: {masses.pattern}; {masses.spread}")
     return found
 
 
@@ -133,5 +135,5 @@ def _factor_causes(rows: tuple[BodyRow, ...], *, linear: bool) -> list[str]:
     return found
 
 
-def _alike(one: tuple[float, float], other: tuple[float, float], band: float = BAND) -> bool:
+def _alike(one: tuple[float, float], other: tuple[float, float], band: float) -> bool:
     return abs(one[0] / other[0] - 1) <= band and abs(one[1] - other[1]) <= band

@@ -273,12 +273,12 @@ def _law(
         return predicted, 1.0
     if not pulled or reading.masses is None:
         return (reading.E, reading.nu), 1.0
-    near = blocks.effective_on_mesh(pulled[-1])
+    near, band = blocks.effective_on_mesh(pulled[-1]), max(BAND, reading.shown)
     total = near.E / reading.E
-    if near.left > BAND or not total > 0 or abs(total - 1) <= BAND:
+    if near.left > BAND or not total > 0 or abs(total - 1) <= band:
         return (reading.E, reading.nu), 1.0
     # Where steps are of the law that was meant and the pulled body is not, this is no mass.
-    meant = abs(reading.E / (predicted or asked)[0] - 1) <= BAND
+    meant = abs(reading.E / (predicted or asked)[0] - 1) <= band
     if meant and not (is_over_density(total, material.density) and _weighs(found, reading)):
         return (reading.E, reading.nu), 1.0
     return (reading.E * total, reading.nu), total

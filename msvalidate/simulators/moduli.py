@@ -63,7 +63,7 @@ def anisotropy(C: Array) -> float:
     return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
 
 
-def elastic(C: Array, error: float, of_strain: float = 0.0) -> Elastic:
+def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN) -> Elastic:
     """E and nu of the nearest isotropic solid, and how well they are known.
 
     E = 9 K G/(3 K + G), nu = (3 K - 2 G)/(6 K + 2 G). K is a mean of components and G a mean
@@ -90,9 +90,9 @@ def elastic(C: Array, error: float, of_strain: float = 0.0) -> Elastic:
     K_error, G_error = error + of_strain * K, error + of_strain * G
     E_error = (9 * G**2 * K_error + 27 * K**2 * G_error) / below
     nu_error = 4.5 * (G * K_error + K * G_error) / below
-    known_E, known_nu = E_error <= SHOWN * E, nu_error <= SHOWN
+    known_E, known_nu = E_error <= shown * E, nu_error <= shown
     missing = [
-        f"{name} is known to {size} only, and {SHOWN:g} is needed"
+        f"{name} is known to {size} only, and {shown:g} is needed"
         for name, size, known in (
             ("E", f"{E_error / E:.1e} of it", known_E),
             ("nu", f"{nu_error:.1e}", known_nu),

@@ -31,7 +31,7 @@ from msvalidate.simulators.flags import raise_flags, rounding_parts
 from msvalidate.simulators.masses import Masses, measure_masses
 from msvalidate.simulators.probe_mesh import Block, probe_mesh
 from msvalidate.simulators.protocol import Answer, Simulator, SimulatorError
-from msvalidate.simulators.reading import STRAINS, Reading
+from msvalidate.simulators.reading import SOLVED, STRAINS, Reading
 from msvalidate.simulators.rest import solves_to
 from msvalidate.simulators.states import ENGINEERING, Push, Station, voigt
 
@@ -149,6 +149,7 @@ def _read(station: Station, strain: float, masses: Masses | None, first: Answer)
         # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's.
         "rounding of stresses": 3 * noise * largest,
         STRAINS: 3 * of_strain * largest,
+        SOLVED: station.solves_to * largest,
         "finite strain": cut * largest,
         "stress not symmetric": flagged["symmetry of P"] * largest,
         "C not symmetric": flagged["symmetry of C"] * largest,

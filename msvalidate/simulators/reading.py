@@ -57,7 +57,7 @@ class Reading:
         Pa, of each component.
     causes
         Cause -> its part, Pa; of independent causes, `error` is the root of the sum of squares.
-        `STRAINS` counts in E and nu by its part of each modulus.
+        `OF_PARTS` count in E and nu by their part of each modulus.
     flags
         In order.
     masses
@@ -81,13 +81,18 @@ class Reading:
 
     @property
     def is_valid(self) -> bool:
-        """Whether every flag that refuses holds, and C is known to `SHOWN` of its largest."""
+        """Whether every flag that refuses holds, and C is known to `shown` of its largest."""
         return self.is_known and all(flag.holds for flag in self.flags if flag.refuses)
 
     @property
+    def shown(self) -> float:
+        """Part to which a number is known that counts: `SHOWN`, and what steps are solved to."""
+        return SHOWN + self.causes.get(SOLVED, 0.0) / float(np.abs(self.C).max() or 1.0)
+
+    @property
     def is_known(self) -> bool:
-        """Whether every component of C is known to `SHOWN` of the largest."""
-        return bool(self.error <= SHOWN * np.abs(self.C).max())
+        """Whether every component of C is known to `shown` of the largest."""
+        return bool(self.error <= self.shown * np.abs(self.C).max())
 
     @property
     def is_bound(self) -> bool:
@@ -98,9 +103,10 @@ class Reading:
     def elastic(self) -> Elastic:
         """E and nu with their errors, or None with a reason."""
         if self.is_valid:
-            of_strain = self.causes[STRAINS] / float(np.abs(self.C).max())
-            others = [part for cause, part in self.causes.items() if cause != STRAINS]
-            return elastic(self.C, float(np.linalg.norm(others)), of_strain)
+            parts = sum(self.causes.get(cause, 0.0) for cause in OF_PARTS)
+            others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
+            of_parts = parts / float(np.abs(self.C).max())
+            return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
         reason = "; ".join(self.refusals())
         return Elastic(None, None, np.inf, np.inf, reason)
 
@@ -123,7 +129,8 @@ class Reading:
         ]
         if not self.is_known:
             part = self.error / (np.abs(self.C).max() or 1.0)
-            found.append(f"C known to {part:.1e} of its largest component, {SHOWN:g} is needed")
+            needed = f"{self.shown:g} is needed"
+            found.append(f"C known to {part:.1e} of its largest component, {needed}")
         if self.is_bound:
             found.append("an upper bound alone: inner nodes are not at rest")
         return found
@@ -131,5 +138,8 @@ class Reading:
 
 STRAINS = "rounding of strains"
 """Name of the cause that multiplies C."""
+SOLVED = "solves_to"
+"""Name of the cause that a step's change of velocity is left unsolved by this part."""
+OF_PARTS = (STRAINS, SOLVED)
 INNER = "force on inner nodes"
 """Name of the flag by which a lattice is known."""

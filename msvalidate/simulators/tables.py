@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from msvalidate.case.results import refuse_wide
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import format_value
 
@@ -30,13 +32,15 @@ def read_table(path: Path, columns: Sequence[str] | None) -> Array:
     """
     said = f"table {format_value(path.name)}"
     try:
+        with path.open(newline="", encoding="utf-8-sig") as lines:
+            refuse_wide(lines)
         # As texts, whose numbers Python reads exactly: the library's own way differs by version.
         text = pd.read_csv(
             path, skipinitialspace=True, encoding="utf-8-sig", keep_default_na=False, dtype=str
         )
     except OSError as error:
         raise ProblemError(f"{said}: {error.strerror}; write it") from error
-    except (ValueError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+    except (csv.Error, ValueError) as error:
         why = " ".join(str(error).split())
         raise ProblemError(f"{said}: not a table: {format_value(why)}; write it again") from error
     text.columns = [str(name).strip() for name in text.columns]

@@ -1,6 +1,7 @@
 """Files that no reader can hold: one line, exit code 2, before memory is taken for them."""
 
 import io
+import runpy
 import tracemalloc
 import zipfile
 
@@ -80,10 +81,11 @@ def test_a_table_of_too_many_lines_is_refused_while_it_is_read(tmp_path, capsys,
         ("ux,uy\n" + "1" * 200_000 + ",1\n", "field larger than field limit"),
         ("ux,uy\n1\0,1\n", "a.csv: "),
         ("", "columns none"),
+        ('"u\n",uy\n', "a.csv: columns u, uy; name them"),
     ):
         path.write_text(content)
         code, said, _ = said_of(path, capsys)
-        assert (code, words in said) == (2, True), said
+        assert (code, words in said, said.count("\n")) == (2, True, 1), said
 
 
 def test_numbers_whose_squares_are_none_are_refused(tmp_path, capsys):
@@ -109,3 +111,10 @@ def test_a_fault_of_the_program_is_no_verdict(tmp_path, capsys, monkeypatch):
         said
         == "msvalidate-check: a fault of the program itself: ZeroDivisionError: division by zero\n"
     )
+
+
+def test_the_package_runs_as_its_command_does(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["msvalidate_check", "list"])
+    with pytest.raises(SystemExit) as end:
+        runpy.run_module("msvalidate_check", run_name="__main__")
+    assert (end.value.code, "cook_plane_strain" in capsys.readouterr().out) == (0, True)

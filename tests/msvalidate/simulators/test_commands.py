@@ -86,6 +86,7 @@ BAD = [
     (("simulate", "box.toml"), 2, "the following arguments are required: --with"),
     (("simulate", "box.toml", "--with", "toy.py", "--set", "a"), 2, "'a'; give NAME=VALUE"),
     (("simulate", "box.toml", "--with", "toy.py", "--set", "a=NaN"), 2, "NaN is no number"),
+    (("simulate", "box.toml", "--with", "toy.py", "--set", "a=1e400"), 2, "1e400 is no number"),
     (("simulate", "box.toml", "--with", "toy.py", "--out", "box.toml"), 2, "box.toml"),
     (("case", "export", "box.toml", "."), 2, "holds what no request left there"),
     (("case", "export", "box.toml", "box.toml"), 2, "no folder of a request"),
@@ -259,7 +260,7 @@ def test_runs_at_once_each_tell_their_own_answer(place, pairs):
         for k, ours in runs.items():
             said, _ = ours.communicate(timeout=60)
             assert (ours.returncode, said.split(":")[0]) == (1, f"scaled {k}")
-            results = place / "reports" / "simulators" / f"box-scaled-k-{k}"
+            (results,) = (place / "reports" / "simulators").glob(f"box-scaled-k-{k}-{8 * '?'}")
             verdict = json.loads((results / "verdict.json").read_text(encoding="utf-8"))
             left = results.with_name(f"{results.name}-run") / "out" / "result.json"
             told = json.loads(left.read_text(encoding="utf-8"))["simulator"]
@@ -268,10 +269,11 @@ def test_runs_at_once_each_tell_their_own_answer(place, pairs):
 
 def test_settings_that_a_folder_cannot_spell_have_folders_of_their_own(place):
     (place / "scaled.py").write_text(SCALED, encoding="utf-8")
-    for k in ("-3", "3", "0.3"):
-        run(*SIMULATE[len(PROGRAM) :], "scaled.py", "--set", f"k={k}", "-q", cwd=place)
-    found = {path.name for path in (place / "reports" / "simulators").glob("box-scaled-k*3*")}
-    assert len({name.removesuffix("-run") for name in found}) == 3
+    for k in ("k=-3", "k=3", "s-1=3", "s=1-3"):
+        words = ("scaled.py", "--set", "k=1", "--set", k, "--out", "named", "-q")
+        run(*SIMULATE[len(PROGRAM) :], *words, cwd=place)
+    found = {path.name.removesuffix("-run") for path in (place / "named").glob("box-scaled-k*3*")}
+    assert len(found) == 4
 
 
 def ended(pid):

@@ -160,6 +160,7 @@ TABLES = [
     ("id,ux,uy,uz\n0,1,2,3\n0,1,2,3\n", "id 0 where 1 is due"),
     ("ux,uy,uz\n1,2,3\n", "(1, 3); give (63, 3)"),
     ("", "has columns ''"),
+    (f"ux,uy,uz{1000 * ',c'}\n", "1003 values in a line, at most 1000 are read"),
     ("\0\xff,ux,uy,uz\n1,2", "result.csv"),
 ]
 

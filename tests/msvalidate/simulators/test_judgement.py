@@ -255,6 +255,37 @@ def test_a_law_is_told_with_the_nearest_of_the_catalogue(law, named, said):
     assert bool(said) == bool(found.causes)
 
 
+def noise(v, part=1e-3):
+    """The same of each answer."""
+    return 1 + part * np.random.default_rng(0).normal(size=v.shape)
+
+
+@pytest.mark.parametrize(
+    ("law", "off", "stated", "said"),
+    [
+        ("linear", lambda _: 1.009, 0.01, ""),
+        ("linear", noise, 0.01, ""),
+        ("linear", lambda _: 1.04, 0.05, ""),
+        (SMITH, lambda _: 1.009, 0.01, "law: E 0.7388 times the asked"),
+        ("linear", lambda _: 1.009, 0.001, "free fall"),
+    ],
+)
+def test_what_steps_are_solved_to_is_in_all_that_is_read_of_them(law, off, stated, said):
+    def simulate(request: Request) -> Answer:
+        found = simulator_of(law)(request)
+        if found.velocity is None:
+            return found
+        v = off(found.velocity) * found.velocity
+        return replace(found, velocity=v, about={**found.about, "solves_to": stated})
+
+    found = judge_simulator(simulate, ASKED, parts=("gate", "probe"))
+    assert (bool(found.causes), said in " ".join(found.causes)) == (bool(said), True), found.causes
+    if found.reading is not None:
+        true, each = predicted(law, ASKED.E, ASKED.nu), found.reading.elastic
+        assert abs(each.E - true.E) <= each.E_error <= 1.2 * stated * true.E
+        assert abs(each.nu - true.nu) <= each.nu_error <= 1.2 * stated
+
+
 def test_e_and_masses_over_the_density_are_told_as_that_and_not_as_units():
     def simulate(request: Request) -> Answer:
         light = replace(request.material, E=request.material.E / 1000, density=1.0)
@@ -313,6 +344,14 @@ def test_a_solver_of_constraints_that_is_stopped_is_told_the_row_and_what_to_set
     said = sheet_of(found, asked, ("gate",)).next
     assert said.startswith("twice the iterations: try --set iterations=80, until twice as many")
     assert "floor" not in said
+
+
+def test_a_fall_that_goes_up_is_told_by_its_sign():
+    asked = Asked(
+        lambda request: simulator_of("linear")(replace(request, gravity=-request.gravity))
+    )
+    found = sheet_of(judge_simulator(asked, ASKED, parts=("gate",)), asked, ("gate",))
+    assert found.next == "free fall: it falls up: turn the sign of gravity"
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
