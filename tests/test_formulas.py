@@ -83,6 +83,7 @@ CUBIC = homogenise(patterns.cubic18(), (1.0, 2.0)).tensor
 SPRING = spring_network([[0.0, 0.0], [2.0, 0.0]], [[0, 1]], [5.0])
 CELL = volumes.Volumes([[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]], [[0, 1, 2]], [5.0])
 LONGER = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])
+GROWN = LONGER - CELL.points
 TRIANGULAR = homogenise(patterns.triangular(), (1.0,)).tensor
 FORMULAS = {  # printed -> values of its symbols, what it comes to by another way, relative error
     "k2/(2k1 + k2)": (CELLS[["k1", "k2"]].to_dict("series"), CELLS["nu_springs"], EXACT),
@@ -96,7 +97,7 @@ FORMULAS = {  # printed -> values of its symbols, what it comes to by another wa
     "2 C66/(C11 - C12)": (entries(square(1, 2)), anisotropy(square(1, 2)), EXACT),
     "C1122 = C1212": (entries(TRIANGULAR), TRIANGULAR[0, 1], EXACT),
     "k (L - L0)": ({"k": 5, "L": 3, "L0": 2}, internal_force(SPRING, LONGER[:2])[0, 0], EXACT),
-    "κ(V/V0 - 1)² V0/2": ({"κ": 5, "V": 1.5, "V0": 1}, volumes.energy(CELL, LONGER - CELL.points), EXACT),
+    "κ(V/V0 - 1)² V0/2": ({"κ": 5, "V": 1.5, "V0": 1}, volumes.energy(CELL, GROWN), EXACT),
     "1/(4πεr)": (  # the field of a unit charge is its flux through a sphere
         {"πεr": math.pi * 2 * 3}, quad(lambda r: 1 / 2 / (4 * math.pi * r**2), 3, np.inf)[0], 1e-9
     ),

@@ -8,7 +8,7 @@ the reference points,
 
 v its vector there, D its distance, w the difference of two displacements, has all digits of these:
 a position of 1e6 m has none for a displacement of 1e-10 m. Cells that resist a change of volume do
-the same (`laws.volumes`). This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
+the same (`laws.volumes`). This is the plain NumPy form; `msvalidate.kernels` has the compiled one.
 """
 
 from __future__ import annotations

@@ -316,8 +316,9 @@ def is_positive(A: bsr_array, at: Configuration, cycle: Cycle) -> bool:
 def softest_motion(A: bsr_array, at: Configuration) -> Array:
     """Motion (n·d,) that meets the least stiffness, its largest component 1, by inverse iteration.
 
-    `A` is `restrained_tangent` there. It is stiffened by a part ε of what each point meets, D, so that a mechanism has an inverse too. A sweep (A + εD)⁻¹ εD x is made as
-    x - (A + εD)⁻¹ A x at last, A x from the springs' own elongations: rounding in stiff springs
+    `A` is `restrained_tangent` there. It is stiffened by a part ε of what each point meets, D, so
+    that a mechanism has an inverse too. A sweep (A + εD)⁻¹ εD x is made as x - (A + εD)⁻¹ A x at
+    last, A x from the springs' own elongations: rounding in stiff springs
     would else deform the soft ones beside them. Without an answer, of a network that is unstable,
     all are 0.
 

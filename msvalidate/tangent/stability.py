@@ -3,7 +3,8 @@
 A factor's pivots count the negative modes of the matrix that was factorised, which differs from the
 exact one by some eps of what each point meets. A mode of less stiffness than that may have any sign
 there. These few are found by inverse iteration, and their energies taken from the springs' own
-vectors (`Configuration.force_change`): by Weyl's inequality no other mode can have changed its sign.
+vectors (`Configuration.force_change`): by Weyl's inequality no other mode can have changed its
+sign.
 """
 
 from __future__ import annotations
