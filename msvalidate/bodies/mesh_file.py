@@ -54,7 +54,6 @@ DEEPEST = 100
 """Elements of XML in each other, beyond which a file is refused."""
 PLANE = 1e-9
 """Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
-
 MOST_ZONES = 200
 """Values of an array of cell data up to which each is a zone's name."""
 
@@ -201,7 +200,7 @@ def _refuse_before_reading(file: Path, form: str, said: str) -> None:
         raise ProblemError(f"{said}: {size:g} bytes; the most is {LARGEST_FILE:g}")
     if form == "vtu":
         _refuse_deep(file, said)
-    if form == "abaqus":
+    elif form == "abaqus":
         with file.open(encoding="utf-8", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
                 if line.lstrip().upper().replace(" ", "").startswith(("*INCLUDE", "*MANIFEST")):
@@ -212,17 +211,15 @@ def _refuse_before_reading(file: Path, form: str, said: str) -> None:
 
 def _refuse_deep(file: Path, said: str) -> None:
     """Refuse elements in elements without end: the tree of them takes a hundred times the file."""
-    depth = 0
+    outer: list[str] = []
 
-    def step(by: int) -> None:
-        nonlocal depth
-        depth += by
-        if depth > DEEPEST:
+    def begin(name: str, _: object) -> None:
+        outer.append(name)
+        if len(outer) > DEEPEST:
             raise ProblemError(f"{said}: more than {DEEPEST} elements in each other; write again")
 
     parser = expat.ParserCreate("iso-8859-1")  # of which all bytes are
-    parser.StartElementHandler = lambda *_: step(1)
-    parser.EndElementHandler = lambda _: step(-1)
+    parser.StartElementHandler, parser.EndElementHandler = begin, lambda _: outer.pop()
     with contextlib.suppress(expat.ExpatError), file.open("rb") as data:
         parser.ParseFile(data)
 
