@@ -43,7 +43,7 @@ SETTLED = 1e-12
 """Error at which no other tangent is made."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
-ROUNDINGS = 5.0
+ROUNDINGS = 10.0
 """Times what is left if forces are rounded in one other way, that is stated for all ways."""
 SMALLEST = float(np.finfo(float).smallest_subnormal)
 TOLD = 1e-14
@@ -105,7 +105,7 @@ class _System:
             times = error_amplification(self.change, self.solve, rate, known)
         left = self.residual(found.solution, rounded_otherwise(self.network))
         rounded = max_abs(self.solve(left, roughly=True)) / scale
-        lost = EPS / 2 + SMALLEST / scale
+        lost = 8 * EPS + SMALLEST / scale
         return replace(found, error=times * found.error + ROUNDINGS * rounded + lost)
 
 

@@ -20,7 +20,7 @@ from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import filled
-from msvalidate.network import network
+from msvalidate.network import configuration
 from msvalidate.problem import Isotropic
 
 OURS = ("msvalidate", "reference_fem", "studies")
@@ -45,14 +45,14 @@ def shear_halved(patch):
 
 
 def tangent_with_a_wrong_sign(patch):
-    true = network.Configuration.tangent
+    true = configuration.Configuration.tangent
 
     def blocks(at):
         # A network at rest as it lies has the elastic part alone.
         rest = replace(at.network, rest_length=at.length)
-        return 2 * true(network.Configuration(rest, at.displacement)) - true(at)
+        return 2 * true(configuration.Configuration(rest, at.displacement)) - true(at)
 
-    patch.setattr(network.Configuration, "tangent", blocks)
+    patch.setattr(configuration.Configuration, "tangent", blocks)
 
 
 def swapped(voigt):

@@ -178,9 +178,7 @@ def test_a_body_without_loads_stays_where_it_is(monkeypatch):
     assert not answer(Problem(BOX, SOFT, CLAMP), body, 0, monkeypatch).any()
 
 
-@pytest.mark.parametrize(
-    ("E", "force"), [(1.0, 1.7e308), (1e-320, 1.0), (1.7e308, 1.0)], ids=["force", "soft", "stiff"]
-)
+@pytest.mark.parametrize(("E", "force"), [(1.0, 1.7e308), (1.7e308, 1.0)], ids=["force", "stiff"])
 def test_numbers_beyond_all_are_a_solver_error(E, force, monkeypatch):
     loads = (BodyForce((force, 0.0, 0.0)),) * 4
     body = reference_fem.box_discretisation(BOX, 4, "H1")
