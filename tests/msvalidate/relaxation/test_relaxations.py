@@ -36,6 +36,12 @@ CASES = {
     "tractions": lambda body, _: sheet(body, PUSH),
     "a large point force": lambda body, _: sheet(body, PointForce((2.0, 0.5), (0.02, 0.03))),
     "prescribed displacement": lambda body, _: sheet(body, supports=STRETCH),
+    "a large stretch of cells": lambda body, _: sheet(
+        body, supports=STRETCH, constants=(0.8, 0.4), volume=0.3
+    ),
+    "a large stretch of cells that help": lambda body, _: sheet(
+        body, supports=STRETCH, constants=(1.0, 0.5), volume=-0.5
+    ),
     "equal weights and masses": lambda body, _: sheet(body, PUSH, weights="equal", mass="equal"),
     "masses apart": lambda body, _: replace(
         sheet(body, PUSH), mass=np.random.default_rng(2).uniform(0.2, 5, 45)
