@@ -12,7 +12,6 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import diagonal_square, square, trapezium, triangular, zigzag_block
 from msvalidate.network import tangent
 from msvalidate.problem import (
-    Anisotropic,
     BodyForce,
     Box,
     Isotropic,
@@ -102,24 +101,6 @@ def test_the_lattice_of_another_polygon_is_refused(name):
         lattice_network(problem, triangular(trapezium(0.2, (5, 2)), 0.2))
 
 
-@table(
-    ("material", "message"),
-    [
-        (
-            Isotropic(E=1.0, nu=0.3),
-            "triangular lattice: in-plane ratio 0.3 (plane_stress, nu = 0.3)",
-        ),
-        (Anisotropic(np.eye(3)), "spring constants: the material is a tensor; give the constants"),
-    ],
-)
-def test_a_material_that_triangles_cannot_be_is_refused(material, message):
-    outline = OUTLINES["trapezium"]
-    problem = Problem(outline, material, (Support(edges(outline)[0], (0.0, 0.0)),))
-    with refused(message):
-        lattice_network(problem, triangular(outline, 0.2))
-    assert lattice_network(problem, triangular(outline, 0.2), (1.0,)).stiffness.max() == 1.0
-
-
 def under_stress(lattice, corners):
     """Linear displacement under `STRESS` by tractions on all sides, from corner to corner."""
     xx, yy, xy = STRESS
@@ -195,19 +176,6 @@ def test_a_triangular_network_is_the_stiffness_of_linear_triangles(name, spacing
     by_component = np.arange(K.shape[0]).reshape(2, -1).T.ravel()
     wanted = stiffness(other_code(lattice), material).toarray()[np.ix_(by_component, by_component)]
     np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
-
-
-@pytest.mark.parametrize("rule", ["equal", "per_cell"])
-def test_with_other_weights_a_triangular_network_is_no_linear_triangles(rule):
-    # The identity above is about the boundary too: it must break when its springs count in full.
-    outline = OUTLINES["trapezium"]
-    lattice = triangular(outline, 0.2)
-    problem = Problem(outline, THIRD, (Support(edges(outline)[0], (0.0, 0.0)),))
-    network = lattice_network(problem, lattice, weights=rule)
-    K = tangent(network, network.points).toarray()
-    by_component = np.arange(K.shape[0]).reshape(2, -1).T.ravel()
-    wanted = stiffness(other_code(lattice), THIRD).toarray()[np.ix_(by_component, by_component)]
-    assert np.abs(K - wanted).max() > 0.1 * np.abs(wanted).max()
 
 
 def linear(p):

@@ -27,7 +27,6 @@ from tests.table import table
 
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
 TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
-LATTICES = patterns.all_patterns()
 
 
 def by_facets(lattice):
