@@ -7,8 +7,6 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
@@ -165,16 +163,3 @@ def test_the_seed_decides_in_a_box(kind):
 def test_a_box_without_points_is_refused(arguments, message):
     with refused(message):
         box_points(*arguments)
-
-
-@settings(deadline=None, max_examples=25)
-@given(
-    kind=st.sampled_from(POINT_SETS),
-    count=st.integers(1, 60),
-    size=st.lists(st.floats(0.05, 20), min_size=2, max_size=3),
-    seed=st.integers(0, 2**32),
-)
-def test_any_cell_has_its_points(kind, count, size, seed):
-    points = periodic_points(kind, count, tuple(size), seed)
-    assert points.shape == (count, len(size))
-    assert ((points >= 0) & (points < size)).all()
