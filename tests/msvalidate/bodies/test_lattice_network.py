@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -17,20 +16,15 @@ from msvalidate.problem import (
     Isotropic,
     PointForce,
     Problem,
-    ProblemError,
     Region,
     Segment,
     Support,
     Traction,
 )
 from reference_fem.body import nodal_forces
-from tests.table import table
+from tests.table import refused, table
 
 NAN = float("nan")
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def moment(points, force):

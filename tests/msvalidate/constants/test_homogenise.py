@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +16,8 @@ from msvalidate.constants.cell_at_rest import DENSE
 from msvalidate.constants.homogenise import homogenise, homogenise_network, interior_tensor
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
 from msvalidate.lattice import fill_rotated, patterns, repeat_cell, voronoi_box
-from msvalidate.problem import VOIGT, Box, ProblemError, SolverError
-from tests.table import table
+from msvalidate.problem import VOIGT, Box, SolverError
+from tests.table import refused, table
 
 LATTICES = patterns.all_patterns()
 CASES = [
@@ -28,10 +27,6 @@ CASES = [
     if make().tensor is not None
 ]
 DATA = Path(__file__).parents[2] / "data" / "springs"
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def zener(C):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +22,6 @@ from msvalidate.problem import (
     PointForce,
     Polygon,
     Problem,
-    ProblemError,
     Region,
     Segment,
     Support,
@@ -31,13 +29,10 @@ from msvalidate.problem import (
 )
 from msvalidate.statics.equilibrium import equilibrium
 from tests.msvalidate.solids import bar
+from tests.table import refused
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, density=500.0, thickness=0.3)
 UNIT = Isotropic(E=1.0, nu=1 / 3)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 # What of a cell lies inside -----------------------------------------------------------------------

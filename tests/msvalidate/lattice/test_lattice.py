@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from msvalidate.constants.directions import rotate_tensor
 from msvalidate.constants.stiffness import spring_tensor, square_tensor
 from msvalidate.lattice import WEIGHTS, boundary_weights, diagonal_square, square, trapezium
 from msvalidate.problem import Box, ProblemError
-from tests.table import table
+from tests.table import refused, table
 
 SIZES = [(1, 1), (1, 3), (4, 1), (5, 4)]
 SPACING = 0.25
@@ -25,10 +23,6 @@ def counts(request):
 @pytest.fixture
 def lattice(counts):
     return square(Box((SPACING * counts[0], SPACING * counts[1])), counts)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def coordination(lattice):

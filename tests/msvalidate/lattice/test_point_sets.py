@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
-from msvalidate.problem import Box, ProblemError
-from tests.table import table
+from msvalidate.problem import Box
+from tests.table import refused, table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
 every_size = pytest.mark.parametrize("size", SIZES, ids=str)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def nearest(points, period=None):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from itertools import combinations
 
@@ -20,17 +19,12 @@ from msvalidate.network import (
     tangent,
 )
 from msvalidate.network.residual import force_roundoff, force_scale
-from msvalidate.problem import ProblemError
-from tests.table import table
+from tests.table import refused, table
 
 NAN = float("nan")
 STEP = 1e-5
 """Of a central difference (m): truncation STEP² and rounding 1e-16/STEP are both far below 1e-7."""
 examples = settings(max_examples=25, deadline=None)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def differences(function, position):

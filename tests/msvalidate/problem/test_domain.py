@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from matplotlib.path import Path
 
-from msvalidate.problem import Box, Polygon, ProblemError, Region, Segment, corners_of
-from tests.table import table
+from msvalidate.problem import Box, Polygon, Region, Segment, corners_of
+from tests.table import refused, table
 
 NAN = float("nan")
 ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))
@@ -21,10 +19,6 @@ NOTCHED = Polygon(((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (
 SLOPE = Segment((0.0, 0.0), (1.0, 1.0))
 examples = settings(max_examples=50, deadline=None)
 seeds = st.integers(0, 2**32 - 1)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def star(seed):

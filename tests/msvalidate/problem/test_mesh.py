@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-import re
 
 import numpy as np
 import pytest
@@ -19,7 +18,6 @@ from msvalidate.problem import (
     Mesh,
     PointForce,
     Problem,
-    ProblemError,
     Region,
     Segment,
     Support,
@@ -31,7 +29,7 @@ from msvalidate.problem import (
 from msvalidate.problem.normals import is_faceted
 from msvalidate.problem.shapes import area_vectors
 from msvalidate_check import elastic_case
-from tests.table import table
+from tests.table import refused, table
 
 CELLS = [name for name, shape in SHAPES.items() if shape.dim > 1]
 BENT = [name for name in CELLS if SHAPES[name].degree == 2]
@@ -40,10 +38,6 @@ seeds = st.integers(0, 2**32 - 1)
 every_shape = pytest.mark.parametrize("shape", CELLS)
 ROUNDING = 1e-12
 """Sums of a hundred terms of size one, each rounded by 1e-16."""
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def left(x):

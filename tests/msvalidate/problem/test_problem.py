@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -15,14 +13,13 @@ from msvalidate.problem import (
     Isotropic,
     PointForce,
     Problem,
-    ProblemError,
     Region,
     Support,
     Traction,
     corners_of,
 )
 from msvalidate.problem.checks import finite
-from tests.table import table
+from tests.table import refused, table
 
 NAN = float("nan")
 PLATE = Box((2.0, 1.0))
@@ -34,10 +31,6 @@ GRID = np.stack(np.meshgrid([0.0, 1.0, 2.0], [0.0, 0.5, 1.0]), axis=-1).reshape(
 
 def plate(*, supports=(CLAMP,), loads=()):
     return Problem(PLATE, SHEET, supports, loads)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 # Bad input ------------------------------------------------------------------------------------

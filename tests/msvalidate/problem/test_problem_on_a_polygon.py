@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -13,14 +11,13 @@ from msvalidate.problem import (
     PointForce,
     Polygon,
     Problem,
-    ProblemError,
     Region,
     Segment,
     Support,
     Traction,
     prescribed_displacements,
 )
-from tests.table import table
+from tests.table import refused, table
 
 NAN = float("nan")
 ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))
@@ -30,10 +27,6 @@ NOTCHED = Polygon(((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (
 SLOPE = Segment((0.0, 0.0), (1.0, 1.0))
 SHEET = Isotropic(E=1e6, nu=0.3)
 CLAMP = Support(SLOPE, (0.0, 0.0))
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def bar(*, supports=(CLAMP,), loads=()):

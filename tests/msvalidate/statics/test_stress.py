@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -19,7 +17,6 @@ from msvalidate.problem import (
     Isotropic,
     Mesh,
     Problem,
-    ProblemError,
     Region,
     Support,
 )
@@ -32,14 +29,11 @@ from msvalidate.statics.stress import (
     spring_cell_pairs,
     spring_virial,
 )
+from tests.table import refused
 
 PLANE, SPACE = (0.7, -0.4, 0.3), (0.7, -0.4, 0.2, 0.3, -0.1, 0.5)
 """Voigt strains, engineering shear."""
 THICKNESS = 0.3
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def lattices():
