@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import pytest
+
+from msvalidate.problem import ProblemError
 
 
 def table(
@@ -49,3 +52,8 @@ def table(
         return every
 
     return over
+
+
+def refused(message: str) -> pytest.RaisesExc[ProblemError]:
+    """As `pytest.raises` of bad input whose line has this message in it."""
+    return pytest.raises(ProblemError, match=re.escape(message))

@@ -71,7 +71,6 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
         ["msvalidate/network/network.py"],
         _files(
             "network",
-            "network_far",
             "spectrum",
             "lattice_network",
             "body_exact",

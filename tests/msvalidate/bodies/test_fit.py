@@ -147,12 +147,6 @@ def test_constants_of_long_bodies_come_back_within_their_error_or_not_at_all(len
     assert np.abs(np.array(found.constants) / true - 1).max() <= 10 * found.error <= 1e-5
 
 
-def test_displacements_too_small_to_be_squared_are_as_good_as_others():
-    wanted = [1e-200 * move for move in moves(*networks((2.3, 0.7)))]
-    built = [replace(one, force=1e-200 * one.force) for one in networks((1.0, 1.0))]
-    assert fitted_constants(built, wanted, GRID.kind).constants == pytest.approx((2.3, 0.7))
-
-
 @pytest.mark.parametrize("nu", [0.3, 0.45])
 def test_fitted_to_finite_elements_they_come_near_the_calibrated(nu):
     wrong, left = [], []
@@ -193,13 +187,6 @@ def test_what_a_stretch_leaves_open_is_named():
         [stretched(GRID, (1.0, 1.0), 0.0)], moves(stretched(GRID, (2.0, 1.0), 0.0)), GRID.kind
     )
     assert found.constants == pytest.approx((2.0, 1.0), rel=1e-9)
-
-
-@pytest.mark.parametrize("scale", [1e-50, 1e50])
-def test_displacements_of_any_size_have_their_constants(scale):
-    wanted = [scale * u for u in moves(*networks((2.0, 0.7)))]
-    found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
-    assert found.constants == pytest.approx((2.0 / scale, 0.7 / scale), rel=1e-9)
 
 
 def test_what_no_constants_come_near_is_refused():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -12,26 +11,20 @@ import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import diagonal_square, fill, patterns, square, triangular, zigzag_block
 from msvalidate.problem import (
-    Anisotropic,
     BodyForce,
     Box,
     Isotropic,
     PointForce,
     Problem,
-    ProblemError,
     Region,
     Segment,
     Support,
     Traction,
 )
 from reference_fem.body import nodal_forces
-from tests.table import table
+from tests.table import refused, table
 
 NAN = float("nan")
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def moment(points, force):
@@ -57,15 +50,6 @@ def test_masses_sum_to_density_times_volume(mass):
     assert middle / corner == pytest.approx(4.0 if mass == "shared" else 1.0, rel=1e-13)
 
 
-def test_default_constants_are_those_of_the_material():
-    network = loaded()
-    # E t = 0.9 N/m at nu = 1/3: k1 = E t/(1 + nu), k2 = nu E t/(1 - nu²); halved on the boundary.
-    values = {0.9 * 3 / 4, 0.9 * 3 / 8, 0.9 * 3 / 8}
-    np.testing.assert_allclose(np.unique(network.stiffness.round(12)), sorted(values), rtol=1e-11)
-    inner = np.isclose(network.points[network.springs].mean(axis=1)[:, 1], 0.5)
-    assert network.stiffness[inner & np.isclose(network.rest_length, 0.25)].min() > 0.67
-
-
 def test_weights_reach_the_springs():
     lattice = square(SHEET, (8, 4))
     problem = Problem(SHEET, MATERIAL, (CLAMP,))
@@ -74,47 +58,6 @@ def test_weights_reach_the_springs():
         axial = network.stiffness[lattice.kind == 0] / 7.0
         assert (axial.min(), axial.max()) == (lowest, highest)
         assert (network.stiffness[lattice.kind == 1] == 2.0).all()
-
-
-@pytest.mark.parametrize("side", ["left", "right", "bottom", "top"])
-def test_a_uniform_traction_sums_to_traction_times_area(side):
-    region = SHEET.side(side)
-    network = loaded(Traction(region, (5.0, -2.0)))
-    on_side = region.select(network.points, SHEET.tolerance)
-    length = 1.0 if side in {"left", "right"} else 2.0
-    # Sums of a few forces, each rounded to 1e-16.
-    expected = np.array([5.0, -2.0]) * length * 0.3
-    np.testing.assert_allclose(network.force.sum(axis=0), expected, rtol=1e-13)
-    assert not network.force[~on_side].any()
-    # Ends of the side carry half of what its other points carry.
-    pushed = np.sort(network.force[on_side, 0])
-    np.testing.assert_allclose(pushed[:2], pushed[2:].mean() / 2, rtol=1e-13)
-
-
-def test_a_linear_traction_keeps_its_force_and_its_moment():
-    # t = (1 + 2y, 3 - 4y) on x = 2: force ∫ t dy, moment ∫ (x t_y - y t_x) dy, times thickness.
-    def traction(p):
-        return np.stack([1 + 2 * p[:, 1], 3 - 4 * p[:, 1]], axis=1)
-
-    network = loaded(Traction(SHEET.side("right"), traction))
-    np.testing.assert_allclose(network.force.sum(axis=0), [0.3 * 2, 0.3 * 1], rtol=1e-13)
-    turning = moment(network.points, network.force)[0, 1]
-    assert turning == pytest.approx(0.3 * (2 * 1 - (1 / 2 + 2 / 3)), rel=1e-13)
-
-
-def test_a_traction_on_part_of_a_side():
-    patch = Region((2.0, (0.25, 0.75)))
-    network = loaded(Traction(patch, (5.0, 0.0)))
-    right = np.isclose(network.points[:, 0], 2.0)
-    expected = 5.0 * 0.3 * 0.25 * np.array([0, 0.5, 1, 0.5, 0])
-    np.testing.assert_allclose(network.force[right, 0], expected, rtol=1e-13)
-    assert network.force.sum() == pytest.approx(5.0 * 0.3 * 0.5, rel=1e-13)
-
-
-@table("part", [(0.25, 0.7), (0.3, 0.75), (0.3, 0.4), (0.0, 0.1)])
-def test_a_traction_that_ends_inside_a_cell_edge_is_refused(part):
-    with refused("covers no whole number of cell edges; choose cells whose edges end where"):
-        loaded(Traction(Region((2.0, part)), (5.0, 0.0)))
 
 
 def test_a_body_force_sums_to_its_integral():
@@ -168,16 +111,6 @@ def test_a_point_force_is_in_newtons_at_its_point():
     assert np.count_nonzero(network.force) == 2
 
 
-def test_loads_add():
-    loads = (
-        PointForce((2.0, 0.5), (1.0, -7.0)),
-        Traction(SHEET.side("right"), (5.0, 0.0)),
-        BodyForce((0.0, -9.81)),
-    )
-    apart = sum(loaded(load).force for load in loads)
-    np.testing.assert_allclose(loaded(*loads).force, apart, rtol=1e-13, atol=1e-15)
-
-
 def test_supports_and_loads_meet_only_their_region():
     part = Support(Region((2.0, (0.5, 1.0))), (0.25, None))
     problem = Problem(SHEET, MATERIAL, (CLAMP, part))
@@ -214,47 +147,11 @@ def test_supports_and_loads_meet_only_their_region():
             lambda: loaded(Traction(SHEET.side("right"), lambda p: p / np.where(p > 1.5, NAN, 1))),
             "traction on (x = 2): nan",
         ),
-        (
-            lambda: lattice_network(
-                Problem(SHEET, Anisotropic(np.eye(3)), (CLAMP,)), square(SHEET, (2, 1))
-            ),
-            "spring constants: the material is a tensor; give the constants",
-        ),
-        (
-            lambda: lattice_network(
-                Problem(SHEET, Isotropic(E=1.0, nu=0.3), (CLAMP,)), square(SHEET, (2, 1))
-            ),
-            "central springs are isotropic at 1/3 only",
-        ),
     ],
 )
 def test_a_problem_that_does_not_fit_the_lattice_is_refused(make, message):
     with refused(message):
         make()
-
-
-def test_a_solid_takes_the_same_loads_on_its_faces():
-    box = Box((1.0, 1.0, 1.0))
-    lattice = fill(patterns.cubic6(), box, 1)
-
-    def traction(p):
-        return np.stack([1 + p[:, 1] + 2 * p[:, 2], 0 * p[:, 0], 3 - p[:, 2]], axis=1)
-
-    problem = Problem(
-        box,
-        Isotropic(E=1.0, nu=0.25, state="solid", density=500.0),
-        (Support(box.side("left"), (0.0, 0.0, 0.0)),),
-        (Traction(box.side("right"), traction),),
-    )
-    network = lattice_network(problem, lattice, (1.0,))
-    np.testing.assert_array_equal(network.stiffness, 0.25)
-    np.testing.assert_allclose(network.mass, 500.0 / 8)
-    # Exact integrals over the unit face at x = 1 of t and of x_a t_b - x_b t_a.
-    np.testing.assert_allclose(network.force.sum(axis=0), [2.5, 0, 2.5], atol=1e-14)
-    turning = moment(network.points, network.force)
-    assert turning[0, 1] == pytest.approx(-(1 / 2 + 1 / 3 + 2 / 4), rel=1e-13)
-    assert turning[0, 2] == pytest.approx(2.5 - (1 / 2 + 1 / 4 + 2 / 3), rel=1e-13)
-    assert turning[1, 2] == pytest.approx(3 / 2 - 1 / 4, rel=1e-13)
 
 
 # Patches of load ------------------------------------------------------------------------------

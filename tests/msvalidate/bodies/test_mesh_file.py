@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import re
 import struct
 
 import meshio
@@ -15,15 +14,12 @@ from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.problem import SHAPES, Box, Mesh, ProblemError
 from reference_fem import box_discretisation
 from reference_fem.mesh import ELEMENTS
+from tests.table import refused
 
 # Gmsh lists the nodes of the others, solids with mid-sides, in an order of its own.
 AS_IN_VTK = [name for name, kind in ELEMENTS.items() if kind.dim == 2 or kind.degree == 1]
 PLANE = [name for name, shape in SHAPES.items() if shape.dim == 2]
 FORMATS = ("gmsh22", "gmsh41", "vtu", "vtk", "vtk42", "abaqus")
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def box_mesh(element, cells=(3, 2, 2)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import fields
 
 import numpy as np
@@ -18,16 +17,14 @@ from msvalidate.problem import (
     Anisotropic,
     Box,
     Problem,
-    ProblemError,
     Region,
     Support,
     Traction,
 )
-from tests.table import table
+from tests.table import refused, table
 
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
 TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
-LATTICES = patterns.all_patterns()
 
 
 def by_facets(lattice):
@@ -53,10 +50,6 @@ BODIES = {
     for points in POINT_SETS
     for box in (PLANE, SPACE)
 }
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def pushed(lattice, region, traction):

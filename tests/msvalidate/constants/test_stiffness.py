@@ -23,7 +23,7 @@ from msvalidate.constants.stiffness import (
     square_tensor,
     triangular_constants,
 )
-from msvalidate.lattice import WEIGHTS, diagonal_square, square, trapezium, triangular, zigzag_block
+from msvalidate.lattice import diagonal_square, square, trapezium, triangular, zigzag_block
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
 from tests.table import table
 
@@ -177,12 +177,6 @@ def test_triangular_springs_sum_to_their_closed_form():
         np.testing.assert_allclose(tensor, triangular_tensor(0.8), atol=EXACT)
 
 
-def test_springs_obey_cauchys_relation():
-    rng = np.random.default_rng(0)
-    tensor = spring_tensor(rng.normal(size=(9, 2)), rng.uniform(1, 2, 9), 3.0)
-    assert tensor[0, 1] == pytest.approx(tensor[2, 2], rel=EXACT)
-
-
 @pytest.mark.parametrize(
     ("rule", "expected"),
     [
@@ -217,11 +211,6 @@ def test_the_lattice_at_45_degrees_lacks_what_its_boundary_cut(n):
     np.testing.assert_allclose(tensor, expected, atol=EXACT)
 
 
-def test_the_tensor_of_an_unknown_weight_rule_is_refused():
-    with pytest.raises(ProblemError, match=f"choose {', '.join(WEIGHTS)}"):
-        interior_tensor(square(Box((1.0, 1.0)), 1), (0.7, 0.2), "halved")
-
-
 @pytest.mark.parametrize("constants", [(0.7,), (0.7, 0.2, 0.1)])
 def test_a_tensor_needs_one_constant_a_kind_of_spring(constants):
     with pytest.raises(ProblemError, match="spring constants"):
@@ -240,28 +229,6 @@ def test_turning_body_and_strain_together_keeps_the_energy(angle, strain):
     assert energy == pytest.approx(strain @ CROOKED @ strain, rel=EXACT, abs=EXACT)
 
 
-@examples
-@given(first=angles, second=angles)
-def test_turns_add_up_and_undo(first, second):
-    twice = rotate_tensor(rotate_tensor(CROOKED, first), second)
-    np.testing.assert_allclose(twice, rotate_tensor(CROOKED, first + second), atol=EXACT)
-    np.testing.assert_allclose(
-        rotate_tensor(rotate_tensor(CROOKED, first), -first), CROOKED, atol=EXACT
-    )
-
-
-@pytest.mark.parametrize("quarters", [1, 2, 3])
-def test_a_square_lattice_does_not_feel_a_quarter_turn(quarters):
-    C = square_tensor(1.0, 2.0)
-    np.testing.assert_allclose(rotate_tensor(C, quarters * np.pi / 2), C, atol=EXACT)
-
-
-def test_a_quarter_turn_swaps_the_axes():
-    turned = rotate_tensor(CROOKED, np.pi / 2)
-    swapped = CROOKED[np.ix_([1, 0, 2], [1, 0, 2])] * np.outer([1, 1, -1], [1, 1, -1])
-    np.testing.assert_allclose(turned, swapped, atol=EXACT)
-
-
 @pytest.mark.parametrize(("k1", "k2"), [(1.0, 2.0), (1.0, 0.5), (3.0, 0.1)])
 def test_ratio_along_the_axes_and_the_diagonals(k1, k2):
     C = square_tensor(k1, k2)
@@ -269,14 +236,6 @@ def test_ratio_along_the_axes_and_the_diagonals(k1, k2):
         along_axis, along_diagonal = quarter * np.pi / 2, (quarter + 0.5) * np.pi / 2
         assert directional_ratio(C, along_axis) == pytest.approx(k2 / (k1 + k2), rel=EXACT)
         assert directional_ratio(C, along_diagonal) == pytest.approx(k1 / (k1 + 4 * k2), rel=EXACT)
-
-
-@examples
-@given(angle=angles)
-def test_an_isotropic_lattice_has_one_third_in_every_direction(angle):
-    C = square_tensor(1.0, 0.5)
-    assert directional_ratio(C, angle) == pytest.approx(1 / 3, rel=EXACT)
-    np.testing.assert_allclose(rotate_tensor(C, angle), C, atol=EXACT)
 
 
 @examples

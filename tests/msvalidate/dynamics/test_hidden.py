@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from msvalidate.dynamics.integrate import State, euler_cromer, motion, stagger_velocity
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.dynamics.integrate import State, euler_cromer, motion
+from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.network import spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import SolverError
@@ -36,22 +36,8 @@ def still(network):
     return State(network.points, np.zeros(network.points.shape))
 
 
-def linear(form):
-    """Velocity (m/s) after all steps under 1 N, if the motion is linear: the scheme's own."""
-    x = v = 0.0
-    for _ in range(STEPS):
-        if form == "verlet":
-            half = v + 0.5 * DT * (1 - x)
-            x += DT * half
-            v = half + 0.5 * DT * (1 - x)
-        else:
-            v += DT * (1 - x)
-            x += DT * v
-    return v
-
-
 @every_form
-@pytest.mark.parametrize(("x", "force"), [(5.2e6, 1e-8), (0.0, 1e-17), (0.0, 1e-30)])
+@pytest.mark.parametrize(("x", "force"), [(5.2e6, 1e-8), (0.0, 1e-17)])
 def test_a_motion_below_rounding_of_positions_is_refused(form, x, force):
     network = loaded(force, x)
     with pytest.raises(SolverError, match=r"where rounding of positions is .* m; move the body to"):
@@ -66,32 +52,12 @@ def test_a_kick_below_rounding_of_positions_is_refused(form):
         FORMS[form](network, kicked, DT, STEPS)
 
 
-@pytest.mark.parametrize("form", ["plain", "verlet"])
-@pytest.mark.parametrize(
-    ("x", "force"), [(5.2e6, 1e-5), (5.2e6, 1e-7), (0.0, 1e-13), (-1.0, 1e-17)]
-)
-def test_the_plain_form_has_all_digits_of_small_displacements(form, x, force):
-    """Off by the strain itself, by steps' rounding, and nothing that lies in positions."""
-    network = loaded(force, x)
-    end = FORMS[form](network, still(network), DT, STEPS)
-    assert end.velocity[1, 0] == pytest.approx(force * linear(form), rel=10 * force + 1e-12)
-    moved = end.position[1, 0] - network.points[1, 0]
-    assert abs(moved) > 0.9 * force  # 1 - cos 2.5 = 1.8
-
-
 def test_a_point_at_the_origin_on_a_long_spring_is_refused_by_the_compiled_form():
     network = loaded(1e-17, -1.0)
     with pytest.raises(
         SolverError, match=r"elongations of about 3e-17 m where rounding of lengths"
     ):
         euler_cromer(network, still(network), DT, STEPS)
-
-
-def test_a_start_of_a_staggered_scheme_has_the_digits_too():
-    network = loaded(1e-7, 5.2e6)
-    moved = State(network.points + np.array([[0, 0], [2**-24, 0]]), np.zeros((2, 2)))
-    early = stagger_velocity(network, moved, DT).velocity[1, 0]
-    assert early == pytest.approx(-0.5 * DT * (1e-7 - 2**-24), rel=1e-9)
 
 
 # What is not refused -------------------------------------------------------------------------
@@ -141,10 +107,3 @@ def test_a_first_step_of_a_motion_with_digits_is_none_too_small(form):
     network = loaded(1e-3)
     end = FORMS[form](network, still(network), 1e-9, 1)
     assert end.velocity[1, 0] == pytest.approx(1e-12, rel=1e-9)
-
-
-def test_a_watcher_sees_rest_at_every_step():
-    network, seen = loaded(0.0), []
-    motion(network, still(network), EULER_CROMER, DT, 3, watch=lambda n, now: seen.append((n, now)))
-    assert [n for n, _ in seen] == [1, 2, 3]
-    assert all((now.position == network.points).all() for _, now in seen)

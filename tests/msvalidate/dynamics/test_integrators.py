@@ -1,7 +1,5 @@
 """Each scheme by its own one-step matrix: order, limit, areas, energy; the misprints measured."""
 
-import warnings
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,7 +8,7 @@ from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.integrators import INTEGRATORS, step_factors
 from msvalidate.dynamics.scheme import MotionState
 from msvalidate.dynamics.step_limits import growth_factor, one_step_matrix, stability_limit
-from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem import ProblemError
 
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
 every_scheme = pytest.mark.parametrize("name", INTEGRATORS)
@@ -50,19 +48,6 @@ def test_limits_are_where_the_matrix_says(name, zeta):
 def test_velocity_verlet_under_damping(zeta, limit):
     found = stability_limit(INTEGRATORS["velocity_verlet"], 1.0, 1.0, 2 * zeta)
     assert found == pytest.approx(limit, abs=0.005)
-
-
-@pytest.mark.parametrize("zeta", [5e-324, 1e-310, 1e-17, 1e-9, 1e300])
-@every_scheme
-def test_limits_at_the_ends_of_the_numbers(name, zeta):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        limit = INTEGRATORS[name].limit(zeta)
-    nearly = INTEGRATORS[name].limit(1e-6 if zeta < 1 else 1e9)
-    if zeta < 1:
-        assert limit <= nearly * (1 + 1e-5)
-    else:
-        assert 0 <= limit <= nearly
 
 
 def test_explicit_euler_needs_both_ends_of_the_spectrum():
@@ -170,7 +155,6 @@ def test_verlet_with_the_old_force_twice_is_never_stable_undamped():
         ((0.0, 1.0), ProblemError, "lowest frequency"),
         ((1.0, np.nan), ProblemError, "highest frequency"),
         ((1.0, 1.0, -1.0), ProblemError, "a negative rate feeds the motion"),
-        ((1e-320, 1e-310), SolverError, "choose a unit of time"),
     ],
 )
 def test_limits_of_what_is_none(arguments, error, message):

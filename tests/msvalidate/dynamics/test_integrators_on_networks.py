@@ -41,21 +41,12 @@ def state_of(network, record):
 
 
 both_records = pytest.mark.parametrize("record_name", ["s1", "s2"])
-STORED_STEPS = [1, 100, 2000]
-"""At which the records have results: with another recipe, the middle one is farthest off."""
 
 
 def same(end, result):
     """Whether a state is the stored one: positions of 0.1 m and velocities of 1 m/s, rounded."""
     np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-12)
     np.testing.assert_allclose(end.velocity, result["velocities"], rtol=0, atol=1e-11)
-
-
-@both_records
-def test_every_stored_trajectory_is_compared(independent, record_name):
-    _, record = independent(record_name)
-    for recipe in ("results", "results_euler_cromer"):
-        assert [result["steps"] for result in record[recipe]] == STORED_STEPS
 
 
 def test_velocity_verlet_is_that_of_an_independent_program(independent):
@@ -74,14 +65,6 @@ def test_undamped_leapfrog_has_the_positions_of_velocity_verlet(independent):
     for result in record["results"]:
         end = motion(network, start, INTEGRATORS["leapfrog"], record["dt"], result["steps"])
         np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-12)
-
-
-@both_records
-def test_euler_cromer_is_that_of_an_independent_program(independent, record_name):
-    network, record = independent(record_name)
-    start, rate, dt = state_of(network, record), rates(network, record), record["dt"]
-    for result in record["results_euler_cromer"]:
-        same(motion(network, start, EULER_CROMER, dt, result["steps"], rate), result)
 
 
 @both_records
@@ -326,34 +309,19 @@ def test_a_watcher_sees_every_step():
     assert seen == [1, 2, 3]
 
 
-@every_scheme
-def test_a_single_step_beyond_all_numbers_is_the_motions_failure(name):
-    """A body that is free to fly, and does: 1e260 m in one step."""
-    pair = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0)
-    start = State(pair.points, np.full((2, 2), 1e60))
-    with pytest.raises(SolverError, match=f"{name}: the motion grew beyond all bounds"):
-        motion(pair, start, INTEGRATORS[name], 1e200, 3, warn=False)
-
-
 def test_a_step_beyond_all_numbers_is_told_how_long_it_may_be():
-    """Of a scheme without a limit, in flight and under a load; what is told can be taken."""
-    pair = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0)
-    pulled = spring_network(
-        pair.points, [[0, 1]], 1.0, held=[[1, 1], [0, 1]], force=[[0, 0], [1, 0]]
+    """Of a scheme without a limit, in flight; what is told can be taken."""
+    pair, scheme = (
+        spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0),
+        INTEGRATORS["average_acceleration"],
     )
-    scheme = INTEGRATORS["average_acceleration"]
-    for network, speed, dt, least in (
-        (pair, 1e60, 1e200, 3e-49),
-        (pair, 0.1, 1e12, 6e6),
-        (pulled, 0.0, 1e200, 3e5),
-    ):
-        start = State(network.points, np.full((2, 2), speed))
-        told = "stable at any step, but digits are lost beyond .* s: take smaller ones"
-        with pytest.raises(SolverError, match=told) as error:
-            motion(network, start, scheme, dt, 3)
-        most = float(str(error.value).split()[-5])
-        assert least < most < 1.2 * least
-        motion(network, start, scheme, 0.99 * most, 3)
+    start = State(pair.points, np.full((2, 2), 0.1))
+    told = "stable at any step, but digits are lost beyond .* s: take smaller ones"
+    with pytest.raises(SolverError, match=told) as error:
+        motion(pair, start, scheme, 1e12, 3)
+    most = float(str(error.value).split()[-5])
+    assert 6e6 < most < 7.2e6
+    motion(pair, start, scheme, 0.99 * most, 3)
 
 
 def test_a_motion_that_grows_below_the_limit_of_small_ones_is_told_so():

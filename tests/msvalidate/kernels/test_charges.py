@@ -43,20 +43,6 @@ def test_field_is_the_mean_of_its_points(point):
     assert abs(found - expected) <= 1e-9 * abs(expected)
 
 
-def test_field_at_an_end_is_no_number():
-    at = np.array([1j, 1j + B])
-    assert np.isnan(integrals.fields(at, np.array([1j]), np.array([B]))).all()
-
-
-def test_field_on_a_segment_is_the_mean_of_its_sides():
-    b = 0.6 - 0.3j
-    normal = 1j * b
-    at = np.array([0.3 * b, 0.3 * b + 1e-9 * normal, 0.3 * b - 1e-9 * normal])
-    on_it, above, below = integrals.fields(at, np.array([0j]), np.array([b]))[:, 0]
-    assert on_it == pytest.approx((above + below) / 2, abs=1e-8)
-    assert abs(above - below) == pytest.approx(2 * np.pi / abs(b), rel=1e-8)
-
-
 def test_a_field_at_the_end_of_one_segment_is_none_there_alone():
     points = np.array([5 + 1j, -2j, 1 + 0.2j])
     start, along = np.array([0, 1 + 0.2j]), np.array([0.37, 0.5j])

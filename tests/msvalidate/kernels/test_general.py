@@ -138,20 +138,6 @@ def test_trajectories_of_all_paths_agree_after_2000_steps(dim):
         assert np.abs(end.position - plain.position).max() <= 1e-12 * largest, (path, threads)
 
 
-@pytest.mark.parametrize(("path", "threads"), [*EVERY_WAY, ("auto", 1)])
-@pytest.mark.parametrize("name", ["s1", "s2"])
-def test_every_path_moves_as_an_independent_code_did(independent, name, path, threads):
-    network, record = independent(name)
-    given_start = record["initial_velocity"]
-    velocity = np.zeros(network.points.shape) if given_start == "zero" else np.array(given_start)
-    damping = record["damping"] / network.mass  # a viscosity in N s/m, and ours is a rate
-    state, way = State(network.points, velocity), {"path": path, "threads": threads}
-    for result in record["results_euler_cromer"]:
-        end = euler_cromer(network, state, record["dt"], result["steps"], damping, **way)
-        # Positions of 0.1 m, 2000 steps of rounding: 1e-15 m.
-        np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-10)
-
-
 # To the bit -----------------------------------------------------------------------------------
 
 
@@ -263,21 +249,6 @@ def test_arrays_of_any_order_in_memory_are_moved_in_place(path, threads):
     motion.force_and_energy(u, out)
     scale = force_scale(configuration_at(network, network.points + u))
     np.testing.assert_allclose(out, internal_force(network, network.points + u), atol=1e-13 * scale)
-
-
-@pytest.mark.parametrize(("path", "threads"), EVERY_WAY)
-def test_numbers_of_half_the_length_are_taken_for_what_they_are(path, threads):
-    network = grid(2, jitter=0.0)
-    motion = kernels.Motion(network, path=path, threads=threads)
-    u, v, keep, push = (np.array(part, dtype=np.float32) for part in start(network))
-    found, expected = ([np.array(part, dtype=float) for part in (u, v)] for _ in range(2))
-    motion.advance(*found, keep, push, 0.02, 5)
-    motion.advance(*expected, keep.astype(float), push.astype(float), 0.02, 5)
-    np.testing.assert_array_equal(found, expected)
-    forces = np.zeros((2, *u.shape))
-    motion.force_and_energy(u, forces[0])
-    motion.force_and_energy(u.astype(float), forces[1])
-    np.testing.assert_array_equal(*forces)
 
 
 # Refused --------------------------------------------------------------------------------------

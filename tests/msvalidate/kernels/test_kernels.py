@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate import kernels
-from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.kernels.cells import push
 from msvalidate.network import (
     configuration_at,
@@ -54,39 +52,6 @@ def test_force_and_energy_are_those_of_the_plain_form(networks, data):
 
 
 @examples
-@given(data=st.data(), seed=st.integers(0, 2**32 - 1))
-def test_steps_are_those_of_the_plain_form(networks, data, seed):
-    network, position = data.draw(networks(stressed=True))
-    rng = np.random.default_rng(seed)
-    network = replace(network, held=rng.random(position.shape) < 0.2)
-    state = State(position, rng.normal(size=position.shape))
-    damping = rng.uniform(0, 1, len(position))
-    compiled = euler_cromer(network, state, 0.01, 12, damping)
-    plain = euler_cromer(network, state, 0.01, 12, damping, compiled=False)
-    # Rounding of the forces, not yet grown by the motion in a tenth of a second.
-    np.testing.assert_allclose(compiled.position, plain.position, atol=1e-12)
-    np.testing.assert_allclose(compiled.velocity, plain.velocity, atol=1e-12)
-
-
-@examples
-@given(data=st.data())
-def test_no_steps_change_nothing_and_steps_add_up(networks, data):
-    network, position = data.draw(networks(stressed=True))
-    start = position - network.points
-    u, v = start.copy(), np.zeros_like(start)
-    keep, push = np.full((2, len(position)), [[0.999], [0.01]])
-    kernels.advance(network, u, v, keep, push, 0.01, 0)
-    np.testing.assert_array_equal(u, start)
-    for steps in (3, 4):
-        kernels.advance(network, u, v, keep, push, 0.01, steps)
-    once, fast = start.copy(), np.zeros_like(start)
-    kernels.advance(network, once, fast, keep, push, 0.01, 7)
-    # The same operations in the same order: the same bits.
-    np.testing.assert_array_equal(u, once)
-    np.testing.assert_array_equal(v, fast)
-
-
-@examples
 @given(data=st.data())
 def test_curvature_is_that_of_the_tangent(networks, data):
     network, position = data.draw(networks(stressed=True))
@@ -113,13 +78,6 @@ def test_a_peak_of_the_kinetic_energy_ends_the_steps(networks, data):
     assert fell == (history[-1] < history[-2])
     assert fell or done == 5000
     np.testing.assert_array_equal(u, singly)
-
-
-def test_held_components_stay():
-    network = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, held=np.ones((2, 2), dtype=bool))
-    u, v = np.zeros((2, 2)), np.ones((2, 2))
-    kernels.advance(network, u, v, np.ones(2), np.full(2, 0.01), 0.01, 1)
-    np.testing.assert_array_equal(u, 0)
 
 
 def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):

@@ -15,10 +15,7 @@ from msvalidate.kernels import Motion, grid, stencil
 from msvalidate.kernels.general import Sweep
 from msvalidate.lattice import WEIGHTS, fill, patterns
 from msvalidate.network import Network, spring_network
-from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.problem import Box, Isotropic, Problem, Support
 
 examples = settings(max_examples=40, deadline=None)
 STEPS = 20
@@ -126,17 +123,6 @@ def test_steps_add_up_to_the_bit(network):
     np.testing.assert_array_equal(v, fast)
 
 
-@pytest.mark.parametrize("shape", [(40, 33), (9, 8, 11)])
-def test_many_steps_agree_to_rounding(shape):
-    network = lattice(shape, np.random.default_rng(5))
-    u, v, _, push = motion(network)
-    keep = np.full(len(u), 0.99)
-    other, fast = u.copy(), v.copy()
-    stencil.advance(grid.recognised(network), u, v, keep, push, 0.02, 2000, 0.0, False)
-    by_springs(network, other, fast, keep, push, 2000)
-    assert np.abs(u - other).max() <= 1e-12 * np.abs(other).max()
-
-
 @examples
 @given(network=lattices())
 def test_a_peak_of_the_kinetic_energy_ends_the_steps(network):
@@ -175,35 +161,6 @@ def test_balance_is_the_force_that_a_step_goes_by(network):
     np.testing.assert_allclose(found, known, rtol=0, atol=1e-13)
     assert not found[network.held].any()
     np.testing.assert_array_equal(u, before)
-
-
-@pytest.mark.parametrize("path", ["general", "lattice"])
-def test_balance_only_reads_its_displacement(path):
-    network = lattice((5, 6), np.random.default_rng(3))
-    moving = Motion(network, path=path)
-    u = np.zeros(network.points.shape)
-    expected = moving.balance(u)
-    u.setflags(write=False)
-    for same in (u, np.asfortranarray(u), u.astype(int), u.astype(np.float32)):
-        np.testing.assert_array_equal(moving.balance(same), expected)
-    bad = np.array(u)
-    bad[len(bad) // 2] = np.nan
-    assert np.isnan(moving.balance(bad)[~network.held]).any()
-    with pytest.raises(ProblemError, match="displacement: shape"):
-        moving.balance(u[1:])
-
-
-@pytest.mark.parametrize("method", RELAXATIONS.values(), ids=RELAXATIONS.keys())
-def test_a_small_load_far_from_the_origin_is_not_rounding(method, lattice_body):
-    """A lattice is stepped as it is, not as rounded coordinates, some 1e-10 m, have its springs."""
-    pull = Traction(Box((2.0, 1.0)).side("top"), (4e-9, -1e-8))
-    here = lattice_body((2.0, 1.0), (10, 5), loads=(pull,))
-    far = replace(here, points=here.points + 1e6)
-    assert Motion(far).path == "lattice"
-    found, expected = relax(far, method).equilibrium.displacement, equilibrium(here).displacement
-    # Places found are rounded, and springs are a rounding longer or shorter.
-    np.testing.assert_allclose(found, expected, rtol=0, atol=2 * np.spacing(1e6))
-    assert np.abs(expected).max() > 1e3 * np.spacing(1e6)
 
 
 def test_points_pushed_into_one_place_are_noticed():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from itertools import product
 
 import numpy as np
@@ -19,21 +18,17 @@ from msvalidate.problem import (
     Isotropic,
     Mesh,
     Problem,
-    ProblemError,
     Region,
     Support,
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.elasticity import stiffness
+from tests.table import refused
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, state="plane_stress", density=500.0, thickness=0.3)
 QUARTER = Isotropic(E=3.0, nu=1 / 4, state="solid", density=500.0)
 AXES = {"triangle": 2, "quad": 2, "tetra": 3, "hexahedron": 3}
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def grid(shape, n, jitter=0.0, seed=0):

@@ -7,7 +7,6 @@ any size, as the homogenised solid does: that decides whether shares and facets 
 from __future__ import annotations
 
 import json
-import re
 from itertools import product
 from pathlib import Path
 
@@ -25,23 +24,18 @@ from msvalidate.problem import (
     Box,
     Isotropic,
     Problem,
-    ProblemError,
     Region,
     Support,
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
-from tests.table import table
+from tests.table import refused, table
 
 LATTICES = patterns.all_patterns()
 every = pytest.mark.parametrize("name", LATTICES)
 SOLID = ("cubic6", "cubic18", "cubic26", "bcc", "fcc")
 SIZES = [(1, 1, 1), (1, 2, 3), (3, 1, 2)]
 SPACING = 0.25
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def box_of(pattern, cells, spacing=SPACING):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -11,9 +9,9 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import Pattern, fill, patterns, repeat_cell
 from msvalidate.lattice.pattern import pattern_by_shells
-from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.problem import Box, Isotropic, Problem, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
-from tests.table import table
+from tests.table import refused, table
 
 LATTICES = patterns.all_patterns()
 every = pytest.mark.parametrize("name", LATTICES)
@@ -29,10 +27,6 @@ NEIGHBOURS = {
     "bcc": [8, 6],
     "fcc": [12, 6],
 }
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def brute_force(pattern, reach=3):

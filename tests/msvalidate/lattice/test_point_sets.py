@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
-from msvalidate.problem import Box, ProblemError
-from tests.table import table
+from msvalidate.problem import Box
+from tests.table import refused, table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
 every_size = pytest.mark.parametrize("size", SIZES, ids=str)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def nearest(points, period=None):
@@ -165,16 +158,3 @@ def test_the_seed_decides_in_a_box(kind):
 def test_a_box_without_points_is_refused(arguments, message):
     with refused(message):
         box_points(*arguments)
-
-
-@settings(deadline=None, max_examples=25)
-@given(
-    kind=st.sampled_from(POINT_SETS),
-    count=st.integers(1, 60),
-    size=st.lists(st.floats(0.05, 20), min_size=2, max_size=3),
-    seed=st.integers(0, 2**32),
-)
-def test_any_cell_has_its_points(kind, count, size, seed):
-    points = periodic_points(kind, count, tuple(size), seed)
-    assert points.shape == (count, len(size))
-    assert ((points >= 0) & (points < size)).all()

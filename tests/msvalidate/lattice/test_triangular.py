@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,8 +9,8 @@ from hypothesis import strategies as st
 
 from msvalidate.constants.stiffness import spring_tensor
 from msvalidate.lattice import boundary_weights, trapezium, triangular, zigzag_block
-from msvalidate.problem import Box, Polygon, ProblemError
-from tests.table import table
+from msvalidate.problem import Box, Polygon
+from tests.table import refused, table
 
 NAN = float("nan")
 SPACING = 0.25
@@ -35,10 +33,6 @@ OUTLINES = {
         0.5,
     ),
 }
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 @pytest.fixture(params=OUTLINES)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,17 +12,13 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.directions import directional_modulus, directional_ratio, rotate_tensor
 from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import fill, fill_rotated, patterns
-from msvalidate.problem import Anisotropic, Box, Problem, ProblemError, Region, Support, Traction
+from msvalidate.problem import Anisotropic, Box, Problem, Region, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
-from tests.table import table
+from tests.table import refused, table
 
 LATTICES = patterns.all_patterns()
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
 TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def made(name, spacing=None, angle=0.4):

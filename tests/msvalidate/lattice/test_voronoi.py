@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -21,22 +19,17 @@ from msvalidate.problem import (
     Box,
     Isotropic,
     Problem,
-    ProblemError,
     Region,
     Support,
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
-from tests.table import table
+from tests.table import refused, table
 
 BOXES = {2: Box((2.0, 1.5)), 3: Box((1.0, 0.8, 1.2))}
 SPACING = {2: 0.1, 3: 0.2}
 dims = pytest.mark.parametrize("dim", [2, 3])
 kinds = pytest.mark.parametrize("points", POINT_SETS)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def bulk(tensor, dim):

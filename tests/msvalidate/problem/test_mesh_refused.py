@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate.problem import SHAPES, Boundary, Mesh, ProblemError
-from tests.table import table
+from tests.table import refused, table
 
 BENT = [name for name, shape in SHAPES.items() if shape.dim > 1 and shape.degree == 2]
 examples = settings(max_examples=25, deadline=None)
 seeds = st.integers(0, 2**32 - 1)
 ROUNDING = 1e-12
 """Sums of a hundred terms of size one, each rounded by 1e-16."""
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def left(x):

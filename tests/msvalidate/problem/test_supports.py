@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,7 +11,6 @@ from msvalidate.problem import (
     Box,
     Isotropic,
     Problem,
-    ProblemError,
     Region,
     Support,
     free_motions,
@@ -21,7 +18,7 @@ from msvalidate.problem import (
     rigid_motions,
     vectors_at,
 )
-from tests.table import table
+from tests.table import refused, table
 
 NAN = float("nan")
 PLATE = Box((2.0, 1.0))
@@ -33,10 +30,6 @@ GRID = np.stack(np.meshgrid([0.0, 1.0, 2.0], [0.0, 0.5, 1.0]), axis=-1).reshape(
 
 def plate(*, supports=(CLAMP,), loads=()):
     return Problem(PLATE, SHEET, supports, loads)
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def about(axis, place):

@@ -16,7 +16,6 @@ from msvalidate.problem import (
     Box,
     PointForce,
     ProblemError,
-    Region,
     SolverError,
     Support,
     Traction,
@@ -57,22 +56,14 @@ def oscillator():
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))
 STRETCH = (Support(SHEET.side("left"), (0.0, 0.0)), Support(SHEET.side("right"), (0.3, None)))
 CASES = {
-    "tractions": lambda body, _: (sheet(body, PUSH), {}),
     "point and body force": lambda body, _: (
         sheet(body, PointForce((2.0, 0.5), (0.02, 0.03)), BodyForce((0.0, -0.01))),
-        {},
-    ),
-    "prescribed displacement": lambda body, _: (sheet(body, supports=STRETCH), {}),
-    "equal weights and masses": lambda body, _: (
-        sheet(body, PUSH, weights="equal", mass="equal"),
         {},
     ),
     "damping per point": lambda body, _: (sheet(body, PUSH), {"damping": FRICTION}),
     "underdamped": lambda body, _: (sheet(body, PUSH), {"damping": 0.003}),
     "overdamped": lambda body, _: (sheet(body, PUSH), {"damping": 0.1}),
     "smaller steps": lambda body, _: (sheet(body, PUSH), {"dt": 1.0}),
-    "prestressed, pulled far": lambda _, read: (read("s3")[0], {}),
-    "in space": lambda _, read: (read("s2")[0], {}),
     "in space, damping per point": lambda _, read: (
         read("s2")[0],
         {"damping": 0.02 / read("s2")[0].mass},
@@ -123,36 +114,12 @@ def test_the_history_runs_from_the_start_to_rest(lattice_body):
     assert not (quiet & slow)[:-1].any()
 
 
-def test_without_a_load_it_is_at_rest_at_once(lattice_body):
-    run = algorithm1(sheet(lattice_body))
-    assert run.steps == 0
-    assert not run.equilibrium.displacement.any()
-
-
 def test_a_turning_point_is_not_rest():
     # Nearly undamped, the point stands still twice a period and passes its place in between.
     run = algorithm1(oscillator(), damping=0.02, dt=0.1)
     assert run.equilibrium.displacement[1, 0] == pytest.approx(0.1, rel=1e-9)
     # The amplitude decays at half the rate: to 1e-9 in this time, some 330 turning points.
     assert run.steps * 0.1 > np.log(1e9) / 0.01
-
-
-def test_a_body_held_everywhere_rests_at_once():
-    network = replace(oscillator(), held=np.ones((2, 2), dtype=bool))
-    run = algorithm1(network)
-    assert run.steps == 0
-    np.testing.assert_array_equal(run.equilibrium.reaction, [[0, 0], [-0.1, 0]])
-
-
-def test_a_column_beyond_its_euler_load_does_not_rest_straight(lattice_body):
-    # 0.005 N is more than twice the load at which the column buckles.
-    squeeze = Traction(Region((10.0, None)), (-0.005, 0.0))
-    network = lattice_body((10.0, 1.0), (20, 2), loads=(squeeze,))
-    try:
-        tip = algorithm1(network).equilibrium.displacement[-1]
-    except SolverError:
-        return
-    assert np.abs(tip).max() > 1.0
 
 
 # Its step and damping -------------------------------------------------------------------------
@@ -234,12 +201,6 @@ def test_a_run_that_diverges_below_the_limit_blames_the_load(lattice_body):
         algorithm1(network)
 
 
-def test_a_run_that_diverges_at_once_says_so_too():
-    for dt in 10.0 ** np.arange(2, 10):
-        refused({"dt": dt}, SolverError, "diverged by step 20")
-        refused({"dt": dt, "damping": 0.0, "max_steps": 100}, SolverError, "diverged by step 20")
-
-
 def test_an_unstable_run_that_stays_in_bounds_is_told_to_take_a_smaller_step():
     # A point that flies through its fixed end turns round on the other side, for ever.
     refused({"dt": 0.8367}, SolverError, "stability limit 0.8284 s", "smaller dt")
@@ -274,16 +235,10 @@ def test_an_undamped_run_never_rests():
     ("options", "message"),
     [
         ({"damping": -1.0}, "damping: -1 1/s; a negative rate feeds the motion"),
-        ({"damping": [1.0, -1.0]}, "damping: -1 1/s; a negative rate feeds the motion"),
-        ({"damping": NAN}, "damping: nan; every value must be finite"),
-        ({"damping": [1.0, NAN]}, "damping: nan at index 1"),
-        ({"damping": [1.0, 1.0, 1.0]}, "damping: shape (3,); give one number or 2 values"),
         ({"dt": 0.0}, "time step dt: 0.0 s; it must be above zero"),
         ({"dt": -1.0}, "time step dt: -1.0 s; it must be above zero"),
         ({"dt": NAN}, "time step dt: nan; every value must be finite"),
-        ({"tolerance": 0.0}, "tolerance: 0.0; it must be above zero"),
         ({"tolerance": NAN}, "tolerance: nan; every value must be finite"),
-        ({"max_steps": 0}, "max_steps: 0; give a whole number, 1 or more"),
     ],
 )
 def test_bad_options_are_refused(options, message):
@@ -295,21 +250,11 @@ def test_a_number_of_steps_is_whole(max_steps):
     refused({"max_steps": max_steps}, ProblemError, "max_steps")
 
 
-def test_a_tolerance_that_accepts_anything_is_refused():
-    refused({"tolerance": 1.0}, ProblemError, "tolerance")
-
-
 def test_bad_options_are_refused_even_with_nothing_to_move():
     network = replace(oscillator(), held=np.ones((2, 2), dtype=bool))
     for options in ({"damping": -1.0}, {"dt": NAN}, {"max_steps": 0}):
         with pytest.raises(ProblemError):
             algorithm1(network, **options)
-
-
-def test_free_motions_are_refused_by_name():
-    network = replace(oscillator(), held=np.array([[True, True], [False, False]]))
-    with pytest.raises(ProblemError, match=r"leave the body free: rotation about \(0, 0\)"):
-        algorithm1(network)
 
 
 def slack(lattice_body):
@@ -318,13 +263,6 @@ def slack(lattice_body):
     below = (Support(box.side("bottom"), (0.0, 0.0)),)
     shear = Traction(box.side("top"), (0.1, 0.0))
     return lattice_body((1.0, 1.0), 2, supports=below, loads=(shear,), constants=(1.0, 0.0))
-
-
-def test_a_mechanism_is_refused(lattice_body, hinged_blocks):
-    # The first has a frequency of zero, the second one of rounding, 1e-8 of its highest.
-    for network in (slack(lattice_body), hinged_blocks(2), hinged_blocks(5)):
-        with pytest.raises(SolverError, match="the network is a mechanism and never comes to rest"):
-            algorithm1(network)
 
 
 def test_a_mechanism_is_refused_whatever_the_damping(lattice_body):

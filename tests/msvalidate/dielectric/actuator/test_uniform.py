@@ -106,22 +106,11 @@ def test_a_voltage_does_not_thicken():
         (lambda: uniform.pull_in(diagonal=-5.0), "diagonal: -5.0 Pa; it must be above zero"),
         (lambda: uniform.pull_in(stretch=1e200), r"stretch: 1e\+200; give 1e-06 to 1e\+06"),
         (lambda: uniform.relaxed_thickness(1.0, axial=-1.0), "axial: -1.0 Pa"),
-        (lambda: uniform.plane_strain_nominal_field(1e100), r"stretch: 1e\+100"),
-        (lambda: uniform.bonded_film_field(1e-200), "wavenumber times thickness: 1e-200"),
     ],
 )
 def test_values_out_of_range_are_named(ask, said):
     with pytest.raises(ProblemError, match=said):
         ask()
-
-
-@pytest.mark.parametrize("stretch", [1e-6, 1e6])
-def test_films_at_the_ends_of_the_range_are_pulled_in_somewhere(stretch):
-    assert np.isfinite(uniform.pull_in(stretch=stretch)).all()
-
-
-def test_the_shortest_waves_have_their_limit():
-    assert uniform.bonded_film_field(1e300) == pytest.approx(uniform.bonded_film_limit(), rel=1e-15)
 
 
 def largest(f, low, high):

@@ -18,7 +18,7 @@ from skfem import (
 )
 from skfem.helpers import dot, grad
 
-from msvalidate.dielectric.charges import electrodes_of_chains, forces, tangent
+from msvalidate.dielectric.charges import electrodes_of_chains, forces
 from msvalidate.dielectric.charges.dielectric import (
     SlabInAir,
     forces_in_air,
@@ -281,23 +281,6 @@ def test_tangent_is_the_forces_derivative(seed, ratio):
         )
         expected = ((there - back) / (2 * step)).ravel()
         assert measured[:, column] == pytest.approx(expected, abs=1e-6 * size)
-
-
-def test_tangent_without_contrast_is_that_of_the_plane_model():
-    faces = slab_faces(6.0, 1.0, 8)
-    found = tangent_in_air(SlabInAir(faces, permittivity=2.0).charges(VOLTS))
-    order = [np.flatnonzero(faces.electrode == k) for k in (0, 1)]
-    nodes = np.concatenate([np.append(part, (part[-1] + 1) % len(faces.points)) for part in order])
-    top = len(order[0]) + 1
-    plane = Moments(
-        electrodes_of_chains(faces.points[nodes[:top]], faces.points[nodes[top:]]), permittivity=2.0
-    )
-    expected = tangent(plane.charges(VOLTS))
-    components = (2 * nodes[:, None] + [0, 1]).ravel()
-    size = np.abs(expected).max()
-    assert found[np.ix_(components, components)] == pytest.approx(expected, abs=1e-9 * size)
-    others = np.setdiff1d(np.arange(len(found)), components)
-    assert np.abs(found[others]).max() < 1e-9 * size
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 100))
