@@ -24,6 +24,7 @@ from msvalidate.problem import (
 )
 from reference_fem.body import nodal_forces
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.reference_fem.by_hand import SKEW, compliance, moment
 from tests.table import table
 
 # A library's warning on the way to an answer, such as MatrixRankWarning, is a failure here.
@@ -31,8 +32,6 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 PLANE = of_dimension(2)
 BOX = Box((1.2, 0.8))
-# C16 and C26 couple stretch and shear: a swapped index cannot hide behind a zero.
-SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
 THICKNESS = 0.25  # not 1: a load that forgets it, or counts it twice, is 4 or 16 times off
 MATERIALS = {
     "plane_stress": Isotropic(2.0, 0.3, "plane_stress", thickness=THICKNESS),
@@ -45,8 +44,7 @@ def voigt(name):
     """The material's tensor from the compliance, without Lamé constants: another route."""
     if name == "anisotropic":
         return SKEW
-    S = np.array([[1, -0.3, -0.3, 0], [-0.3, 1, -0.3, 0], [-0.3, -0.3, 1, 0], [0, 0, 0, 2.6]]) / 2
-    plane = np.ix_([0, 1, 3], [0, 1, 3])
+    S, plane = compliance(2.0, 0.3), np.ix_([0, 1, 5], [0, 1, 5])
     return np.linalg.inv(S[plane]) if name == "plane_stress" else np.linalg.inv(S)[plane]
 
 
@@ -244,11 +242,6 @@ def forces(load, element="Q2", cells=(6, 5), grading=1.0, material=None):
     body = reference_fem.box_discretisation(BOX, cells, element, grading)
     law = material or MATERIALS["plane_stress"]
     return body.points, nodal_forces(Problem(BOX, law, HELD, (load,)), body)
-
-
-def moment(points, force):
-    """About the origin."""
-    return float((points[:, 0] * force[:, 1] - points[:, 1] * force[:, 0]).sum())
 
 
 @pytest.mark.parametrize("element", PLANE)

@@ -14,6 +14,7 @@ import reference_fem
 from msvalidate.problem import Anisotropic, Isotropic, ProblemError
 from reference_fem.elasticity import elastic_tensor, stiffness
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.reference_fem.by_hand import SKEW, compliance, with_middles
 
 # A library's warning on the way to an answer, such as MatrixRankWarning, is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -23,8 +24,6 @@ CASES += sorted((Path(__file__).parents[1] / "data" / "fem").glob("*_3d_*.json")
 PLANE = of_dimension(2)
 ROUNDING = 1e-12
 """Relative: a direct solve of a few hundred unknowns leaves 1e-14."""
-# C16 and C26 couple stretch and shear: a swapped index cannot hide behind a zero.
-SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
 MATERIALS = {
     "plane stress": Isotropic(1e6, 0.25, "plane_stress", thickness=1e-3),
     "plane strain": Isotropic(1e6, 0.25, "plane_strain", thickness=1e-3),
@@ -69,24 +68,6 @@ def test_independent_values(path):
 OUTLINE = [(0, 0), (0.24, 0), (0.24, 0.12), (0, 0.12)]
 INNER = [(0.04, 0.02), (0.18, 0.03), (0.16, 0.08), (0.08, 0.08)]
 QUADRILATERALS = [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)]
-
-
-def with_middles(corners, cells, element):
-    """Points and cells in VTK order: edge midpoints after the corners, the mean of them last."""
-    corners, cells = np.array(corners, dtype=float), np.array(cells)
-    kind = ELEMENTS[element]
-    if kind.simplex:
-        cells = np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-    if kind.degree == 1:
-        return corners, cells
-    edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2)
-    ends, which = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
-    middles = [corners, corners[ends].mean(axis=1)]
-    columns = [cells, len(corners) + which.reshape(cells.shape)]
-    if any(len(amid) == 4 for amid in kind.middles):
-        middles.append(corners[cells].mean(axis=1))
-        columns.append(len(corners) + len(ends) + np.arange(len(cells))[:, None])
-    return np.vstack(middles), np.hstack(columns)
 
 
 def patch(element):
@@ -196,13 +177,6 @@ def test_answer_does_not_depend_on_numbering(element):
 
 
 # --- materials ------------------------------------------------------------------------------------
-
-
-def compliance(E, nu):
-    """Hooke's law as engineers write it: strains (6,) from stresses (6,)."""
-    S = np.diag([1.0, 1, 1, *[2 * (1 + nu)] * 3])
-    S[:3, :3] -= nu * (1 - np.eye(3))
-    return S / E
 
 
 @pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.4999])

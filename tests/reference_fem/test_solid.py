@@ -28,6 +28,7 @@ from reference_fem.body import nodal_forces
 from reference_fem.elasticity import elastic_tensor, full_tensor, stiffness
 from reference_fem.mesh import ELEMENTS, make_discretisation
 from reference_fem.mesh.elements import CUBE, of_dimension
+from tests.reference_fem.by_hand import compliance, moment
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -41,13 +42,6 @@ ROUNDING = 1e-12
 MIXED = np.random.default_rng(3).uniform(-0.3, 0.3, (6, 6))
 SKEW = np.diag([3.0, 2.0, 2.5, 1.1, 0.9, 1.3]) + MIXED + MIXED.T
 MATERIALS = {"isotropic": Isotropic(2.0, 0.3, "solid"), "anisotropic": Anisotropic(SKEW)}
-
-
-def compliance(E, nu):
-    """Hooke's law as engineers write it: strains (6,) from stresses (6,)."""
-    S = np.diag([1.0, 1, 1, *[2 * (1 + nu)] * 3])
-    S[:3, :3] -= nu * (1 - np.eye(3))
-    return S / E
 
 
 TENSORS = {"isotropic": np.linalg.inv(compliance(2.0, 0.3)), "anisotropic": SKEW}
@@ -315,11 +309,6 @@ def forces(load, element, cells=(3, 4, 2), grading=1.5):
     """Points and nodal forces of one load on the box."""
     body = reference_fem.box_discretisation(BOX, cells, element, grading)
     return body.points, nodal_forces(Problem(BOX, MATERIALS["isotropic"], HELD, (load,)), body)
-
-
-def moment(points, force):
-    """About the origin."""
-    return np.cross(points, force).sum(axis=0)
 
 
 @solids

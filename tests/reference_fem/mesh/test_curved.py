@@ -9,6 +9,7 @@ import reference_fem
 from msvalidate.problem import Box, Isotropic, ProblemError
 from reference_fem.elasticity import solve_on, stiffness
 from reference_fem.mesh import ELEMENTS, Facets, make_discretisation
+from tests.reference_fem.by_hand import moment
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -139,12 +140,6 @@ def test_volume_is_the_flux_through_the_surface(element):
 
 
 # --- loads ----------------------------------------------------------------------------------------
-
-
-def moment(points, force):
-    if points.shape[1] == 2:
-        return (points[:, 0] * force[:, 1] - points[:, 1] * force[:, 0]).sum()
-    return np.cross(points, force).sum(axis=0)
 
 
 def test_a_load_on_a_parabola_has_its_length_and_moment():

@@ -11,6 +11,7 @@ import reference_fem
 from msvalidate.problem import Box, ProblemError
 from reference_fem.mesh import make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.reference_fem.by_hand import with_middles
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -30,19 +31,7 @@ def distorted(element, seed=0, n=4):
     corners[inner] += rng.uniform(-0.2 / n, 0.2 / n, (inner.sum(), 2))
     k = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
     cells = np.stack([k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]], axis=-1).reshape(-1, 4)
-    kind = ELEMENTS[element]
-    if kind.simplex:
-        cells = np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-    if kind.degree == 1:
-        return corners, cells
-    edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2)
-    ends, which = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
-    points = [corners, corners[ends].mean(axis=1)]
-    columns = [cells, len(corners) + which.reshape(cells.shape)]
-    if any(len(amid) == 4 for amid in kind.middles):
-        points.append(corners[cells].mean(axis=1))
-        columns.append(len(corners) + len(ends) + np.arange(len(cells))[:, None])
-    return np.vstack(points), np.hstack(columns)
+    return with_middles(corners, cells, element)
 
 
 def renumbered(points, cells, seed=0):

@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.reference_fem.by_hand import SKEW
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -418,8 +419,6 @@ def test_a_bad_mesh_of_triangles_is_named(arguments, options, message):
 
 # --- exact answers on polygons --------------------------------------------------------------------
 
-# C16 and C26 couple stretch and shear: a swapped index cannot hide behind a zero.
-SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
 MATERIALS = {
     "isotropic": Isotropic(2.0, 0.3, "plane_stress", thickness=0.25),
     "anisotropic": Anisotropic(SKEW, thickness=0.25),
