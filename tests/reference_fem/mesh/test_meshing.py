@@ -404,6 +404,7 @@ hold have the very area and perimeter of the outline."""
         # depth and rings, whether there is a place or not
         ((BAR, 0.2), {"depth": -1}, "mesh depth: -1; give a whole number, 0 or more"),
         ((BAR, 0.2), {"depth": 1.0}, "mesh depth: 1.0; give a whole number, 0 or more"),
+        ((BAR, 0.2), {"depth": True}, "mesh depth: True; give a whole number, 0 or more"),
         ((BAR, 0.2), {"rings": 0}, "mesh rings: 0; give a whole number, 1 or more"),
         (
             (BAR, 0.2),
