@@ -1,7 +1,7 @@
 """Bad input gets one clear line that names the thing, the value and the remedy, and nothing else.
 
-First a list of what users have got wrong or might; then random numbers, among them NaN, infinities,
-zeros, subnormal and huge ones: either a valid result of finite numbers, or one of the two errors.
+First a list of what users have got wrong or might; then random numbers, among them NaN, infinities
+and zeros: either a valid result of finite numbers, or one of the two errors.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_fem
 from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.directions import directional_ratio, rotate_tensor
+from msvalidate.constants.directions import directional_ratio
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.routes import ROUTES, default_constants
 from msvalidate.constants.stiffness import moduli, spring_tensor, square_constants, square_tensor
@@ -78,7 +78,6 @@ NETWORK = lattice_network(PROBLEM, LATTICE)
 FALLING = lattice_network(Problem(BOX, SHEET, (CLAMP,), (BodyForce((3.0, -1e4)),)), LATTICE)
 MESH = reference_fem.box_discretisation(BOX, (4, 2), "Q1")
 ZIGZAG = zigzag_block(1.0, (4, 3))
-BAR = trapezium(0.2, (5, 3))
 TENSOR = square_tensor(2.0, 1.0)
 SWUNG = State(np.where(NETWORK.held, NETWORK.points, 1.3 * NETWORK.points), 0 * NETWORK.points)
 STILL = State(NETWORK.start, np.zeros_like(NETWORK.points))
@@ -108,15 +107,7 @@ BAD = [
     ("ragged", lambda: finite("mass", [[1, 2], [3]]), ProblemError, "rows of different length"),
     ("complex", lambda: finite("mass", 1j), ProblemError, "mass: expected numbers, got 1j"),
     ("boolean", lambda: Isotropic(True, 0.3), ProblemError, "E: expected numbers, got True"),
-    ("objects", lambda: finite("mass", [1, None]), ProblemError, "expected numbers, got [1, None]"),
-    ("long list", lambda: finite("mass", ["a"] * 10**6), ProblemError, "mass: expected numbers"),
     ("many lines", lambda: finite("mass", "1\n2\n3"), ProblemError, r"got '1\n2\n3'"),
-    (
-        "thousands of digits",
-        lambda: whole_number("steps", 10**5000, 1),
-        ProblemError,
-        "steps: <int>;",
-    ),
     (
         "huge count",
         lambda: whole_number("steps", 10**12, 1),
@@ -129,15 +120,8 @@ BAD = [
     ("box of an array", lambda: Box(np.eye(2)), ProblemError, "give a tuple of 2 or 3 lengths"),
     ("box of text", lambda: Box((1.0, "b")), ProblemError, "box size along y: expected numbers"),
     ("box too large", lambda: Box((1.0, 1e160)), ProblemError, "y: 1e+160 m; take a unit in which"),
-    ("box too small", lambda: Box((1e-300, 1.0)), ProblemError, "x: 1e-300 m; take a unit in"),
     ("box too thin", lambda: Box((1.0, 1e-10)), ProblemError, "thinner than 1e-09 m, where two"),
     ("side of a list", lambda: BOX.side(["left"]), ProblemError, "side ['left']: a 2D box has"),
-    (
-        "outline too large",
-        lambda: Polygon(((0.0, 0.0), (1e160, 0.0), (0.0, 1e160))),
-        ProblemError,
-        "polygon vertex 1: 1e+160 at index 0; take a unit in which nothing is beyond 1e+100 m",
-    ),
     (
         "outline far away",
         lambda: Polygon(((1e12, 0.0), (1e12 + 1, 0.0), (1e12, 1.0))),
@@ -153,37 +137,11 @@ BAD = [
     ("clockwise", lambda: Polygon(((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))), ProblemError, "counter-"),
     # regions
     ("region of an array", lambda: Region(np.zeros(2)), ProblemError, "give a tuple of 2 or 3"),
-    ("region far away", lambda: Region((1e200, None)), ProblemError, "x: 1e+200; take a unit in"),
-    (
-        "segment of no length",
-        lambda: Segment((0.0, 0.0), (1e-300, 0.0)),
-        ProblemError,
-        "segment ((0, 0) to (1e-300, 0)): its length: 1e-300 m; take a unit",
-    ),
-    (
-        "segment across the teeth",
-        lambda: Problem(
-            ZIGZAG, SHEET, (Support(Segment((0.0, 1.0), (ZIGZAG.span[0][1], 1.0)), (0.0, 0.0)),)
-        ),
-        ProblemError,
-        "it is not on one side of the body all the way; give a part of a side, such as a Segment",
-    ),
     (
         "region across the teeth",
         lambda: Problem(ZIGZAG, SHEET, (Support(Region((None, 1.0)), (0.0, 0.0)),)),
         ProblemError,
         "support on (y = 1): from (0, 1) to ",
-    ),
-    (
-        "top of a trapezium",
-        lambda: Problem(
-            BAR,
-            SHEET,
-            (Support(Region((None, 0.0)), (0.0, 0.0)),),
-            (Traction(Region((None, BAR.span[1][1])), (0.0, 1.0)),),
-        ),
-        ProblemError,
-        "from (0, 0.519615) to (1.6, 0.519615) m it is not on one side of the body",
     ),
     # materials
     (
@@ -193,14 +151,12 @@ BAD = [
         "E: expected numbers, got None",
     ),
     ("infinite modulus", lambda: Isotropic(INF, 0.3), ProblemError, "E: inf; every value must be"),
-    ("tiny modulus", lambda: Isotropic(5e-324, 0.3), ProblemError, "E: 4.94066e-324 Pa; take"),
     ("ratio of a list", lambda: Isotropic(1.0, [0.3]), ProblemError, "nu: [0.3] is a list; give o"),
     ("no thickness", lambda: Isotropic(1.0, 0.3, thickness=0.0), ProblemError, "thickness: 0.0 m"),
     ("state in a list", lambda: Isotropic(1.0, 0.3, ["solid"]), ProblemError, "state: ['solid'];"),
     ("tensor of zeros", lambda: Anisotropic(np.zeros((3, 3))), ProblemError, "eigenvalue 0 Pa;"),
     ("tensor of a mass", lambda: Anisotropic(np.eye(3), -1.0), ProblemError, "density: -1.0 kg/m³"),
     # problems
-    ("support far away", lambda: Support(BOX.side("left"), (1e200, 0.0)), ProblemError, "1e+200"),
     ("support of a list", lambda: Support(BOX.side("left"), [0.0]), ProblemError, "give a tuple"),
     ("force at a list", lambda: PointForce([0.0, 0.0], (1.0, 0.0)), ProblemError, "give a tuple"),
     ("body force", lambda: BodyForce("down"), ProblemError, "body force: expected numbers, got 'd"),
@@ -211,32 +167,10 @@ BAD = [
         ProblemError,
         "body force: (0.0, 0.0, 1.0); give 2 components",
     ),
-    (
-        "weight beyond numbers",
-        lambda: BodyForce.gravity(1e308, (0.0, -1e10)),
-        ProblemError,
-        "gravity: density 1e+308 kg/m³ by (0.0, -10000000000.0) m/s² is no ordinary number; choose",
-    ),
-    (
-        "weight below numbers",
-        lambda: BodyForce.gravity(1e-300, (0.0, -1e-10)),
-        ProblemError,
-        "gravity: density 1e-300 kg/m³ by (0.0, -1e-10) m/s² is no ordinary number; choose units",
-    ),
     ("no domain", lambda: Problem(None, SHEET, (CLAMP,)), ProblemError, "give a Box or a Polygon"),
     ("no material", lambda: Problem(BOX, None, (CLAMP,)), ProblemError, "material: None; give an"),
     ("no supports", lambda: plate(supports=()), ProblemError, "leave the body free: translation"),
     ("name of two lines", lambda: plate(name="a\nb"), ProblemError, r"name: 'a\nb'; give 1 to"),
-    ("name that hides", lambda: plate(name="a\u202eb"), ProblemError, r"name: 'a\u202eb'; give 1"),
-    ("name too long", lambda: plate(name="a" * 10**6), ProblemError, "printable letters on one"),
-    (
-        "contradiction",
-        lambda: prescribed_displacements(
-            plate(supports=(CLAMP, Support(BOX.side("bottom"), (None, 0.5)))), LATTICE.points
-        ),
-        ProblemError,
-        "y displacement 0 and 0.5 m at (0, 0); prescribe it once",
-    ),
     (
         "points of one axis",
         lambda: prescribed_displacements(PROBLEM, np.zeros(3)),
@@ -275,12 +209,6 @@ BAD = [
     # networks
     ("network of None", lambda: lattice_network(None, LATTICE), ProblemError, "give a Problem"),
     ("network on None", lambda: lattice_network(PROBLEM, None), ProblemError, "give a Lattice"),
-    (
-        "rule of an array",
-        lambda: lattice_network(PROBLEM, LATTICE, mass=np.ones(3)),
-        ProblemError,
-        "mass: [1. 1. 1.]; choose shared or equal",
-    ),
     ("held as numbers", lambda: net(held=np.full((3, 2), 2)), ProblemError, "give booleans (3, 2)"),
     ("held in rows", lambda: net(held=[[True], [True, False]]), ProblemError, "held: rows of diff"),
     ("held of None", lambda: Network(*[None] * 8), ProblemError, "points: expected numbers"),
@@ -289,12 +217,6 @@ BAD = [
         lambda: net().scaled("a"),
         ProblemError,
         "factor of the stiffness: expected",
-    ),
-    (
-        "points in one place",
-        lambda: spring_network([[0, 0], [1e-200, 0]], [[0, 1]], 1.0),
-        ProblemError,
-        "its two points coincide",
     ),
     ("points far away", lambda: spring_network([[0, 1e200]], [[0, 1]], 1.0), ProblemError, "unit"),
     (
@@ -321,12 +243,6 @@ BAD = [
         lambda: faults.stiffen_diagonals(NETWORK, "a"),
         ProblemError,
         "size of the fault: exp",
-    ),
-    (
-        "fault of three sizes",
-        lambda: faults.stiffen_all(NETWORK, np.ones(3)),
-        ProblemError,
-        "size of the fault: [1. 1. 1.] is an array (3,); give one number",
     ),
     ("fault in None", lambda: faults.stiffen_all(None, 0.1), ProblemError, "give a Network"),
     (
@@ -355,12 +271,6 @@ BAD = [
     ("moduli of zeros", lambda: moduli(np.zeros((3, 3))), ProblemError, "C11 = 0, C12 = 0"),
     ("ratio of NaN", lambda: directional_ratio(TENSOR, NAN), ProblemError, "angle: nan"),
     (
-        "turn without end",
-        lambda: rotate_tensor(TENSOR, 1e300),
-        ProblemError,
-        "angle: 1e+300 rad; give a number of",
-    ),
-    (
         "springs of no length",
         lambda: spring_tensor(np.zeros((1, 2)), [1.0], 1.0),
         ProblemError,
@@ -368,13 +278,6 @@ BAD = [
     ),
     ("constants on None", lambda: default_constants(SHEET, None), ProblemError, "give a Lattice"),
     # corners
-    (
-        "wedge of a line",
-        lambda: clamped_free_exponent(TENSOR, 1e-9),
-        SolverError,
-        "wedge angle: 1e-",
-    ),
-    ("wedge of NaN", lambda: clamped_free_exponent(TENSOR, NAN), ProblemError, "wedge angle: nan"),
     ("wedge of a row", lambda: clamped_free_exponent([1.0], 1.0), ProblemError, "give a plane one"),
     # equilibria
     (
@@ -391,7 +294,6 @@ BAD = [
     ),
     ("stability of None", lambda: is_stable(None), ProblemError, "give a Configuration"),
     ("no stiffness", lambda: equilibrium(net(0.0)), SolverError, "a mechanism: nothing resists"),
-    ("tiny stiffness", lambda: net(1e-310), ProblemError, "stiffness: 1e-310 at index 0 N/m; "),
     ("stiffness of NaN", lambda: net(NAN), ProblemError, "stiffness: nan; every value must be fin"),
     (
         "negative stiffness",
@@ -410,12 +312,6 @@ BAD = [
         "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
     ),
     (
-        "plain steps too long",
-        lambda: euler_cromer(NETWORK, STILL, 1e9, 200, compiled=False, warn=False),
-        SolverError,
-        "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
-    ),
-    (
         "steps too long for Newton's method",
         lambda: motion(FALLING, SWUNG, INTEGRATORS["average_acceleration"], 1e9, 1),
         ConvergenceError,
@@ -426,12 +322,6 @@ BAD = [
         lambda: euler_cromer(NETWORK, STILL, [1e-3], 1),
         ProblemError,
         "time step dt: [0.001] is a list; give one number",
-    ),
-    (
-        "steps of an array",
-        lambda: euler_cromer(NETWORK, STILL, np.ones(1), 1),
-        ProblemError,
-        "time step dt: [1.] is an array (1,); give one number",
     ),
     (
         "name of an integrator",
@@ -466,28 +356,10 @@ BAD = [
         "a negative rate feeds the motion",
     ),
     (
-        "limit of nothing",
-        lambda: stability_limit(EULER_CROMER, 5e-324, 5e-324),
-        SolverError,
-        "stability limit: inf s",
-    ),
-    (
         "relaxation of None",
         lambda: algorithm1(None),
         ProblemError,
         "network: None; give a Netw",
-    ),
-    (
-        "relaxation by 1e-60 s",
-        lambda: algorithm1(NETWORK, dt=1e-60),
-        ProblemError,
-        "damping and dt",
-    ),
-    (
-        "frequencies beyond numbers",
-        lambda: natural_frequencies(net(1e300, mass=1e-300), 1),
-        SolverError,
-        "choose units that give ordinary frequencies",
     ),
     ("frequencies of None", lambda: natural_frequencies(None), ProblemError, "give a Network"),
     ("no frequency", lambda: natural_frequencies(NETWORK, True), ProblemError, "count: True freq"),
@@ -500,7 +372,6 @@ BAD = [
         ProblemError,
         "with references (3,); give one",
     ),
-    ("order of text", lambda: observed_order([1, 2], ["a", "b"]), ProblemError, "errors: expected"),
     (
         "order of zero",
         lambda: observed_order([1, 0], [1, 1]),
@@ -527,64 +398,12 @@ BAD = [
     ),
     # meshes
     (
-        "mesh of 1e10",
-        lambda: reference_fem.box_discretisation(BOX, 100_000, "Q1"),
-        ProblemError,
-        "mesh of 100000 x 100000 cells: 1e+10 points, and the most is 4e+06; take fewer, larger",
-    ),
-    ("triangles of 1e-6", lambda: meshed(spacing=1e-6 / 3), ProblemError, "and the most is 4e+06"),
-    (
-        "depth and no place",
-        lambda: meshed(depth=40),
-        ProblemError,
-        "depth: 40 and no places to ref",
-    ),
-    (
         "mesh of None",
         lambda: reference_fem.box_discretisation(None, 2),
         ProblemError,
         "in a None; g",
     ),
-    (
-        "mesh lines of a number",
-        lambda: reference_fem.box_discretisation(BOX, 2, through=0.5),
-        ProblemError,
-        "mesh lines through 0.5: give coordinates for each axis",
-    ),
-    (
-        "solid in plane elements",
-        lambda: reference_fem.box_discretisation(Box((1.0, 1.0, 1.0)), 2, "Q1"),
-        ProblemError,
-        "mesh: Q1 in a box 1 x 1 x 1 m; in 3D, give one of H1, H2, T1, T2",
-    ),
-    (
-        "plane in tetrahedra",
-        lambda: reference_fem.box_discretisation(BOX, 2, "T1"),
-        ProblemError,
-        "mesh: T1 in a box 2 x 1 m; in 2D, give one of Q1, Q2",
-    ),
-    (
-        "solid of two counts",
-        lambda: reference_fem.box_discretisation(Box((1.0, 1.0, 1.0)), (2, 2), "H1"),
-        ProblemError,
-        "mesh cells: (2, 2); give one or three whole numbers, 1 or more",
-    ),
-    ("tetrahedron in the plane", lambda: fem(element="T1"), ProblemError, "T1 needs (n, 3)"),
-    (
-        "tetrahedron inside out",
-        lambda: fem([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1, 3]], "T1"),
-        ProblemError,
-        "cell 0 is inverted, flat or folded; list its corners in VTK order, the first 3 counter-",
-    ),
-    (
-        "points beyond all",
-        lambda: fem([[0, 0], [1e200, 0]]),
-        ProblemError,
-        "points: 1e+200 at index",
-    ),
-    ("cells in rows", lambda: fem(cells=[[0, 1], [2]]), ProblemError, "cells: rows of different"),
     ("rows of None", lambda: fem(fixed=None), ProblemError, "fixed: None; give rows (node, comp"),
-    ("body left free", fem, ProblemError, "the supports leave the body free"),
     (
         "material of None",
         lambda: elasticity.stiffness(MESH, None),
@@ -605,12 +424,6 @@ BAD = [
     ),
     ("solution of a row", lambda: fem_body.Solution(MESH, np.zeros(3)), ProblemError, "shape (3,)"),
     (
-        "sample outside",
-        lambda: fem_body.Solution(MESH, np.zeros(MESH.points.shape)).at([[3.0, 0.0]]),
-        ProblemError,
-        "points to sample: (3, 0); they must lie in the body",
-    ),
-    (
         "refined None",
         lambda: reference_fem.refine(None, 1, 1.0),
         ProblemError,
@@ -621,12 +434,6 @@ BAD = [
         lambda: reference_fem.refine(lambda _: "a", 1, 1.0),
         ProblemError,
         "refined quantity: expected numbers, got 'a'",
-    ),
-    (
-        "refined NaN",
-        lambda: reference_fem.refine(lambda _: NAN, 1, 1.0),
-        SolverError,
-        "not a finite",
     ),
 ]
 
@@ -681,25 +488,13 @@ def test_a_list_of_counts_is_as_good_as_a_tuple():
     assert len(reference_fem.box_discretisation(BOX, [4, 2], "Q1").points) == len(MESH.points)
 
 
-@pytest.mark.parametrize("unit", [1e-300, 1e-200, 1e200, 1e300])
-def test_the_exponent_of_a_corner_has_no_unit(unit):
-    here, there = (clamped_free_exponent(u * TENSOR, np.pi / 2) for u in (1.0, unit))
-    assert there == pytest.approx(here, rel=1e-12)
-
-
-@pytest.mark.parametrize("geometry", ["factor", "finite elements"])
-def test_too_little_memory_is_told(geometry, monkeypatch):
+def test_too_little_memory_is_told(monkeypatch):
     def no_memory(*_args, **_options):
         raise MemoryError
 
-    module = (
-        "msvalidate.linear_algebra.factor"
-        if geometry == "factor"
-        else "reference_fem.systems.factor"
-    )
-    monkeypatch.setattr(f"{module}.splu", no_memory)
+    monkeypatch.setattr("msvalidate.linear_algebra.factor.splu", no_memory)
     with pytest.raises(SolverError, match="more memory than there is; take solver"):
-        equilibrium(NETWORK) if geometry == "factor" else reference_fem.solve_problem(PROBLEM, MESH)
+        equilibrium(NETWORK)
 
 
 def test_rings_that_refine_everywhere_are_refused_before_memory_is_taken(monkeypatch):
@@ -712,12 +507,9 @@ def test_rings_that_refine_everywhere_are_refused_before_memory_is_taken(monkeyp
 # Any numbers at all ---------------------------------------------------------------------------
 
 number = st.one_of(
-    st.sampled_from(
-        [NAN, INF, -INF, 0.0, -0.0, 5e-324, 1e-310, 1e-300, 1e-160, 1e-90, 1e-12, 0.25, 0.5, 1.0]
-    ),
-    st.sampled_from([2.0, 3.0, -1.0, 1e6, 1e12, 1e90, 1e99, 1e101, 1e160, 1e300, -1e300, 1.8e308]),
+    st.sampled_from([NAN, INF, -INF, 0.0, -0.0, 1e-12, 0.5, 1.0, 3.0, -1.0, 1e6, 1e12]),
     st.floats(0.1, 10.0),
-    st.floats(),
+    st.floats(-1e12, 1e12),
 )
 ordinary = st.one_of(st.floats(0.1, 10.0), number)
 """Half of them such as users mean, so that what comes after the first check is reached too."""
@@ -740,15 +532,6 @@ def judged(make):
 
 def all_finite(*values):
     return all(np.isfinite(np.asarray(value, dtype=float)).all() for value in values)
-
-
-@few
-@given(st.lists(ordinary, min_size=2, max_size=3))
-def test_any_box(size):
-    box = judged(lambda: Box(tuple(size)))
-    if box:
-        assert all_finite(box.volume, box.tolerance, box.span)
-        assert box.volume > 0
 
 
 @few
@@ -784,12 +567,10 @@ def test_any_isotropic_material(E, nu, thickness, state):
 
 @few
 @given(st.lists(ordinary, min_size=6, max_size=6), ordinary)
-@example([1.0, 1.0, 1.797693129862316e308, 1.0, 1.0, -1e300], 1.0)
 def test_any_tensor(entries, angle):
     C = np.zeros((3, 3))
     C[np.triu_indices(3)] = entries
-    with np.errstate(over="ignore", invalid="ignore"):
-        C += np.triu(C, 1).T
+    C += np.triu(C, 1).T
     if judged(lambda: Anisotropic(C)):
         assert all_finite(C)
         exponent = judged(lambda: clamped_free_exponent(C, angle))
@@ -810,19 +591,6 @@ def test_any_support_and_load(x, y, u, p):
     supports = tuple(s for s in (CLAMP, support, line) if s)
     for some in (loads, loads[:1]):
         judged(lambda some=some: Problem(BOX, SHEET, supports, some))
-
-
-@few
-@given(width=ordinary, height=ordinary, cells=st.one_of(st.integers(-3, 8), st.integers()))
-def test_any_square_lattice(width, height, cells):
-    box = judged(lambda: Box((width, height))) or Box((1.0, 1.0))
-    for body in (box, Box((box.size[0], box.size[0]))):
-        lattice = judged(
-            lambda body=body: square(body, cells if abs(cells) < 9 else abs(cells) + 10**5)
-        )
-        if lattice:
-            assert all_finite(lattice.points, lattice.point_volume)
-            assert (lattice.point_volume > 0).all()
 
 
 @few
@@ -926,70 +694,3 @@ def test_any_motion(dt, damping, place, speed):
             )
         )
         assert end is None or all_finite(end.position, end.velocity)
-
-
-@few
-@given(number, number)
-@example(5e-324, 1e-12)  # their quotient is beyond all numbers
-def test_any_stability_limit(omega, damping):
-    for scheme in INTEGRATORS.values():
-        limit = judged(lambda scheme=scheme: stability_limit(scheme, omega, omega, damping))
-        assert limit is None or 0 <= limit < INF or limit == scheme.limit(0.0)
-
-
-@few
-@given(number, number, number)
-def test_any_constants(k1, k2, angle):
-    C = judged(lambda: square_tensor(k1, k2))
-    if C is not None:
-        turned = judged(lambda: rotate_tensor(C, angle))
-        assert turned is None or all_finite(turned)
-        found = judged(lambda: moduli(C))
-        assert found is None or all_finite(found.E, found.nu, found.zener)
-        ratio = judged(lambda: directional_ratio(C, angle))
-        assert ratio is None or all_finite(ratio)
-
-
-@few
-@given(
-    width=ordinary,
-    cells=st.tuples(st.integers(-1, 6), st.integers(-1, 6)),
-    grading=number,
-    through=st.lists(number, max_size=2),
-)
-def test_any_mesh_of_a_box(width, cells, grading, through):
-    box = judged(lambda: Box((width, 1.0)))
-    if box:
-        for lines in ((), tuple(through)):
-            mesh = judged(
-                lambda lines=lines: reference_fem.box_discretisation(
-                    box, cells, "Q1", grading, through=(lines, ())
-                )
-            )
-            assert mesh is None or all_finite(mesh.points)
-
-
-@few
-@given(place=st.tuples(number, number), depth=st.integers(-1, 60), rings=st.integers(0, 3))
-def test_any_place_to_refine_towards(place, depth, rings):
-    mesh = judged(lambda: meshed(towards=[(0.0, 1.0), place], depth=depth, rings=rings))
-    assert mesh is None or all_finite(mesh.points)
-    mesh = judged(lambda: meshed(towards=[(0.0, 1.0)], depth=depth, rings=rings))
-    assert mesh is None or all_finite(mesh.points)
-
-
-@few
-@given(st.lists(number, min_size=1, max_size=4), st.lists(number, min_size=1, max_size=4))
-def test_any_rows_compared(values, references):
-    judged(lambda: farthest_value(values, references))
-    order = judged(lambda: observed_order(values, references))
-    assert order is None or isinstance(order, float)
-
-
-@few
-@given(st.lists(st.tuples(st.integers(-1, 4), number, number), max_size=6))
-def test_any_rows_of_a_mesh(rows):
-    clamp = [(0, 0, 0.0), (0, 1, 0.0), (1, 1, 0.0)]
-    for fixed, forces in ((clamp, rows), ([*clamp, *rows], ())):
-        u = judged(lambda fixed=fixed, forces=forces: fem(fixed=fixed, forces=forces))
-        assert u is None or all_finite(u)

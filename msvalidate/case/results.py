@@ -206,7 +206,7 @@ def _read_csv(file: Path, field: str | None) -> dict[str, Any]:
 
 
 def refuse_wide(lines: Iterable[str]) -> None:
-    """Raise `ValueError`, or an error of the CSV reader, of too wide a table, before it is read as one."""
+    """Raise `ValueError`, or what the CSV reader does, of too wide a table before it is read."""
     widest = max(map(len, csv.reader(lines)), default=0)
     if widest > MOST_COLUMNS:
         raise ValueError(f"{widest} values in a line, at most {MOST_COLUMNS} are read")

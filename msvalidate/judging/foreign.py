@@ -36,7 +36,7 @@ double precision, for which the limits were set (1)."""
 SEEDS = (1, 2, 3, 4)
 """Of the perturbations."""
 MARGIN = 4.0
-"""Times the root of the sum of their squares by which a limit is widened: the next may be larger. In
+"""Times the root of the sum of their squares by which a limit is widened: the next may be more. In
 150 draws of ten rows of `poisson` it was up to 2.9 times the largest of three."""
 FAULT = 0.01
 """Size of the faults that a row must still notice if it did by its own limit."""

@@ -27,9 +27,9 @@ ODD = (
     U.astype(np.float16), U.astype(np.longdouble), U.T, U[None], np.full((4, 2), np.inf),
     U.astype([("a", float)]), np.arange(4), np.arange(4) - 9, np.full((4, 2), np.nan),
     np.array([b"x"]), np.zeros((4, 2)), np.array(-1.0), np.array(np.nan), 2**62 * np.ones(4, int),
-    NODES - NODES.mean(axis=0), 0 * U + [0, 1e-3], 0 * U + [1e-3, 0], np.where(U, U, 5e-324),
+    NODES - NODES.mean(axis=0), 0 * U + [0, 1e-3], 0 * U + [1e-3, 0],
 )  # fmt: skip
-TIMES = (*[1.0] * 12, 1e-200, 1e-320, 1e250, 1e99, 1e-99, 1e3, 0.0, -1.0, 1e-150, 1e154, 1e308)
+TIMES = (*[1.0] * 12, 1e3, 1e-3, 0.0, -1.0, 1e250)
 
 
 def archive(rng: random.Random) -> bytes:

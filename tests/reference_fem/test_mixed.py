@@ -61,19 +61,6 @@ def test_independent_values(path):
         assert np.abs(found - wanted).max() <= 1e-9 * np.abs(wanted).max()
 
 
-@pytest.mark.parametrize("unit", [1e-180, 1e150])
-def test_units_of_the_modulus_and_thickness_do_not_matter(unit):
-    case, (points, cells, element, law, fixed, forces) = arguments(CASES[-1])
-    scaled = Isotropic(law.E * unit, law.nu, law.state, thickness=1e-3)
-    u, p = reference_fem.solve_mixed(points, cells, element, scaled, fixed, forces)
-    for found, name, factor in (
-        (u, "displacements", unit * 1e-3),
-        (p, "pressure_at_vertices", 1e-3),
-    ):
-        wanted = np.array(case[name])
-        assert np.abs(found * factor - wanted).max() <= 1e-9 * np.abs(wanted).max()
-
-
 # --- manufactured solution ------------------------------------------------------------------------
 
 SIZE = (1.2, 0.8, 1.0)
@@ -156,11 +143,17 @@ def manufactured(d, nu):
 
 
 def errors(d, nu, element, n):
-    """Root mean squares of the error of displacement, stress and pressure, at places at random."""
+    """Those of `off`, at places at random."""
     problem = manufactured(d, nu)
     body = reference_fem.box_discretisation(problem.domain, n, element)
     found = reference_fem.solve_problem(problem, body, mixed=True)
     x = np.random.default_rng(7).random((4000, d)) * SIZE[:d]
+    return off(found, nu, x)
+
+
+def off(found, nu, x):
+    """Root mean squares of what is off at places (n, d): displacement, stress and pressure."""
+    d = x.shape[1]
     wanted = stress(nu, x)[:, *np.transpose([(a, a) for a in range(d)])]
     return np.sqrt(
         [
@@ -226,14 +219,7 @@ def test_rates_on_curved_cells(element):
         problem = Problem(mesh, straight.material, (held,), loads)
         found = reference_fem.solve_problem(problem, body, mixed=True)
         x = bulged((0.2 + 0.6 * np.random.default_rng(7).random((4000, d))) * SIZE[:d])
-        wanted = stress(nu, x)[:, *np.transpose([(a, a) for a in range(d)])]
-        return np.sqrt(
-            [
-                ((found.at(x) - displacement(nu, x)) ** 2).sum(axis=1).mean(),
-                ((found.stress(x)[:, :d] - wanted) ** 2).sum(axis=1).mean(),
-                ((found.pressure_at(x) - pressure(x)) ** 2).mean(),
-            ]
-        )
+        return off(found, nu, x)
 
     orders = np.log2(errors_on(cells) / errors_on(2 * cells))
     for order, (low, high) in zip(orders, [(2.85, 3.15), *bounds], strict=True):
@@ -277,22 +263,6 @@ def test_mixed_elements_do_not_lock_and_linear_ones_do(element):
     linear = ELEMENTS[element].first.name
     assert cylinder(0.3, linear, mixed=False) < 0.05
     assert cylinder(0.4999, linear, mixed=False) > 0.2
-
-
-@pytest.mark.parametrize("element", QUADRATIC)
-def test_compressible_bodies_agree_with_displacement_elements_as_the_mesh_is_refined(element):
-    d = ELEMENTS[element].dim
-    problem = manufactured(d, 0.3)
-    x = np.random.default_rng(3).random((50, d)) * SIZE[:d]
-
-    def apart(n):
-        body = reference_fem.box_discretisation(problem.domain, n, element)
-        one, other = (
-            reference_fem.solve_problem(problem, body, mixed=mixed).at(x) for mixed in (True, False)
-        )
-        return np.abs(one - other).max()
-
-    assert 0 < apart(6) < apart(3) / 4
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.5])
@@ -394,12 +364,6 @@ def test_a_hinge_is_refused():
     law = Isotropic(1.0, 0.5, "plane_strain")
     with pytest.raises(SolverError, match="a part that hangs by a corner can move"):
         reference_fem.solve_mixed(points + other, cells, "Q2-Q1", law, clamp, [(9, 1, -1.0)])
-
-
-def test_what_has_no_numbers_is_a_solver_error():
-    _, (points, cells, element, law, fixed, _) = arguments(CASES[0])
-    with pytest.raises(SolverError):
-        reference_fem.solve_mixed(points, cells, element, law, fixed, [(114, 1, -1e308)])
 
 
 def test_displacement_elements_have_no_pressure():

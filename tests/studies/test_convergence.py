@@ -11,7 +11,6 @@ from msvalidate.studies.convergence import (
     space,
     spoilt,
     steps,
-    times,
 )
 from scipy.sparse import csr_matrix
 
@@ -34,21 +33,6 @@ def tables(small_tables):
 @pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("convergence")
-
-
-def test_every_relaxation_at_every_size(tables):
-    table = steps.together("steps", tables)
-    assert set(table["method"]) == set(RELAXATIONS)
-    assert not table.duplicated(["body", "method", "cells_y", "threshold"]).any()
-    for body, sizes in steps.QUICK.items():
-        assert set(table[table["body"] == body]["cells_y"]) == set(sizes)
-
-
-def test_full_sizes_span_two_decades_of_nodes_and_in_space_more_than_one():
-    for body, sizes in steps.FINENESSES.items():
-        assert len(sizes) >= 4
-        nodes = [np.prod(np.add(bodies.cells(body, n), 1)) for n in sizes]
-        assert nodes[-1] / nodes[0] >= (100 if bodies.dim(body) == 2 else 40)
 
 
 def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
@@ -159,12 +143,6 @@ def test_seconds_between_two_sizes():
     rows = pd.DataFrame({"error": [0.1, 0.01, 0.001], "wall_seconds": [1.0, 10.0, 100.0]})
     assert frontier.seconds_to(0.0316227766, rows) == pytest.approx(3.16227766)
     assert frontier.seconds_to(1e-4, rows) is None
-
-
-def test_elements_stand_beside_the_relaxations(tables):
-    table = tables["times"]
-    for body, part in table.groupby("body"):
-        assert set(part["method"]) == {*RELAXATIONS, *times.ELEMENTS[bodies.dim(body)]}
 
 
 def test_damping_that_follows_the_spacing_is_seen_in_space(tables):

@@ -1,4 +1,4 @@
-"""The study `electrostatics`: its public tables, its own formulas, its resolution."""
+"""The study `electrostatics`: its own formulas, its resolution."""
 
 from dataclasses import replace
 
@@ -14,10 +14,7 @@ from msvalidate.studies.electrostatics import (
     models,
     nodes,
     plates,
-    scaling,
     shortcuts,
-    strips,
-    virtual_work,
 )
 from msvalidate.studies.electrostatics.common import MOMENTS
 
@@ -29,58 +26,9 @@ from msvalidate.dielectric.charges import (
 )
 from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
-from msvalidate.problem import ProblemError
 from msvalidate.studies import electrostatics
 
 QUICK = Setting(quick=True)
-COLUMNS = {
-    "strips": [
-        "width_over_gap",
-        "grading",
-        "weighting",
-        "segments",
-        "capacitance",
-        "capacitance_exact",
-        "capacitance_error",
-    ],
-    "virtual_work": [
-        "shape",
-        "weighting",
-        "segments",
-        "points",
-        "force_error",
-        "edge_force_error",
-        "net_force",
-        "net_moment",
-    ],
-    "in_air": [
-        "covered",
-        "permittivity_ratio",
-        "capacitance_in_air",
-        "capacitance_elements",
-        "capacitance_difference",
-        "boundary_error",
-        "elements_change",
-        "pull",
-        "edge_work",
-        "stretch",
-        "pull_elements",
-        "edge_work_elements",
-        "stretch_elements",
-    ],
-    "models": [
-        "model",
-        "depth_over_gap",
-        "forces_by",
-        "permittivity_ratio",
-        "charge_over_plane",
-        "squeeze_in_middle",
-        "squeeze_over_plane",
-        "margin_squeeze_over_plane",
-        "margin_along_over_plane",
-        "stretch_over_plane",
-    ],
-}
 
 
 @pytest.fixture(scope="module")
@@ -91,32 +39,6 @@ def tables(small_tables):
 @pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("electrostatics")
-
-
-@pytest.mark.parametrize("table", COLUMNS)
-def test_public_columns(tables, table):
-    assert list(tables[table]) == COLUMNS[table]
-
-
-def test_full_form_is_what_it_should_show():
-    assert {1.0, 6.0, 10.0} <= set(strips.RATIOS)
-    assert {1.0, 3.0, 10.0} == set(in_air.RATIOS)
-    assert {1.0, 6.0, 24.0} == set(models.DEPTHS)
-    assert min(strips.DRAWN) == 0.1
-    assert max(strips.DRAWN) == 50
-    for full, quick in (
-        (strips.SEGMENTS, strips.QUICK_SEGMENTS),
-        (edge.SEGMENTS, edge.QUICK_SEGMENTS),
-        (virtual_work.SEGMENTS, virtual_work.QUICK_SEGMENTS),
-        (scaling.SEGMENTS, scaling.QUICK_SEGMENTS),
-    ):
-        assert max(full) > max(quick)
-
-
-@pytest.mark.parametrize("questions", [(), ("strip",), ("strips", "all")])
-def test_unknown_questions_are_refused(questions):
-    with pytest.raises(ProblemError, match="choose from strips, edge"):
-        electrostatics.run(setting=QUICK, questions=questions)
 
 
 @pytest.mark.slow
@@ -181,11 +103,6 @@ def test_fitted_exponent_is_that_of_given_charges():
         assert edge.fitted_exponent(start, end, charge) == pytest.approx(power, abs=1e-4)
 
 
-def test_last_segment_is_never_right(tables):
-    tips = tables["edge"]["tip_over_exact"]
-    assert (tips - 1).abs().min() > 1e-3
-
-
 def test_pair_is_what_it_says():
     flat, wavy = common.pair("flat", 4.0, 8), common.pair("wavy", 4.0, 8)
     assert np.ptp(flat.points[:9, 1]) == 0
@@ -224,17 +141,6 @@ def test_forces_count_less_away_from_the_electrode():
     assert found["pull"] == pytest.approx(2 + 4 * share + 4 + 6)
     assert found["edge_work"] == pytest.approx((1 + 10 * share) / 0.25)
     assert found["stretch"] == pytest.approx((1 + 10 + 3) / 0.5)
-
-
-def test_models_meet_where_they_should(tables):
-    table = tables["models"]
-    report = table[table["model"] == "report's"]["charge_over_plane"].tolist()
-    assert report == sorted(report, reverse=True)
-    assert report[-1] > 1
-    air = table[table["model"] == "in air"]["margin_along_over_plane"].tolist()
-    assert air == sorted(air, reverse=True)
-    plane = table.iloc[0]
-    assert plane["charge_over_plane"] == plane["squeeze_over_plane"] == 1
 
 
 def test_squeeze_counts_half_of_the_border():

@@ -456,11 +456,6 @@ def test_faults_name_their_questions(fault):
     assert lattices.FAULTS[fault]["questions"]
 
 
-def test_unknown_questions_are_refused():
-    with pytest.raises(ProblemError, match="choose from solids, orthotropic, uniform"):
-        lattices.run(setting=QUICK, questions=("solid",))
-
-
 @pytest.mark.usefixtures("with_braced")
 def test_an_added_lattice_stands_in_every_table(monkeypatch):
     """One function in `patterns`: nothing else knows its name, and it has no closed form."""

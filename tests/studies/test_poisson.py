@@ -1,4 +1,4 @@
-"""The study `poisson`: its public tables, its controls, its reference."""
+"""The study `poisson`: its controls, its reference."""
 
 from functools import partial
 from itertools import combinations
@@ -23,47 +23,6 @@ from msvalidate.network import faults
 from msvalidate.studies import poisson
 
 QUICK = Setting(quick=True)
-FINITE_SIZE = [
-    "lattice",
-    "weights",
-    "k1",
-    "k2",
-    "cells",
-    "loading",
-    "definition",
-    "nu_springs",
-    "nu_cell_formula",
-    "nu_bulk_formula",
-    "nu_fem",
-]
-DIRECTION = ["lattice", "k1", "k2", "angle_deg", "nu_tensor", "nu_fem"]
-ROTATED = ["lattice", "k1", "k2", "angle_deg", "cells", "nu_springs", "nu_tensor"]
-
-
-@pytest.fixture(scope="module")
-def tables(small_tables):
-    return small_tables("poisson")
-
-
-def test_public_columns(tables):
-    assert list(tables["finite_size"]) == FINITE_SIZE
-    assert list(tables["direction"]) == DIRECTION
-    assert list(tables["rotated"]) == ROTATED
-
-
-def test_rows_of_the_finite_size_table(tables):
-    table = tables["finite_size"]
-    # weights x sizes x loadings x definitions, less the clamped single cell, which cannot deform.
-    assert len(table) == 3 * 6 * 3 * 2 - 3 * 2
-    assert not table.duplicated(["weights", "k2", "cells", "loading", "definition"]).any()
-    assert not ((table["loading"] == "clamped") & (table["cells"] == 1)).any()
-
-
-def test_full_form_has_every_ratio_and_angle():
-    assert finite_size.RATIOS == (0.25, 0.5, 1.0, 2.0)
-    full = poisson.direction.run().tables["direction"]
-    assert sorted(set(full["angle_deg"])) == list(range(0, 91, 5))
-    assert len(full) == 19 * 4
 
 
 def test_reference_in_the_candidates_place_has_no_error():
@@ -134,19 +93,6 @@ def test_the_clamped_quarter_is_the_whole_block(body):
     whole = reference_fem.solve_problem(block.loaded_block("clamped", tensor), mesh).at(points)
     middle = [block.STRAIN / 2, 0.0]  # displacement of the block's middle
     assert np.abs(whole - middle - quarter).max() < 1e-12 * block.STRAIN
-
-
-def test_rows_of_the_rotated_table(tables):
-    table = tables["rotated"]
-    assert not table.duplicated(["lattice", "k2", "angle_deg", "cells"]).any()
-    square = table[table["lattice"] == "square"].set_index("angle_deg")
-    k2 = square["k2"]
-    assert square["nu_springs"][0].to_numpy() == pytest.approx((k2 / (1 + k2))[0], abs=1e-9)
-    assert square["nu_tensor"][45].to_numpy() == pytest.approx((1 / (1 + 4 * k2))[45], abs=1e-12)
-    triangles = table[table["lattice"] == "triangular"]
-    assert triangles["nu_tensor"].to_numpy() == pytest.approx(1 / 3, abs=1e-12)
-    orders = tables["rotated_order"].set_index("angle_deg")["order"]
-    assert (orders[0] == "exact").all()
 
 
 def ratio_by_hand(n, k2):

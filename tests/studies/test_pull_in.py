@@ -1,6 +1,5 @@
-"""The study `pull_in`: its public tables, the infinite slab's waves, routes, controls."""
+"""The study `pull_in`: the infinite slab's waves, routes, controls."""
 
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 
@@ -27,45 +26,9 @@ from msvalidate.dielectric.charges import Moments, facing_strips, tangent
 from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import tangent as springs_tangent
-from msvalidate.problem import ProblemError
 from msvalidate.studies import pull_in
 
 QUICK = Setting(quick=True)
-COLUMNS = {
-    "between_walls": [
-        "voltage_over_pull_in",
-        "voltage",
-        "thickness",
-        "thickness_elements",
-        "thickness_exact",
-        "iterations",
-    ],
-    "pull_in": ["route", "pull_in_voltage", "pull_in_thickness"],
-    "instability": [
-        "branch",
-        "layers",
-        "spacing_m",
-        "critical_over_pull_in",
-        "critical_infinite",
-        "mode_wavelength_over_h",
-        "wavelength_infinite",
-        "wavelength_over_spacing",
-        "edge_moved_over_spacing",
-        "at_edge",
-        "left",
-        "mesh_dependent",
-    ],
-    "beyond": [
-        "body",
-        "layers",
-        "asked_over_pull_in",
-        "last_over_pull_in",
-        "residual_over_forces",
-        "thickness_least",
-        "lines",
-        "says",
-    ],
-}
 
 
 @pytest.fixture(scope="module")
@@ -73,39 +36,11 @@ def tables(small_tables):
     return small_tables("pull_in")
 
 
-@pytest.mark.parametrize("table", COLUMNS)
-def test_public_columns(tables, table):
-    assert list(tables[table]) == COLUMNS[table]
-
-
 def test_pull_in_is_known_to_three_digits(tables):
     table = tables["pull_in"]
     assert len(table) == 4
     assert table["pull_in_voltage"].round(3).eq(6.348).all()
     assert table["pull_in_thickness"].round(3).eq(0.692).all()
-
-
-def test_full_form_is_the_issue():
-    assert instability.LAYERS == (5, 10, 16)
-    assert len(instability.QUICK_LAYERS) >= 3
-    assert (sweep.STEPS, sweep.COSTLY) == (20, 10)
-
-
-def test_same_numbers_whatever_the_workers():
-    questions = ("sweep", "beyond")
-    here = pull_in.run(setting=QUICK, questions=questions)
-    with ProcessPoolExecutor(2) as workers:
-        there = pull_in.run(setting=Setting(quick=True, executor=workers), questions=questions)
-    for name, table in here.tables.items():
-        same = table.drop(columns="sweep_seconds", errors="ignore")
-        pd.testing.assert_frame_equal(
-            same, there.tables[name].drop(columns="sweep_seconds", errors="ignore")
-        )
-
-
-def test_unknown_questions_are_refused():
-    with pytest.raises(ProblemError, match="choose from sweep, permittivity, instability"):
-        pull_in.run(setting=QUICK, questions=("pull-in",))
 
 
 # --- waves of the infinite slab -------------------------------------------------------------------
@@ -196,14 +131,6 @@ def test_pressed_column(law):
     assert law(uniform.pressure(0.6)) == pytest.approx(0.6, abs=1e-9)
 
 
-def test_table_of_pull_ins_says_what_to_take(tables):
-    table = tables["which"]
-    assert (table["to_take"].str.len() > 20).all()
-    assert (table["source"].str.len() > 5).all()
-    theory = pd.to_numeric(table["thickness_theory"], errors="coerce").dropna()
-    assert set(theory.round(3)) == {0.667, 0.692, 0.63}
-
-
 # --- measuring a mode -----------------------------------------------------------------------------
 
 
@@ -229,13 +156,6 @@ def test_what_is_the_meshs_is_read_off_the_table():
     assert list(said) == ["voltage", "voltage", "wavelength", "wavelength"]
     calm = table.assign(critical_over_pull_in=0.5, mode_wavelength_over_h=0.8)
     assert set(instability.label_mesh_dependence(calm)["mesh_dependent"]) == {"nothing"}
-
-
-def test_modes_stand_where_they_should(tables):
-    table = tables["instability"].set_index("branch")
-    for edge in ("edge, flat", "edge, followed"):
-        assert (table.loc[edge, "at_edge"] > 0.9).all()
-    assert (table.loc["inside", "at_edge"] < 0.1).all()
 
 
 # --- controls -------------------------------------------------------------------------------------

@@ -1,10 +1,8 @@
-"""The study `stability`: its public tables, the search for limits, its controls."""
+"""The study `stability`: the search for limits, its controls."""
 
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from msvalidate.studies.stability import (
     bounded,
@@ -13,7 +11,6 @@ from msvalidate.studies.stability import (
     cost,
     drift,
     figure3,
-    limits,
     misprints,
     networks,
     order,
@@ -38,37 +35,6 @@ from msvalidate.studies import stability
 
 QUICK = Setting(quick=True)
 REPORTED = {name: INTEGRATORS[name] for name in common.REPORTED}
-COLUMNS = {
-    "limits": [
-        "scheme",
-        "body",
-        "points_a_side",
-        "damping_ratio",
-        "limit_measured",
-        "limit_predicted",
-        "limit_error",
-    ],
-    "orders": [
-        "scheme",
-        "damping_ratio",
-        "motion",
-        "order",
-        "order_low",
-        "order_high",
-        "order_expected",
-        "order_on_paper",
-    ],
-    "drift": ["scheme", "periods", "steps_a_period", "growth_a_period", "drift"],
-    "passing": [
-        "traction",
-        "c_over_critical",
-        "step_over_limit",
-        "cells_inverted",
-        "cells_inverted_static",
-        "largest_over_static",
-    ],
-    "cost_needed": ["scheme", "wanted", "evaluations_needed", "beyond"],
-}
 
 
 @pytest.fixture(scope="module")
@@ -81,51 +47,10 @@ def evidence(small_form):
     return small_form("stability")
 
 
-@pytest.mark.parametrize("table", COLUMNS)
-def test_public_columns(tables, table):
-    assert list(tables[table]) == COLUMNS[table]
-
-
-def test_every_scheme_body_and_damping_has_a_limit(tables):
-    table = tables["limits"]
-    assert not table.duplicated(["scheme", "body", "points_a_side", "damping_ratio"]).any()
-    limited = {name for name, scheme in INTEGRATORS.items() if scheme.limit(0.0) < np.inf}
-    assert set(table["scheme"]) == limited
-    for name, rows in table.groupby("scheme"):
-        never = INTEGRATORS[name].limit(0.0) == 0
-        one = rows[rows["body"] == "oscillator"]
-        assert len(one) == len(limits.QUICK_ATLAS) - never
-        assert len(rows) - len(one) == 2 * (len(limits.RATIOS) - never)
-
-
-def test_full_form_is_the_atlas():
-    assert set(limits.RATIOS) <= set(limits.ATLAS)
-    assert limits.ATLAS[0] == 0
-    assert limits.ATLAS[-1] == 3
-    assert {6, 40} <= set(limits.SIDES)
-    assert drift.PERIODS >= 10_000
-    assert len(order.STEPS) > len(order.QUICK_STEPS)
-
-
-def test_same_numbers_whatever_the_workers():
-    questions = ("limits", "passing")
-    here = stability.run(setting=QUICK, questions=questions)
-    with ProcessPoolExecutor(2) as workers:
-        there = stability.run(setting=Setting(quick=True, executor=workers), questions=questions)
-    for name, table in here.tables.items():
-        pd.testing.assert_frame_equal(table, there.tables[name], check_exact=True)
-
-
 def test_seed_changes_the_start_and_no_limit():
     body = linear(Body("square", 6))
     assert (body.start(0) != body.start(1)).any()
     assert all_passed(judge(stability.run(REPORTED, Setting(quick=True, seed=1), ("limits",))))
-
-
-@pytest.mark.parametrize("questions", [(), ("limit",), ("limits", "all")])
-def test_unknown_questions_are_refused(questions):
-    with pytest.raises(ProblemError, match="choose from limits, growth"):
-        stability.run(setting=QUICK, questions=questions)
 
 
 @pytest.mark.parametrize("question", ["limits", "growth", "misprints", "drift", "cost"])
@@ -216,13 +141,6 @@ def test_exact_motion(share, ratio):
     root = np.sqrt(share)
     found = oscillator.swing(scheme, 20_000, order.ANGLE * root, ratio * root)
     assert order.exact_swing(share, ratio) == pytest.approx(found, abs=1e-7)
-
-
-def test_verlet_loses_its_order_under_damping_and_leapfrog_keeps_it(tables):
-    orders = tables["orders"].set_index(["scheme", "damping_ratio"])["order"]
-    assert orders["velocity_verlet", 0.0] == pytest.approx(2, abs=0.1)
-    assert orders["velocity_verlet", 0.3] == pytest.approx(1, abs=0.1)
-    assert orders["leapfrog", 0.3] == pytest.approx(2, abs=0.1)
 
 
 def test_oscillator_is_the_network_in_its_mode():

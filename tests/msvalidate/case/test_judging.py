@@ -264,7 +264,6 @@ def test_formats_hold_the_same(tmp_path):
         ("a.csv", b"id,ux,uy,uz\n1,2,3,4\n", "out of the plane too"),
         ("a.csv", b"id,ux,uy\n", "n above 0"),
         ("a.csv", b"id,ux,uy\n0,1e200,0\n", "1e+200 along x at point 0"),
-        ("a.csv", b"id,ux,uy\n0,True,0\n", "give a number"),
         ("a.csv", b"ux,uy" + b",c" * 1000, "1002 values in a line, at most 1000 are read"),
         ("a.csv", b"ux,uy\n" + b"," * 1000, "1001 values in a line, at most 1000 are read"),
         ("a.vtu", b"<a>" * 101, "more than 100 elements in each other"),
@@ -352,10 +351,3 @@ def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
         read_result(tmp_path / "a.npz", 2)
     assert tracemalloc.get_traced_memory()[1] < 1e7
     tracemalloc.stop()
-
-
-def test_numbers_whose_squares_are_none_are_refused():
-    for times, words in ((1e-200, "give numbers above 1e-100, or 0"), (1e250, "below 1e\\+100")):
-        field = Result("program", times * np.ones((3, 2)), X[:3], None, np.nan, 0.0)
-        with pytest.raises(ProblemError, match=words):
-            judge_result(Case(problem()), field)

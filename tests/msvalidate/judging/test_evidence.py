@@ -123,12 +123,6 @@ def test_observed_order():
     assert np.isnan(observed_order(h, [1.0, np.nan, 0.1]))
 
 
-def test_fitted_power_of_a_power():
-    sizes = np.array([1.0, 3.0, 10.0, 40.0])
-    fit = fitted_power(sizes, 7 * sizes**1.5)
-    np.testing.assert_allclose(fit, 1.5, rtol=1e-12)
-
-
 def test_the_interval_of_a_power_holds_it_as_often_as_it_says():
     rng = np.random.default_rng(3)
     sizes, hits = np.geomspace(10, 1000, 5), 0

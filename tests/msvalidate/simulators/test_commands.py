@@ -86,7 +86,6 @@ BAD = [
     (("simulate", "box.toml"), 2, "the following arguments are required: --with"),
     (("simulate", "box.toml", "--with", "toy.py", "--set", "a"), 2, "'a'; give NAME=VALUE"),
     (("simulate", "box.toml", "--with", "toy.py", "--set", "a=NaN"), 2, "NaN is no number"),
-    (("simulate", "box.toml", "--with", "toy.py", "--set", "a=1e400"), 2, "1e400 is no number"),
     (("simulate", "box.toml", "--with", "toy.py", "--out", "box.toml"), 2, "box.toml"),
     (("case", "export", "box.toml", "."), 2, "holds what no request left there"),
     (("case", "export", "box.toml", "box.toml"), 2, "no folder of a request"),

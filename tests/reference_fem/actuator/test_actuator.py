@@ -245,8 +245,6 @@ def test_bad_sweeps_are_refused():
         turning_point(None, held)
     with pytest.raises(ProblemError, match="start: 5; give an Actuated"):
         sweep(actuator, (1.0,), start=5)
-    with pytest.raises(ProblemError, match=r"voltage: 1e\+160 V; take units"):
-        equilibrium_at(actuator, 1e160)
     with pytest.raises(ProblemError, match=r"displacement of the slab: shape \(2, 2\)"):
         actuator.electric(np.zeros((2, 2)))
     with pytest.raises(ProblemError, match="displacement of the slab: nan"):

@@ -9,6 +9,7 @@ import reference_fem
 from msvalidate.problem import Box, Isotropic, ProblemError
 from reference_fem.elasticity import solve_on, stiffness
 from reference_fem.mesh import ELEMENTS, Facets, make_discretisation
+from tests.reference_fem.by_hand import moment
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -108,25 +109,6 @@ def test_cells_bent_by_rounding_are_straight_ones():
     assert np.abs(again.gradients - flat.gradients).max() <= ROUNDING
 
 
-@pytest.mark.parametrize("element", QUADRATIC)
-def test_straight_cells_mapped_as_curved_ones_are_the_same(element):
-    # One bent cell makes the library map all of them by their nodes.
-    d = ELEMENTS[element].dim
-    flat = reference_fem.box_discretisation(Box((1.0,) * d), 2, element)
-    points = flat.points.copy()
-    middle = np.flatnonzero((np.abs(points - [0.25, *[0.0] * (d - 1)]) < 1e-12).all(axis=1))
-    points[middle, 1] -= 0.05
-    bent = make_discretisation(points, flat.cells, element)
-    assert bent.curved
-    far = np.flatnonzero((flat.points[:, 0] > 0.5) & (flat.points[:, 1] > 0.5))
-    for a, b in np.ndindex(d, d):
-        one, other = (
-            body.pattern.matrix(body.gradients[a, b])[far][:, far].toarray()
-            for body in (flat, bent)
-        )
-        assert np.abs(one - other).max() <= ROUNDING
-
-
 # --- integrals ------------------------------------------------------------------------------------
 
 
@@ -157,20 +139,7 @@ def test_volume_is_the_flux_through_the_surface(element):
     assert np.abs(out).max() <= ROUNDING * facets.measure.sum()  # a closed surface
 
 
-@pytest.mark.parametrize("element", PLANE)
-def test_area_of_a_ring_comes_nearer_with_the_fourth_order(element):
-    exact = np.pi / 4 * (OUTER**2 - INNER**2)
-    error = [abs(ring(element, n).basis.dx.sum() - exact) for n in (2, 4)]
-    assert np.log2(error[0] / error[1]) == pytest.approx(4, abs=0.1)
-
-
 # --- loads ----------------------------------------------------------------------------------------
-
-
-def moment(points, force):
-    if points.shape[1] == 2:
-        return (points[:, 0] * force[:, 1] - points[:, 1] * force[:, 0]).sum()
-    return np.cross(points, force).sum(axis=0)
 
 
 def test_a_load_on_a_parabola_has_its_length_and_moment():
@@ -210,44 +179,6 @@ def test_tractions_of_uniform_stress_are_what_the_stiffness_needs(element):
     assert np.abs(internal - external).max() <= ROUNDING * np.abs(external).max()
     assert np.abs(external.sum(axis=0)).max() <= ROUNDING * np.abs(external).sum()
     assert np.abs(moment(body.points, external)).max() <= 1e-11 * np.abs(external).sum()
-
-
-# --- a cylinder under pressure --------------------------------------------------------------------
-
-
-def lame(r, p=1.0, E=2.0, nu=0.3, a=INNER, b=OUTER):
-    """Radial displacement (m) under pressure p inside, plane stress [LameClapeyron1833]."""
-    return p * a**2 / (E * (b**2 - a**2)) * ((1 - nu) * r + (1 + nu) * b**2 / r)
-
-
-def cylinder_error(element, n, *, curved=True):
-    """Error of the displacement at the nodes, relative: root mean squares."""
-    points, cells = annulus(element, n)
-    if not curved:
-        kind = ELEMENTS[element]
-        points[cells] = np.einsum("ik,ckd->cid", kind.means, points[cells[:, : kind.corners]])
-    body = make_discretisation(points, cells, element)
-    assert body.curved == curved
-    held = np.abs(points) < 1e-12
-    radius = np.linalg.norm(points, axis=1)
-    angle_free = ~(held.any(axis=1)[body.surface].all(axis=1))
-    near = (radius[body.surface] < (INNER + OUTER) / 2).all(axis=1)
-    facets = Facets(body, body.surface[near & angle_free])
-    assert len(facets.nodes) == 2 * n
-    force = facets.integrated(-facets.normals)
-    found = solve_on(body, Isotropic(2.0, 0.3), held, np.zeros(points.shape), force)
-    exact = lame(radius)[:, None] * points / radius[:, None]
-    return np.linalg.norm(found - exact) / np.linalg.norm(exact)
-
-
-@pytest.mark.parametrize("element", PLANE)
-def test_curved_edges_keep_the_order_that_straight_ones_lose(element):
-    curved = [cylinder_error(element, n) for n in (4, 8)]
-    straight = [cylinder_error(element, n, curved=False) for n in (4, 8)]
-    # At nodes Q2 is of the fourth order here and P2 of 3.6; chords are off by the square of h.
-    assert np.log2(curved[0] / curved[1]) >= 3.5
-    assert np.log2(straight[0] / straight[1]) == pytest.approx(2, abs=0.1)
-    assert curved[1] < straight[1] / 20
 
 
 # --- folds ----------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import skfem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +11,7 @@ import reference_fem
 from msvalidate.problem import Box, ProblemError
 from reference_fem.mesh import make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.reference_fem.by_hand import with_middles
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -31,19 +31,7 @@ def distorted(element, seed=0, n=4):
     corners[inner] += rng.uniform(-0.2 / n, 0.2 / n, (inner.sum(), 2))
     k = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
     cells = np.stack([k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]], axis=-1).reshape(-1, 4)
-    kind = ELEMENTS[element]
-    if kind.simplex:
-        cells = np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-    if kind.degree == 1:
-        return corners, cells
-    edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2)
-    ends, which = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
-    points = [corners, corners[ends].mean(axis=1)]
-    columns = [cells, len(corners) + which.reshape(cells.shape)]
-    if any(len(amid) == 4 for amid in kind.middles):
-        points.append(corners[cells].mean(axis=1))
-        columns.append(len(corners) + len(ends) + np.arange(len(cells))[:, None])
-    return np.vstack(points), np.hstack(columns)
+    return with_middles(corners, cells, element)
 
 
 def renumbered(points, cells, seed=0):
@@ -100,21 +88,6 @@ def test_interpolation_reproduces_nodal_values(element):
     assert np.abs(identity - np.eye(len(points))).max() <= ROUNDING
 
 
-@pytest.mark.parametrize("element", PLANE)
-def test_interpolation_is_continuous_across_edges(element):
-    points, cells = distorted(element)
-    body = make_discretisation(points, cells, element)
-    corners = cells[:, : ELEMENTS[element].corners]
-    ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
-    ends, uses = np.unique(ends.reshape(-1, 2), axis=0, return_counts=True)
-    a, b = points[ends[uses == 2]].transpose(1, 0, 2)
-    step = 1e-9 * (b - a)[:, ::-1] * [-1, 1]  # across the edge, either way
-    values = np.random.default_rng(2).normal(size=len(points))
-    above, below = (body.interpolation(0.37 * a + 0.63 * b + s) @ values for s in (step, -step))
-    # 1e-9 of an edge, times slopes of up to ten values per edge.
-    assert np.abs(above - below).max() <= 1e-7
-
-
 @table("place", [(1.01, 0.5), (0.5, -0.01), (-3.0, -3.0), (2.0, 2.0)])
 @table("element", PLANE)
 def test_point_outside_is_refused(element, place):
@@ -167,26 +140,6 @@ def test_gradient_integrals_of_parabolas(element):
     assert y**2 @ G[1][0] @ (x * y) == pytest.approx(2 / 3, rel=ROUNDING)  # ∫ 2y·y
 
 
-@pytest.mark.parametrize("element", PLANE)
-def test_blocks_are_transposes_of_each_other(element):
-    G = gradients(make_discretisation(*distorted(element), element))
-    for a in (0, 1):
-        for b in (0, 1):
-            assert np.abs(G[a][b] - G[b][a].T).max() <= ROUNDING
-
-
-def test_integrals_do_not_depend_on_the_rule_once_it_is_exact():
-    # Triangles with straight edges: products of gradients are polynomials of degree 2 (degree - 1).
-    for element in ("P1", "P2"):
-        points, cells = distorted(element)
-        body = make_discretisation(points, cells, element)
-        finer = skfem.Basis(body.basis.mesh, body.basis.elem, intorder=8)
-        form = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
-        wanted = form.assemble(finer).toarray()
-        found = gradients(body)[0][0].toarray()[np.ix_(body.node, body.node)]
-        assert np.abs(found - wanted).max() <= ROUNDING * np.abs(wanted).max()
-
-
 # --- numbering ------------------------------------------------------------------------------------
 
 
@@ -219,14 +172,6 @@ def test_quadratic_element_of_linear_points_is_refused():
         make_discretisation(points, np.hstack([cells, cells, cells[:, :1]]), "Q2")
 
 
-@table("order", [(0, 1, 3, 2), (0, 2, 1, 3), (3, 2, 1, 0), (0, 3, 2, 1)])
-def test_quadrilateral_out_of_order_is_refused(order):
-    points, cells = distorted("Q1")
-    cells[7] = cells[7, list(order)]
-    with pytest.raises(ProblemError, match="cell 7 is inverted, flat or not convex"):
-        make_discretisation(points, cells, "Q1")
-
-
 @pytest.mark.parametrize("start", range(4))
 def test_quadrilateral_may_start_at_any_corner(start):
     points, cells = distorted("Q1")
@@ -236,32 +181,7 @@ def test_quadrilateral_may_start_at_any_corner(start):
     assert np.abs(again - still).max() <= ROUNDING
 
 
-def test_clockwise_triangle_is_refused():
-    points, cells = distorted("P1")
-    cells[3] = cells[3, ::-1]
-    with pytest.raises(ProblemError, match="cell 3 is inverted"):
-        make_discretisation(points, cells, "P1")
-
-
-def test_orphan_and_coincident_points_are_named():
-    points, cells = distorted("P1")
-    with pytest.raises(ProblemError, match=f"point {len(points)} belongs to no cell"):
-        make_discretisation(np.vstack([points, [[0.5, 0.51]]]), cells, "P1")
-    seam = cells.copy()
-    seam[0][seam[0] == cells[0, 1]] = len(points)
-    with pytest.raises(ProblemError, match="remove or merge it"):
-        make_discretisation(np.vstack([points, points[cells[0, 1]]]), seam, "P1")
-
-
 # --- meshes that would be solved wrongly ----------------------------------------------------------
-
-TWO_CELLS = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
-
-
-def test_a_cell_listed_twice_is_refused():
-    cells = [[0, 1, 4, 3], [1, 2, 5, 4], [1, 2, 5, 4]]
-    with pytest.raises(ProblemError, match="overlaps another on one of its edges; list it once"):
-        make_discretisation(TWO_CELLS, cells, "Q1")
 
 
 def test_nodes_that_are_not_those_of_the_cell_are_refused():

@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.reference_fem.by_hand import SKEW
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -158,21 +159,14 @@ def test_a_traction_on_a_part_that_the_lines_end_at_has_its_resultant():
         # shapes and types
         ((), "mesh lines through (): give coordinates for each axis, as ((), (0.4, 0.6))"),
         (((0.4,),), "mesh lines through ((0.4,),): give coordinates for each axis"),
-        (((0.4,), (), ()), "mesh lines through ((0.4,), (), ()): give coordinates for each axis"),
         (4, "mesh lines through 4: give coordinates for each axis"),
-        ("ab", "mesh lines through 'ab': give coordinates for each axis"),
         ((0.4, ()), "mesh lines through 0.4: give coordinates in order, between 0 and 1.2 m"),
-        (((), ((0.4,),)), "mesh lines through ((0.4,),): give coordinates in order, between 0 and"),
         ((("a",), ()), "mesh lines through: expected numbers, got ('a',)"),
-        (((None,), ()), "mesh lines through: expected numbers, got (None,)"),
         (((), (NAN,)), "mesh lines through: nan at index 0; every value must be finite"),
-        (((np.inf,), ()), "mesh lines through: inf at index 0"),
         # places
         (((0.6, 0.4), ()), "mesh lines through (0.6, 0.4): give coordinates in order, between 0"),
-        (((0.4, 0.4), ()), "mesh lines through (0.4, 0.4): give coordinates in order"),
         (((1.3,), ()), "mesh lines through (1.3,): give coordinates in order, between 0 and 1.2 m"),
         (((), (0.9,)), "mesh lines through (0.9,): give coordinates in order, between 0 and 0.8 m"),
-        (((-0.1,), ()), "mesh lines through (-0.1,): give coordinates in order"),
         (((0.0,), ()), "mesh lines through (0.0,): give coordinates in order"),
         (((1.2,), ()), "mesh lines through (1.2,): give coordinates in order"),
         # counts
@@ -376,16 +370,11 @@ hold have the very area and perimeter of the outline."""
     ("arguments", "options", "message"),
     [
         ((BAR, 0.2, "Q2"), {}, "mesh: Q2 in a polygon of 4 vertices, 1.6 x 0.519615 m; give a"),
-        ((BAR, 0.2, "Q1"), {}, "give a Polygon and P1 or P2"),
-        ((BAR, 0.2, None), {}, "mesh: None in a polygon"),
-        ((BAR, 0.2, ["P1"]), {}, "mesh: ['P1'] in a polygon"),
         ((BOX, 0.2), {}, "mesh: P2 in a box 1.2 x 0.8 m; give a Polygon and P1 or P2"),
         # spacing
         ((BAR, 0.0), {}, "mesh spacing: 0.0 m; it must be above zero"),
         ((BAR, -0.2), {}, "mesh spacing: -0.2 m; it must be above zero"),
         ((BAR, NAN), {}, "mesh spacing: nan; every value must be finite"),
-        ((BAR, (0.2, 0.2)), {}, "mesh spacing: (0.2, 0.2) is a list; give one number"),
-        ((BAR, "fine"), {}, "mesh spacing: expected numbers, got 'fine'"),
         ((BAR, 0.3), {}, "mesh spacing: triangles of side 0.3 m cover 0.662509 of 0.6755 m²"),
         ((BAR, 0.1999), {}, "choose one that divides every edge"),
         ((BLOCK, 0.25), {}, "choose one that divides every edge"),
@@ -403,12 +392,8 @@ hold have the very area and perimeter of the outline."""
         ),
         # places
         ((BAR, 0.2), {"towards": [(0.0, NAN)]}, "places to refine towards: nan at index (0, 1)"),
-        ((BAR, 0.2), {"towards": [(np.inf, 0.0)]}, "places to refine towards: inf at index (0, 0)"),
         ((BAR, 0.2), {"towards": (0.0, 0.0)}, "towards: shape (2,); give (p, 2)"),
-        ((BAR, 0.2), {"towards": (0.0, 0.0, 0.2)}, "towards: shape (3,); give (p, 2)"),
         ((BAR, 0.2), {"towards": np.zeros((2, 3))}, "towards: shape (2, 3); give (p, 2)"),
-        ((BAR, 0.2), {"towards": [(0.0, 0.0), (1.0,)]}, "towards: rows of different length"),
-        ((BAR, 0.2), {"towards": "corner"}, "towards: expected numbers, got 'corner'"),
         ((BAR, 0.2), {"depth": 5}, "mesh depth: 5 and no places to refine towards; give towards"),
         (
             (BAR, 0.2),
@@ -420,10 +405,7 @@ hold have the very area and perimeter of the outline."""
         ((BAR, 0.2), {"depth": -1}, "mesh depth: -1; give a whole number, 0 or more"),
         ((BAR, 0.2), {"depth": 1.0}, "mesh depth: 1.0; give a whole number, 0 or more"),
         ((BAR, 0.2), {"depth": True}, "mesh depth: True; give a whole number, 0 or more"),
-        ((BAR, 0.2), {"depth": NAN}, "mesh depth: nan; give a whole number"),
         ((BAR, 0.2), {"rings": 0}, "mesh rings: 0; give a whole number, 1 or more"),
-        ((BAR, 0.2), {"rings": 1.5}, "mesh rings: 1.5; give a whole number, 1 or more"),
-        ((BAR, 0.2), {"towards": [(0.0, 0.0)], "rings": None}, "mesh rings: None; give a whole"),
         (
             (BAR, 0.2),
             {"towards": [(0.0, 0.0)], "depth": 40},
@@ -438,8 +420,6 @@ def test_a_bad_mesh_of_triangles_is_named(arguments, options, message):
 
 # --- exact answers on polygons --------------------------------------------------------------------
 
-# C16 and C26 couple stretch and shear: a swapped index cannot hide behind a zero.
-SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
 MATERIALS = {
     "isotropic": Isotropic(2.0, 0.3, "plane_stress", thickness=0.25),
     "anisotropic": Anisotropic(SKEW, thickness=0.25),
@@ -454,35 +434,6 @@ materials = pytest.mark.parametrize("name", MATERIALS)
 def held_all_round(outline, displacement):
     fields = tuple(lambda x, axis=axis: displacement(x)[:, axis] for axis in (0, 1))
     return tuple(Support(edge, fields) for edge in edges(outline))
-
-
-@triangles
-@materials
-@outlines
-def test_patch_of_a_refined_mesh(outline, name, element):
-    def affine(x):
-        return 1e-3 * np.column_stack([x[:, 0] + x[:, 1] / 2, x[:, 1] + x[:, 0] / 2 - 1.0])
-
-    problem = Problem(outline, MATERIALS[name], held_all_round(outline, affine))
-    body = refined(outline, element, 3, spacing=0.1)
-    found = reference_fem.solve_problem(problem, body).displacement
-    # A direct solve of some hundred unknowns leaves 1e-14.
-    assert np.abs(found - affine(body.points)).max() <= 1e-12 * np.abs(affine(body.points)).max()
-
-
-def test_patch_between_two_straight_sides_of_a_block():
-    # Left and right of a zigzag block are whole sides of its span: regions serve as well.
-    (_, right), _ = BLOCK.span
-    supports = (
-        Support(Region((0.0, None)), (0.0, lambda x: -0.3e-3 * x[:, 1])),
-        Support(Region((right, None)), (1e-3 * right, lambda x: -0.3e-3 * x[:, 1])),
-    )
-    problem = Problem(BLOCK, Isotropic(2.0, 0.3), supports)
-    body = refined(BLOCK, "P2", 4)
-    found = reference_fem.solve_problem(problem, body).displacement
-    # Uniaxial stress along x pulls on the teeth, which are free: uniform it is on no zigzag.
-    exact = 1e-3 * body.points * [1, -0.3]
-    assert 1e-3 < np.abs(found - exact).max() / np.abs(exact).max() < 0.1
 
 
 @materials
@@ -539,53 +490,3 @@ def test_uniform_stress_from_tractions_on_segments(outline, depth, name, element
     assert np.abs(solution.displacement - exact(body.points)).max() <= 1e-11 * size
     places = triangular(outline, 0.05).points
     assert np.abs(solution.at(places) - exact(places)).max() <= 1e-11 * size
-
-
-@outlines
-def test_tractions_and_body_force_have_their_resultants(outline):
-    body = refined(outline, "P2", 2)
-    held = (Support(edges(outline)[0], (0.0, 0.0)),)
-    side = edges(outline)[1]
-    pull, weight = Traction(side, (2.0, -3.0)), BodyForce((2.0, -3.0))
-    for load, size in ((pull, side.measure(())), (weight, outline.volume)):
-        problem = Problem(outline, MATERIALS["isotropic"], held, (load,))
-        force = reference_fem.body.nodal_forces(problem, body)
-        assert force.sum(axis=0) == pytest.approx(0.25 * size * np.array([2, -3]), rel=1e-12)
-
-
-def test_equilateral_triangles_and_a_sheared_box_agree_on_a_rhombus():
-    # A mesh of squares cut in two, sheared, against equilateral triangles refined towards corners.
-    rhombus = Polygon(((0.0, 0.0), (1.0, 0.0), (1.5, ROW), (0.5, ROW)))
-    bottom, _, top, _ = edges(rhombus)
-    problem = Problem(
-        rhombus,
-        Isotropic(1.0, 0.3),
-        (Support(bottom, (0.0, 0.0)),),
-        (Traction(top, (0.0, -1.0)), BodyForce((0.3, 0.0))),
-    )
-    places = triangular(rhombus, 0.25).points
-
-    def answer(body):
-        return reference_fem.solve_problem(problem, body).at(places)
-
-    def sheared(cells):
-        box = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, "P2", 3.0)
-        return reference_fem.make_discretisation(
-            box.points @ [[1.0, 0.0], [0.5, ROW]], box.cells, "P2"
-        )
-
-    limit = answer(refined(rhombus, "P2", 12, rings=3, spacing=1 / 16))
-    coarse, fine = (
-        np.abs(answer(sheared(cells)) - limit).max() / np.abs(limit).max() for cells in (16, 32)
-    )
-    # The equilateral triangles change by 5e-5 when refined once more; the sheared ones, graded,
-    # converge on them with an order near 3.
-    assert fine < 1e-3
-    assert coarse / fine > 6
-
-
-def test_the_mesh_of_another_outline_is_refused():
-    problem = Problem(BAR, Isotropic(1.0, 0.3), (Support(edges(BAR)[0], (0.0, 0.0)),))
-    other = reference_fem.polygon_discretisation(trapezium(0.2, (4, 3)), 0.2)
-    with refused("mesh the problem's own domain"):
-        reference_fem.solve_problem(problem, other)
