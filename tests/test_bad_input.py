@@ -218,6 +218,12 @@ BAD = [
         ProblemError,
         "factor of the stiffness: expected",
     ),
+    (
+        "points in one place",
+        lambda: spring_network([[1, 0], [1, 0]], [[0, 1]], 1.0),
+        ProblemError,
+        "its two points coincide",
+    ),
     ("points far away", lambda: spring_network([[0, 1e200]], [[0, 1]], 1.0), ProblemError, "unit"),
     (
         "shear springs",

@@ -35,6 +35,13 @@ def evidence(small_form):
     return small_form("convergence")
 
 
+def test_full_sizes_span_two_decades_of_nodes_and_in_space_more_than_one():
+    for body, sizes in steps.FINENESSES.items():
+        assert len(sizes) >= 4
+        nodes = [np.prod(np.add(bodies.cells(body, n), 1)) for n in sizes]
+        assert nodes[-1] / nodes[0] >= (100 if bodies.dim(body) == 2 else 40)
+
+
 def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
     """By stepping the slowest mode itself with the leapfrog of the method."""
     root_kappa, threshold = 50.0, 1e-3

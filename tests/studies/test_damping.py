@@ -1,5 +1,6 @@
 """The study `damping`: its closed forms, its resolution."""
 
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -43,6 +44,12 @@ def evidence(small_form):
 @pytest.fixture(scope="module")
 def plate():
     return bodies.loaded("plate", (3, 3), "across")
+
+
+def test_full_range_of_dampings():
+    assert rest.RANGE == (0.05, 20.0)
+    assert rest.POINTS >= 17
+    assert len(rest.BODIES) == 6
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -329,3 +336,10 @@ def test_energy_rises_in_steps_but_not_in_the_mean(tables):
     assert (table["single_rises"] > 0).tolist()[0]
     assert (table["mean_rises"] == 0).all()
     assert cycles.count_rises(np.array([1.0, 0.5, 0.6, 0.6, 0.7])) == 2
+
+
+def test_numbers_do_not_depend_on_workers():
+    with ProcessPoolExecutor(2) as pool:
+        apart = decay.run(euler_cromer, Setting(quick=True, executor=pool))
+    here = decay.run(euler_cromer, QUICK)
+    pd.testing.assert_frame_equal(apart.tables["decay"], here.tables["decay"], check_exact=True)

@@ -14,7 +14,10 @@ from msvalidate.studies.electrostatics import (
     models,
     nodes,
     plates,
+    scaling,
     shortcuts,
+    strips,
+    virtual_work,
 )
 from msvalidate.studies.electrostatics.common import MOMENTS
 
@@ -39,6 +42,21 @@ def tables(small_tables):
 @pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("electrostatics")
+
+
+def test_full_form_is_what_it_should_show():
+    assert {1.0, 6.0, 10.0} <= set(strips.RATIOS)
+    assert {1.0, 3.0, 10.0} == set(in_air.RATIOS)
+    assert {1.0, 6.0, 24.0} == set(models.DEPTHS)
+    assert min(strips.DRAWN) == 0.1
+    assert max(strips.DRAWN) == 50
+    for full, quick in (
+        (strips.SEGMENTS, strips.QUICK_SEGMENTS),
+        (edge.SEGMENTS, edge.QUICK_SEGMENTS),
+        (virtual_work.SEGMENTS, virtual_work.QUICK_SEGMENTS),
+        (scaling.SEGMENTS, scaling.QUICK_SEGMENTS),
+    ):
+        assert max(full) > max(quick)
 
 
 @pytest.mark.slow

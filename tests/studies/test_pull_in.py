@@ -1,5 +1,6 @@
 """The study `pull_in`: the infinite slab's waves, routes, controls."""
 
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 
@@ -34,6 +35,12 @@ QUICK = Setting(quick=True)
 @pytest.fixture(scope="module")
 def tables(small_tables):
     return small_tables("pull_in")
+
+
+def test_full_form_is_the_issue():
+    assert instability.LAYERS == (5, 10, 16)
+    assert len(instability.QUICK_LAYERS) >= 3
+    assert (sweep.STEPS, sweep.COSTLY) == (20, 10)
 
 
 def test_pull_in_is_known_to_three_digits(tables):
@@ -221,3 +228,15 @@ def test_linear_sheet_is_the_neo_hookean_one_to_second_order():
             law(1 + along, 1 + across) for law in (homogeneous.neo_hookean, controls.linear_sheet)
         )
         assert straight == pytest.approx(soft, rel=1e-2)
+
+
+def test_same_numbers_whatever_the_workers():
+    questions = ("sweep", "beyond")
+    here = pull_in.run(setting=QUICK, questions=questions)
+    with ProcessPoolExecutor(2) as workers:
+        there = pull_in.run(setting=Setting(quick=True, executor=workers), questions=questions)
+    for name, table in here.tables.items():
+        same = table.drop(columns="sweep_seconds", errors="ignore")
+        pd.testing.assert_frame_equal(
+            same, there.tables[name].drop(columns="sweep_seconds", errors="ignore")
+        )

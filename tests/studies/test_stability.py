@@ -1,8 +1,10 @@
 """The study `stability`: the search for limits, its controls."""
 
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from msvalidate.studies.stability import (
     bounded,
@@ -11,6 +13,7 @@ from msvalidate.studies.stability import (
     cost,
     drift,
     figure3,
+    limits,
     misprints,
     networks,
     order,
@@ -45,6 +48,15 @@ def tables(small_tables):
 @pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("stability")
+
+
+def test_full_form_is_the_atlas():
+    assert set(limits.RATIOS) <= set(limits.ATLAS)
+    assert limits.ATLAS[0] == 0
+    assert limits.ATLAS[-1] == 3
+    assert {6, 40} <= set(limits.SIDES)
+    assert drift.PERIODS >= 10_000
+    assert len(order.STEPS) > len(order.QUICK_STEPS)
 
 
 def test_seed_changes_the_start_and_no_limit():
@@ -254,3 +266,12 @@ def test_reference_of_figure_3_is_fine():
     time, x, _ = figure3.displacement(block, scheme, figure3.FINE)
     finer_time, finer, _ = figure3.displacement(block, scheme, figure3.FINE / 2)
     assert np.abs(x - np.interp(time, finer_time, finer)).max() < 2e-3 * np.ptp(x)
+
+
+def test_same_numbers_whatever_the_workers():
+    questions = ("limits", "passing")
+    here = stability.run(setting=QUICK, questions=questions)
+    with ProcessPoolExecutor(2) as workers:
+        there = stability.run(setting=Setting(quick=True, executor=workers), questions=questions)
+    for name, table in here.tables.items():
+        pd.testing.assert_frame_equal(table, there.tables[name], check_exact=True)
