@@ -237,11 +237,29 @@ def at_large_strain(rng, ordinary):
     return found.error, float(np.abs(found.displacement - right).max() / np.abs(right).max())
 
 
+def judged_kind(kind, seeds):
+    """Even seeds are ordinary: a twentieth of these may be refused, and a fifth of all.
+
+    At large strain no more than that a body may have no stable equilibrium under its load.
+    """
+    pairs = {seed: of_kind(kind, seed, ordinary=seed % 2 == 0) for seed in seeds}
+    refused = [seed for seed, pair in pairs.items() if pair is REFUSED]
+    missed = [seed for seed in pairs if seed not in refused and pairs[seed][1] > pairs[seed][0]]
+    assert not missed
+    ordinary = [seed for seed in refused if seed % 2 == 0 and kind != "large strain"]
+    assert len(ordinary) <= 0.05 * len(seeds) / 2
+    assert len(refused) <= 0.2 * len(seeds)
+
+
 @pytest.mark.parametrize("kind", KINDS[1:])
 def test_stated_errors_of_each_kind(kind):
-    for seed in range(4):
-        pair = of_kind(kind, seed, ordinary=seed % 2 == 0)
-        assert pair is REFUSED or pair[1] <= pair[0]
+    judged_kind(kind, range(4))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS[1:])
+def test_stated_errors_of_many_of_each_kind(kind):
+    judged_kind(kind, range(100, 200))
 
 
 # --- beams by their formula -----------------------------------------------------------------------
