@@ -193,6 +193,6 @@ def test_uniform_tension_is_its_closed_form(lattice_body, strain, far, constants
     expected = here.points * [strain, narrowing(strain, *constants)]
     within = found.error + 4 * np.finfo(float).eps
     assert np.abs(found.displacement - expected).max() <= within * np.abs(expected).max()
-    # Rest lengths are known to an eps of themselves, and the answer to as much of a strain.
-    assert found.error <= 4 * np.finfo(float).eps / strain + 1e-15
+    # Rest lengths are known to an eps of themselves, and the answer to tens of these of a strain.
+    assert found.error <= 40 * np.finfo(float).eps / strain + 1e-14
     assert found.folded == 0
