@@ -67,13 +67,13 @@ def contraction_bound(softness: float) -> float:
 
 
 def refine_solution(
-    residual: Residual, solve: Solve, start: Array, rate: float, *, solved: bool = True
+    residual: Residual, solve: Solve, start: Array, rate: float, solved: float = 0.0
 ) -> Refined:
     """Correct a solution (n, d) by iterative refinement until it no longer changes.
 
-    `rate` is the part of an error that a correction leaves at the most, as far as is known
-    (`contraction_bound`); `solved` whether `start` is the factor's own answer, so that the first
-    correction tells how much of it the factor had wrong.
+    `rate` is the part of an error that a correction leaves, as far as the softest motion tells
+    (`contraction_bound`); `solved` the size of what the factor gave of `start`, if it did: then the
+    first correction tells how much of that it had wrong.
 
     Source: iterative refinement, [Wilkinson1963], [Demmel2006]; steps combined as in
     [Anderson1965].
@@ -81,7 +81,7 @@ def refine_solution(
     u, error = start, np.inf
     corrections: list[Array] = []
     steps: list[Array] = []
-    sizes = [max_abs(start)] if solved and start.any() else []
+    sizes = [solved] if solved else []
     while len(steps) < MOST_STEPS:
         corrections.append(solve(residual(u)))
         steps.append(_combined_step(corrections, steps))
@@ -127,7 +127,7 @@ def error_amplification(residual: Residual, solve: Solve, rate: float, known: Ar
         return residual(u - known)
 
     start = solve(left(np.zeros_like(known)))
-    found = refine_solution(left, solve, start, rate)
+    found = refine_solution(left, solve, start, rate, max_abs(start))
     error = max_abs(found.solution - known) / max_abs(known)
     return max(1.0, error / max(found.error, EPS))
 
@@ -135,8 +135,9 @@ def error_amplification(residual: Residual, solve: Solve, rate: float, known: Ar
 def refuse_inaccurate(error: float, title: str, why: str) -> None:
     """Raise `InaccurateError` where an error is above `LARGEST_ERROR`."""
     if not error <= LARGEST_ERROR:
-        digits = "not known" if not np.isfinite(error) or error >= 1 else f"{error:.1g}"
+        if not error < 1:
+            raise InaccurateError(f"{title}: no digit of the displacement is known: {why}")
         raise InaccurateError(
-            f"{title}: the error left is {digits} of the largest displacement, more than "
+            f"{title}: the error left is {error:.1g} of the largest displacement, more than "
             f"{LARGEST_ERROR:g}: {why}"
         )

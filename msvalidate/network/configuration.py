@@ -13,15 +13,15 @@ the same (`laws.volumes`). This is the plain NumPy form; `msvalidate.kernels` ha
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
 from scipy.sparse import bsr_array, csr_array
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network.laws import volumes as cells
 from msvalidate.network.network import Network
-from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite_coordinates, format_value, require_type
 
 
@@ -53,8 +53,8 @@ class Configuration:
         self.elongation = grown / (self.length + network.distance) + network.beyond_rest
 
     @cached_property
-    def slack(self) -> Array:
-        """Pull (m,) of each spring over its length, in N/m: the stiffness across it."""
+    def force_density(self) -> Array:
+        """Tension (m,) of each spring over its length, in N/m: its stiffness across."""
         return np.asarray(self.network.stiffness * (self.elongation / self.length))
 
     def energy(self) -> float:
@@ -64,7 +64,7 @@ class Configuration:
 
     def force(self) -> Array:
         """Force (n, d) in N of all springs and cells on the points."""
-        force = self.network.assemble_forces(self.slack[:, None] * self.vector)
+        force = self.network.assemble_forces(self.force_density[:, None] * self.vector)
         return force + self.network.of_cells(cells.force, self.displacement)
 
     def force_change(self, motion: Array) -> Array:
@@ -75,21 +75,21 @@ class Configuration:
         i, j = self.network.springs.T
         w = motion[j] - motion[i]
         along = (self.vector * w).sum(axis=1) / self.length**2
-        pull = ((self.network.stiffness - self.slack) * along)[:, None] * self.vector
-        force = self.network.assemble_forces(pull + self.slack[:, None] * w)
+        pull = ((self.network.stiffness - self.force_density) * along)[:, None] * self.vector
+        force = self.network.assemble_forces(pull + self.force_density[:, None] * w)
         return force + self.network.of_cells(cells.force_change, self.displacement, motion)
 
     def mode_energy(self, motion: Array) -> float:
         """Twice the energy (J) of a small motion (n, d) in m: motionᵀ K motion.
 
-        Summed spring by spring, each term positive, it is exact where K's own rounding would hide
-        it; cells are one term each.
+        Summed spring by spring, without differences of large sums: exact where K's own rounding
+        would hide it. Springs in compression count below 0; cells are one term each.
         """
         i, j = self.network.springs.T
         w = motion[j] - motion[i]
         along = (self.vector * w).sum(axis=1) / self.length
         across = (w**2).sum(axis=1) - along**2
-        stored = float(self.network.stiffness @ along**2 + self.slack @ across)
+        stored = float(self.network.stiffness @ along**2 + self.force_density @ across)
         change = self.network.of_cells(cells.force_change, self.displacement, motion)
         return stored - float(np.sum(motion * change))
 
@@ -101,7 +101,7 @@ class Configuration:
         Source: [Crisfield1991], chapter 3 (truss elements); derived by differentiation of `force`.
         """
         network, n = self.network, self.vector / self.length[:, None]
-        across, along = self.slack, network.stiffness - self.slack
+        across, along = self.force_density, network.stiffness - self.force_density
 
         def entry(a: int, b: int) -> Array:
             # n nᵀ first, so that it is rounded alike in springs of any stiffness: long and slender
@@ -156,7 +156,7 @@ def configuration_at(network: Network, position: Array) -> Configuration:
             f"position: {format_value(position)}; give an array {network.points.shape}"
         )
     plain = type(position) is np.ndarray and position.dtype == np.float64
-    if not (plain and math.isfinite(position.sum())):  # one look for any number of points
+    if not (plain and max_abs(position) <= LONGEST):
         position = finite_coordinates("position", position)
     return Configuration(network, position - network.points)
 

@@ -26,9 +26,9 @@ from msvalidate.network import Configuration, Network
 from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import replace
-from msvalidate.tangent.cycles import ROUGHLY, Cycles
+from msvalidate.tangent.cycles import ROUGHLY, Cycles, NotConvergedError
 from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, make_cycle, restrained_tangent
+from msvalidate.tangent.multigrid import Cycle, make_cycle, restrained_tangent
 from msvalidate.tangent.stability import negative_modes
 
 TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
@@ -43,12 +43,11 @@ SETTLED = 1e-12
 """Error at which no other tangent is made."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
-ROUNDINGS = 10.0
+ROUNDINGS = 8.0
 """Times what is left if forces are rounded in one other way, that is stated for all ways."""
 SMALLEST = float(np.finfo(float).smallest_subnormal)
 TOLD = 1e-14
-"""Part that a softest motion meets, of what its points do, from which a factor's corrections fall:
-several times what they leave of it."""
+"""Softness from which a factor's corrections are known to fall."""
 ALIKE = 100.0
 """Times that stiffnesses may be apart without a word of it."""
 
@@ -90,10 +89,10 @@ class _System:
             motion[self.free] = inverse.solve(load)
         return motion
 
-    def refined(self, start: Array, *, solved: bool) -> Refined:
+    def refined(self, start: Array, solved: float = 0.0) -> Refined:
         """Corrections from a start (n, d) in m, and the whole error."""
         rate = self.found.rate
-        found = refine_solution(self.residual, self.solve, start, rate, solved=solved)
+        found = refine_solution(self.residual, self.solve, start, rate, solved)
         scale = max_abs(found.solution)
         if not scale:
             return replace(found, error=math.inf if self.residual(found.solution).any() else 0.0)
@@ -126,15 +125,16 @@ def refine_linear(network: Network, solver: Solver) -> Refined:
         if not (network.beyond_rest.any() or network.volumes):
             # Springs at rest resist every motion or none: the sign is rounding.
             refuse_inaccurate(math.inf, "linear equilibrium", why)
+        remedy = "relieve its prestress" if network.beyond_rest.any() else "stiffen its cells"
         raise SolverError(
             "linear equilibrium: the network is unstable at its reference points (its tangent "
-            "stiffness has a negative mode); relieve its prestress or hold it better"
+            f"stiffness has a negative mode); {remedy} or hold it better"
         )
     if is_unloaded(network):
         return Refined(prescribed, 0.0, 0)
     system = _System(network, found, linear=True)
     first = system.solve(system.residual(prescribed))
-    refined = system.refined(prescribed + first, solved=True)
+    refined = system.refined(prescribed + first, max_abs(first))
     refuse_inaccurate(refined.error, "linear equilibrium", why)
     return refined
 
@@ -158,17 +158,17 @@ def refine_equilibrium(
     before, best, steps = Configuration(network, u), math.inf, 0
     for _ in range(FACTORS):
         found = found or solver.regular(Configuration(network, u))
-        refined = _System(network, found, linear=False).refined(u, solved=False)
+        refined = _System(network, found, linear=False).refined(u)
         turn = found.at.largest_rotation(refined.solution - found.at.displacement)
         steps += refined.steps
-        if not turn <= LARGEST_TURN:
-            break
+        _refuse_far(turn)
         u, last = refined.solution, found
         if turn <= SAME_TANGENT and not SETTLED < refined.error < STANDING * best:
             break
         best, found = refined.error, None
     _refuse_far(before.largest_rotation(refined.solution - before.displacement))
-    refuse_inaccurate(refined.error, title, explain_rounding(network, last.softness))
+    error = refined.error if turn <= SAME_TANGENT else math.inf
+    refuse_inaccurate(error, title, explain_rounding(network, last.softness))
     if negative_modes(last):
         raise SolverError(
             f"{title}: the network is unstable under its full load; reduce the load or stiffen "
@@ -182,9 +182,8 @@ def error_of_displacement(
 ) -> float:
     """Error of a displacement (n, d) in m close to an equilibrium, over the largest displacement.
 
-    By corrections that are not applied; infinite where they do not lead to an equilibrium. Without
-    a factor conjugate gradients make one correction; `cycle` is a multigrid cycle of a tangent
-    close by, where there is one.
+    By corrections that are not applied; infinite where none can be made. Of a large body multigrid
+    makes one, by `cycle` if that is one of a tangent close by, and a factor where it does not.
     """
     size = max_abs(displacement)
     if network.held.all():
@@ -193,18 +192,29 @@ def error_of_displacement(
     if not size:
         return math.inf if force.any() else 0.0
     at, solver = Configuration(network, displacement), Solver(network)
-    if cycle is not None or not solver.is_direct:
-        A = restrained_tangent(at)
-        cycle = cycle or make_cycle(A, at)
-        found = conjugate_gradients(A, force.ravel(), cycle, CYCLES_PART)
-        return 2 * max_abs(found.solution) / size
     try:
+        if not solver.is_direct:
+            try:
+                return _error_by_multigrid(at, force, cycle) / size + 8 * EPS
+            except NotConvergedError as error:
+                solver.give_way(error)
         system = _System(network, solver.regular(at), linear=False)
-        moved = system.refined(displacement, solved=False)
+        moved = system.refined(displacement)
     except SolverError:
         return math.inf
     apart = 1.01 * max_abs(moved.solution - displacement)
     return (apart + moved.error * max_abs(moved.solution)) / size
+
+
+def _error_by_multigrid(at: Configuration, force: Array, cycle: Cycle | None) -> float:
+    """Error (m) of a displacement that leaves a force (n, d) in N, by one correction."""
+    A, network = restrained_tangent(at), at.network
+    cycles = Cycles(A, at, cycle or make_cycle(A, at), cycle is None)
+    other = out_of_balance_force(rounded_otherwise(network), at.displacement) - force
+    step, rounded = (
+        max_abs(cycles.solve(each[~network.held], CYCLES_PART)) for each in (force, other)
+    )
+    return 2 * step + ROUNDINGS * rounded
 
 
 def explain_rounding(network: Network, softness: float) -> str:
@@ -213,15 +223,17 @@ def explain_rounding(network: Network, softness: float) -> str:
     apart = float(k.max() / k.min()) if len(k) else 1.0
     # What the softest motion of a slender body meets falls as the fourth power of its cells.
     share = min((abs(softness) / TOLD) ** 0.25, 1.0)
-    fewer = f"take {share:.1g} of the cells along a slender body, or " if share < 1 else "take "
-    met = (
-        f"the softest motion meets {abs(softness):.1g} of what its points meet one by one; "
-        f"{fewer}a load that prestress does not hide"
-    )
-    if apart < ALIKE:
-        return met
+    remedies = []
+    if share < 1 and apart < ALIKE:
+        remedies.append(f"take {share:.1g} of the cells along a slender body")
+    if network.beyond_rest.any():
+        remedies.append("take a load that prestress does not hide")
+    if apart >= ALIKE or not remedies:
+        remedies.append("bring stiffnesses closer together")
+    start = f"stiffnesses are {apart:.1g} times apart, and " if apart >= ALIKE else ""
     return (
-        f"stiffnesses are {apart:.1g} times apart, and {met}, or bring stiffnesses closer together"
+        f"{start}the softest motion meets {abs(softness):.1g} of what its points meet one by one; "
+        f"{', or '.join(remedies)}"
     )
 
 
@@ -236,6 +248,6 @@ def _refuse_far(turn: float) -> None:
     if not turn <= LARGEST_TURN:
         raise SolverError(
             f"nonlinear equilibrium: corrections turn a spring by {turn:.2g} of its length: "
-            "rounding hides the equilibrium; take a larger load, or stiffnesses that are closer "
+            "rounding hides the equilibrium; take a smaller load, or stiffnesses that are closer "
             "together"
         )

@@ -66,7 +66,7 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
     # Elongations come from displacements: positions have few digits of small ones, or none.
     if geometry == "nonlinear":
         at = Configuration(network, found.displacement)
-        pull, vector = at.slack, at.vector
+        pull, vector = at.force_density, at.vector
     else:
         vector, (i, j) = network.vector, network.springs.T
         apart = found.displacement[j] - found.displacement[i]

@@ -60,7 +60,7 @@ class Cycles:
 
         Raises
         ------
-        UnsettledError
+        NotConvergedError
             If conjugate gradients do not get there.
         """
         largest = float(np.abs(right).max(initial=0.0))
@@ -68,7 +68,7 @@ class Cycles:
             return np.zeros(len(right))
         size = 2.0 ** math.frexp(largest)[1]
         found = self._settled(right / size, part)
-        if found.negative or not found.left <= part:
+        if found.negative or not found.left <= part * min(found.lowest, 1.0):
             raise NotConvergedError(
                 f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
             )
