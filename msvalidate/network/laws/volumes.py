@@ -58,10 +58,6 @@ SURFACES: dict[tuple[int, int], tuple[Index, float]] = {
 each determinant that counts. In the plane the third corner is the normal."""
 
 
-LARGEST = 1e300
-"""Stiffness (N/m) of cells that may meet at a point: sums of it then stay finite."""
-
-
 @dataclass(frozen=True, eq=False)
 class Volumes:
     """Cells of a network that resist a change of volume. Arrays are made read-only.
@@ -106,13 +102,6 @@ class Volumes:
             raise ProblemError(
                 f"cells: cell {cell} has volume {self.rest_volume[cell]:g}; list its corners "
                 "counter-clockwise, in space in VTK order"
-            )
-        with np.errstate(over="ignore"):
-            met = stiffness_magnitudes(self)
-        if not (met <= LARGEST).all():
-            raise ProblemError(
-                f"stiffness of volumes: {np.abs(met).max():g} N/m meet at a point; choose units "
-                f"that leave it below {LARGEST:g}"
             )
 
     @property
