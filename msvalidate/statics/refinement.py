@@ -39,11 +39,11 @@ SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
 FACTORS = 6
 """Tangents made at the most."""
-SETTLED = 1e-12
+SETTLED = 1e-13
 """Error at which no other tangent is made."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
-ROUNDINGS = 8.0
+ROUNDINGS = 16.0
 """Times what is left if forces are rounded in one other way, that is stated for all ways."""
 SMALLEST = float(np.finfo(float).smallest_subnormal)
 TOLD = 1e-14
