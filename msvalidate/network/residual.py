@@ -7,12 +7,11 @@ from copy import copy
 
 import numpy as np
 
+from msvalidate.linear_algebra.refine import EPS
 from msvalidate.network import Configuration, Network
 from msvalidate.network.laws import volumes as cells
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.checks import require_type
-
-EPS = float(np.finfo(float).eps)
 
 
 def out_of_balance_force(network: Network, displacement: Array) -> Array:

@@ -46,7 +46,7 @@ CYCLES_PART = 1e-4
 ROUNDINGS = 16.0
 """Times what is left if forces are rounded in one other way, that is stated for all ways."""
 SMALLEST = float(np.finfo(float).smallest_subnormal)
-TOLD = 1e-14
+SOFTEST_REFINED = 1e-14
 """Softness from which a factor's corrections are known to fall."""
 ALIKE = 100.0
 """Times that stiffnesses may be apart without a word of it."""
@@ -222,7 +222,7 @@ def explain_rounding(network: Network, softness: float) -> str:
     k = network.stiffness[network.stiffness > 0]
     apart = float(k.max() / k.min()) if len(k) else 1.0
     # What the softest motion of a slender body meets falls as the fourth power of its cells.
-    share = min((abs(softness) / TOLD) ** 0.25, 1.0)
+    share = min((abs(softness) / SOFTEST_REFINED) ** 0.25, 1.0)
     remedies = []
     if share < 1 and apart < ALIKE:
         remedies.append(f"take {share:.1g} of the cells along a slender body")
