@@ -18,13 +18,13 @@ from itertools import product
 import numpy as np
 from scipy.linalg import LinAlgError, eigvalsh
 from scipy.optimize import minimize
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array
 
 from msvalidate.constants.cell_at_rest import elongations
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.pattern import SAME_DISTANCE
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import refuse_too_many, require_type
+from msvalidate.problem.checks import finite_number, refuse_too_many, require_type
 
 PHASES = 8
 """Of waves along each axis, even, so that pi is one."""
@@ -38,7 +38,7 @@ LARGEST_SOFT = 100
 """Points of a cell up to which `least_stable_volume` looks at all waves."""
 
 
-def highest_frequency(pattern: Pattern, constants: Constants) -> float:
+def highest_frequency(pattern: Pattern, constants: Constants, volume: float = 0.0) -> float:
     """Highest frequency squared times the mean mass of a point (N/m) of an endless lattice.
 
     Over all waves: the best of a grid of phases from cell to cell, 0 and pi among them, where
@@ -47,25 +47,49 @@ def highest_frequency(pattern: Pattern, constants: Constants) -> float:
 
     Source: the dynamical matrix of a lattice, [BornHuang1954].
 
+    Parameters
+    ----------
+    pattern, constants
+        What repeats, and its springs' constants (N/m).
+    volume
+        κ of cells from corner to corner, as `msvalidate.lattice.fill` makes them: in N/m in the
+        plane; in space in Pa times the spacing.
+
     Raises
     ------
     ProblemError
-        If the constants are not one a kind, or the cell has too many points.
+        If the constants are not one a kind, the cell has too many points, or has a κ and no point
+        in its corner.
     """
     require_type("pattern", pattern, Pattern)
     refuse_too_many("frequency of a periodic cell", len(pattern.points), LARGEST_CELL)
     k = pattern.stiffness(constants)
-    unit = float(k.max(initial=0.0)) or 1.0
-    mass = np.repeat(pattern.volume / pattern.volume.mean(), pattern.dim)
+    kappa = finite_number("volume stiffness", volume)
+    unit = max(float(k.max(initial=0.0)), abs(kappa)) or 1.0
+    n, d = pattern.points.shape
+    normal = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]
+    block = np.einsum("m,ma,mb->mab", k / unit, normal, normal)
+    i, j = pattern.springs.T[:, :, None, None]
+    row, column = np.arange(d)[:, None], np.arange(d)
+    own = np.zeros((n, d, n, d), dtype=complex)
+    for end in (i, j):
+        np.add.at(own, (end, row, end, column), block)
+    root = np.sqrt(np.repeat(pattern.volume / pattern.volume.mean(), d))
 
     def square(phase: Array) -> float:
-        stretch = _wave_elongations(pattern, phase)
-        matrix = stretch.conj().T @ diags_array(k / unit) @ stretch
-        return float(eigvalsh(matrix.toarray() / np.sqrt(np.outer(mass, mass)))[-1])
+        matrix = own.copy()
+        turned = np.exp(1j * (pattern.image @ phase))[:, None, None] * block
+        np.subtract.at(matrix, (i, row, j, column), turned)
+        np.subtract.at(matrix, (j, row, i, column), turned.conj())
+        matrix = matrix.reshape(n * d, n * d) / np.outer(root, root)
+        if kappa:
+            slope = _volume_slope(pattern, phase) / root
+            matrix += kappa / unit * np.outer(slope.conj(), slope)
+        return float(eigvalsh(matrix)[-1])
 
     steps = 2 * math.pi / PHASES * np.arange(PHASES)
     # A wave and its opposite are one: half of the phases of the last axis will do.
-    waves = product(*[steps] * (pattern.dim - 1), steps[: PHASES // 2 + 1])
+    waves = product(*[steps] * (d - 1), steps[: PHASES // 2 + 1])
     each = [(square(np.array(wave)), wave) for wave in waves]
     best = max(value for value, _ in each)
     # Of waves as high but for rounding, the first.
@@ -95,11 +119,7 @@ def least_stable_volume(pattern: Pattern, constants: Constants) -> float:
         points, or some wave already costs the springs nothing.
     """
     require_type("pattern", pattern, Pattern)
-    if not (np.abs(pattern.points) <= SAME_DISTANCE).all(axis=1).any():
-        raise ProblemError(
-            f"{pattern.name} lattice: no point in the corner of its cell, so it has no cells of a "
-            "volume; shift the pattern"
-        )
+    _corner(pattern)
     refuse_too_many("waves of a periodic cell", len(pattern.points), LARGEST_SOFT)
     k = pattern.stiffness(constants)
     steps = 2 * math.pi / PHASES * (np.arange(PHASES) - PHASES // 2 + 1)
@@ -117,17 +137,34 @@ def least_stable_volume(pattern: Pattern, constants: Constants) -> float:
 
 def _volume_ratio(pattern: Pattern, k: Array, phase: Array) -> float:
     """Largest ratio of the energies of cells' volumes with κ = 1 and of central springs."""
-    n, d = pattern.points.shape
-    (corner,) = np.flatnonzero((np.abs(pattern.points) <= SAME_DISTANCE).all(axis=1))
-    size = np.array(pattern.size)
-    slope = np.zeros((n, d), dtype=complex)  # of V by the motions: a side's area over its corners
-    for place in product((0, 1), repeat=d):
-        way = (2 * np.array(place) - 1) * np.prod(size) / size / 2 ** (d - 1)
-        slope[corner] += np.exp(1j * (place @ phase)) * way
+    slope = _volume_slope(pattern, phase)
     stretch = _wave_elongations(pattern, phase).toarray()
     central = (stretch.conj().T * k) @ stretch
-    volume = np.outer(slope.ravel().conj(), slope.ravel()) / np.prod(size)
-    return float(eigvalsh(volume, central)[-1])
+    return float(eigvalsh(np.outer(slope.conj(), slope), central)[-1])
+
+
+def _volume_slope(pattern: Pattern, phase: Array) -> Array:
+    """Slope (n·d,) of a cell's volume by the motions of a wave, over the root of the volume.
+
+    Of each corner, a side's area over the side's corners.
+    """
+    n, d = pattern.points.shape
+    size, place = np.array(pattern.size), np.array(list(product((0, 1), repeat=d)))
+    way = (2 * place - 1) * math.sqrt(np.prod(size)) / size / 2 ** (d - 1)
+    slope = np.zeros((n, d), dtype=complex)
+    slope[_corner(pattern)] = np.exp(1j * (place @ phase)) @ way
+    return slope.ravel()
+
+
+def _corner(pattern: Pattern) -> int:
+    """The point in the corner of its cell; raise `ProblemError` if none is."""
+    (found,) = np.nonzero((np.abs(pattern.points) <= SAME_DISTANCE).all(axis=1))
+    if not len(found):
+        raise ProblemError(
+            f"{pattern.name} lattice: no point in the corner of its cell, so it has no cells of a "
+            "volume; shift the pattern"
+        )
+    return int(found[0])
 
 
 def _wave_elongations(pattern: Pattern, phase: Array) -> csr_array:

@@ -18,6 +18,8 @@ from msvalidate.problem.checks import (
     positive_number,
 )
 
+SAFETY = 0.9
+"""Part of the stability limit used: the tangent stiffens a little as the network deforms."""
 RATIOS = 400
 """Damping ratios at which the limit is asked for between two: its minimum is flat."""
 

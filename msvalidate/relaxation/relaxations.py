@@ -14,12 +14,13 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.newton import NEWTON, NEWTON_MULTIGRID
-from msvalidate.relaxation.run import SAFETY, Run, step_limit
+from msvalidate.relaxation.run import Run, step_limit
 from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.

@@ -22,8 +22,6 @@ from msvalidate.statics.tangents import refuse_mechanism
 from msvalidate.tangent.inverse import Solver
 from msvalidate.tangent.multigrid import Cycle, make_cycle, restrained_tangent
 
-SAFETY = 0.9
-"""Part of the stability limit used: the tangent stiffens a little as the network deforms."""
 LOOK_EVERY = 20
 """Steps between two looks at residual and energy, at the least."""
 LOOK_AFTER = 0.2

@@ -11,11 +11,12 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
 from msvalidate.dynamics.integrators import LEAPFROG, step_factors
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.network import spring_vectors, tangent
 from msvalidate.problem import Array
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.relaxation.run import Run
 from msvalidate.relaxation.viscous import viscous
 
 from .dynamic_relaxation import METHOD, steps_at_best_damping

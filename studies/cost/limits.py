@@ -25,11 +25,11 @@ from scipy.linalg.blas import daxpy, dgemm
 
 from msvalidate import kernels
 from msvalidate.dynamics.spectrum import highest_frequency
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relaxation.run import SAFETY
 
 from . import bodies, drawing, kernel
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn

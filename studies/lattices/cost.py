@@ -24,6 +24,7 @@ from scipy.optimize import brentq
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -32,7 +33,7 @@ from msvalidate.network import tangent
 from msvalidate.problem import Anisotropic, Array, Box
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.relaxation.run import Run
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import cases, edges, loading
