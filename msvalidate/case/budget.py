@@ -126,7 +126,7 @@ def tables(found: Comparison) -> dict[str, pd.DataFrame]:
         "budget": budget(found),
         "lattices": _lattice_table(found),
         "meshes": _mesh_table(found),
-        "points": point_table(found.points, found.displacement, found.reference),
+        "compared": point_table(found.points, found.displacement, found.reference),
     }
 
 

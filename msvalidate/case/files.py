@@ -90,27 +90,29 @@ def table_files(tables: Mapping[str, pd.DataFrame]) -> dict[str, bytes]:
 
 
 def field_files(found: Comparison) -> dict[str, bytes]:
-    """springs.vtu, with springs as lines, and elements.vtu; displacements and difference (m, 1)."""
-    springs = found.springs[0]
-    lattice = springs.lattice
-    wanted = _at_lattice(found)
-    own = springs.rest.displacement
-    away = np.linalg.norm(own - wanted, axis=1) / (found.size or 1.0)
+    """elements.vtu, and compared.vtu: displacements at the compared points, and difference."""
     solution = found.reference.finest
     body = solution.body
-    return {
-        "springs.vtu": vtu_bytes(
-            lattice.points,
-            {"line": lattice.springs},
-            {"displacement_springs": own, "displacement_elements": wanted, "difference": away},
-        ),
-        "elements.vtu": vtu_bytes(
-            body.points,
-            {body.element.shape: body.cells},
-            {"displacement_elements": solution.displacement},
-            {"material": material_numbers(found.case.problem, body)},
-        ),
+    elements = vtu_bytes(
+        body.points,
+        {body.element.shape: body.cells},
+        {"displacement_elements": solution.displacement},
+        {"material": material_numbers(found.case.problem, body)},
+    )
+    compared = compared_file(found.points, "springs", found.displacement, found)
+    return {"elements.vtu": elements, "compared.vtu": compared}
+
+
+def compared_file(
+    places: Array, whose: str, displacement: Array, found: Comparison | Judgement
+) -> bytes:
+    """A .vtu file with a vertex a compared point: displacements (m) and their difference (1)."""
+    fields = {
+        f"displacement_{whose}": displacement,
+        "displacement_elements": found.reference.displacement.value,
+        "difference": found.relative,
     }
+    return vtu_bytes(places, {"vertex": np.arange(len(places))[:, None]}, fields)
 
 
 def material_numbers(problem: Problem, body: Discretisation) -> np.ndarray:
@@ -118,34 +120,6 @@ def material_numbers(problem: Problem, body: Discretisation) -> np.ndarray:
     if not problem.zones:
         return np.zeros(len(body.cells), dtype=int)
     return materials_of_cells(problem, body.points[body.cells], SHAPES[body.element.shape])
-
-
-def judged_field_files(found: Judgement) -> dict[str, bytes]:
-    """points.vtu, a vertex a compared point: displacements (m) and their difference (1)."""
-    places = found.matched.places
-    return {
-        "points.vtu": vtu_bytes(
-            places,
-            {"vertex": np.arange(len(places))[:, None]},
-            {
-                "displacement_result": found.matched.displacement,
-                "displacement_elements": found.reference.displacement.value,
-                "difference": found.relative,
-            },
-        )
-    }
-
-
-def _at_lattice(found: Comparison) -> Array:
-    """Elasticity (n, d) in m at the lattice's points; NaN at those outside the body."""
-    lattice = found.springs[0].lattice
-    wanted = np.full(lattice.points.shape, np.nan)
-    inside = getattr(lattice, "inside", np.ones(len(lattice.points), dtype=bool))
-    if isinstance(found.case.points, str) and found.case.points == "lattice":
-        wanted[inside] = found.reference.displacement.value
-    else:
-        wanted[inside] = found.reference.finest.at(lattice.points[inside])
-    return wanted
 
 
 def json_bytes(content: Any) -> bytes:

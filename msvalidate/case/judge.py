@@ -256,6 +256,6 @@ def tables(found: Judgement) -> dict[str, pd.DataFrame]:
         "quantities": pd.DataFrame([vars(found.row)]),
         "causes": causes,
         "budget": budget(found),
-        "points": point_table(found.matched.places, found.matched.displacement, found.reference),
+        "compared": point_table(found.matched.places, found.matched.displacement, found.reference),
     }
     return {name: table for name, table in made.items() if len(table)}

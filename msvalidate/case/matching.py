@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.case.case import Case, compared_points
+from msvalidate.case.case import Case, compared_points, make_lattice, spacing_of
 from msvalidate.case.results import Result
 from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
 from msvalidate.problem.normals import nearest_on_facets
@@ -23,6 +23,7 @@ SMALLER = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
 """Units in which a file's lengths may be, and how many of them a metre has."""
 ALIKE = 0.1
 """Part by which the size of a file's points and the body's may differ."""
+OUTSIDE = "lie outside the body and are left out"
 SHOWN = 5
 """Points that a sentence names one by one."""
 
@@ -67,7 +68,7 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     ----------
     case, result
         Results without places have numbers of the case's points: of the mesh's nodes, of its list,
-        or of the lattice's points in the body, from 0.
+        or of the lattice's points, from 0.
     unit
         What the file's lengths are multiples of, in m.
     body
@@ -94,7 +95,7 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
         raise ProblemError(_nowhere(case, places, int(inside.sum()), hint))
     missing = _missing(case, at[inside], room)
     notes = [
-        *_noted(f"of {len(places)} points lie outside the body and are left out", places[~inside]),
+        *_noted(f"of {len(places)} points {OUTSIDE}", places[~inside]),
         *_noted("places stand in the file more than once; the first counts", doubled),
         *_noted("points of the case are not in the file", missing),
     ]
@@ -118,7 +119,7 @@ def _contradicted(apart: float) -> Sequence[str]:
 
 
 def _by_number(case: Case, result: Result, move: Array) -> Matched:
-    points = compared_points(case)
+    points, inside = _numbered(case)
     number: Index = result.id  # type: ignore[assignment]
     if number.min() < 0 or number.max() >= len(points):
         raise ProblemError(
@@ -129,15 +130,30 @@ def _by_number(case: Case, result: Result, move: Array) -> Matched:
     again = np.setdiff1d(np.arange(len(number)), first)
     doubled = points[number[again]]
     apart = _contradiction(number[:, None].astype(float), move, first, again)
-    missing = points[np.setdiff1d(np.arange(len(points)), number)]
+    missing = points[np.setdiff1d(np.flatnonzero(inside), number)]
+    first, beyond = first[inside[number[first]]], first[~inside[number[first]]]
+    if not len(first):
+        raise ProblemError("result: its points lie outside the body; give others of the case too")
+    outside = points[number[beyond]]
     notes = [
+        *_noted(f"of {len(first) + len(beyond)} points {OUTSIDE}", outside),
         *_noted("numbers stand in the file more than once; the first counts", doubled),
         *_noted("points of the case are not in the file", missing),
     ]
-    none = np.empty((0, points.shape[1]))
     notes += _contradicted(apart)
-    there = (points[number[first]], move[first], none, doubled, missing)
+    there = (points[number[first]], move[first], outside, doubled, missing)
     return Matched(*there, tuple(notes), first, apart)
+
+
+def _numbered(case: Case) -> tuple[Array, Mask]:
+    """Points (n, d) in m that numbers are of, and which (n,) lie in the body: a lattice's may not.
+
+    Of a lattice they are all, as `points.csv` of a run numbers them.
+    """
+    own = isinstance(case.points, str) and case.points == "lattice"
+    lattice = make_lattice(case, spacing_of(case)) if own else None
+    points = compared_points(case) if lattice is None else lattice.points
+    return points, getattr(lattice, "inside", np.ones(len(points), dtype=bool))
 
 
 def _first_of_each(places: Array, tolerance: float) -> Index:

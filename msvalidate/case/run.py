@@ -9,6 +9,7 @@ from time import perf_counter
 from msvalidate.case import budget, comparison, files, judge, page
 from msvalidate.case.case import Case
 from msvalidate.case.figures import figures, judged_figures
+from msvalidate.case.network_files import network_files
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
 from reference_fem.converged import Reference
@@ -37,7 +38,7 @@ def case_files(
     progress("pictures")
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
     content, pictures = files.picture_files(drawn)
-    fields = files.field_files(found)
+    fields = files.field_files(found) | network_files(found.springs[0], case)
     seconds = perf_counter() - began
     origin = collect_provenance(command, 0, started, seconds, form="case")
     head, said = page.sentences(found)
@@ -52,7 +53,7 @@ def case_files(
         notes=found.notes,
         pictures=page.shown_pictures(pictures),
         tables=page.shown_tables(tables),
-        fields=tuple(fields),
+        fields=tuple(name for name in fields if name.endswith(".vtu")),
         asked=page.asked(case),
         origin=origin,
     )
@@ -87,7 +88,9 @@ def judged_files(
     progress("pictures")
     drawn = judged_figures(found, tables["budget"]) if plots else {}
     content, pictures = files.picture_files(drawn)
-    fields = files.judged_field_files(found)
+    given = found.matched
+    compared = files.compared_file(given.places, "result", given.displacement, found)
+    fields = {"compared.vtu": compared}
     origin = collect_provenance(command, 0, started, perf_counter() - began, form="case")
     head, said = page.judged_sentences(found)
     shown = page.Page(
