@@ -17,6 +17,7 @@ from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.stiffness import UNIT
 from msvalidate.constants.waves import highest_frequency
 from msvalidate.dynamics import spectrum
+from msvalidate.dynamics.damping import Damping
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.lattice import Pattern, boundary_weights, fill
@@ -81,15 +82,6 @@ class SpringKind:
     formula: str
 
 
-@dataclass(frozen=True)
-class Settling:
-    """Damping (1/s) that brings a body to rest soonest, and the time (s) and steps that takes."""
-
-    rate: float
-    seconds: float
-    steps: int
-
-
 @dataclass(frozen=True, eq=False)
 class Advice:
     """Springs that stand for a material, and how to move them.
@@ -127,7 +119,7 @@ class Advice:
     weights: str
     omega: float
     whose: str
-    damping: Settling | None = None
+    damping: Damping | None = None
 
     @property
     def limits(self) -> dict[str, float]:
@@ -204,7 +196,7 @@ def advice_of(
     found: Calibration,
     omega: float,
     whose: str,
-    damping: Settling | None = None,
+    damping: Damping | None = None,
 ) -> Advice:
     """The same from a calibration, the highest frequency (rad/s) of what is named, and damping."""
     pattern = pattern_for(material, lattice)
@@ -294,7 +286,7 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     )
 
 
-def _damping_words(damping: Settling | None) -> str:
+def _damping_words(damping: Damping | None) -> str:
     if damping is None:
         return "damping depends on body and load, not on E and nu"
     return (

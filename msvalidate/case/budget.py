@@ -10,6 +10,7 @@ import pandas as pd
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.springs import SpringAnswer
+from msvalidate.constants.stiffness import UNIT
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import AXES, Array, ProblemError, SolverError, prescribed_displacements
 from msvalidate.statics.equilibrium import equilibrium
@@ -123,11 +124,25 @@ def tables(found: Comparison) -> dict[str, pd.DataFrame]:
     rows = pd.DataFrame([vars(row) for row in found.rows])
     return {
         "quantities": rows,
+        "constants": _constant_table(found),
         "budget": budget(found),
         "lattices": _lattice_table(found),
         "meshes": _mesh_table(found),
         "compared": point_table(found.points, found.displacement, found.reference),
     }
+
+
+def _constant_table(found: Comparison) -> pd.DataFrame:
+    """A row a kind of spring, and κ of cells, of each material."""
+    rows = []
+    for number, each in enumerate(found.advice):
+        own = {"material": number}
+        rows += [own | vars(kind) | {"unit": "N/m"} for kind in each.kinds]
+        if each.volume:
+            kappa = {"name": "κ", "along": "", "constant": each.volume, "length": math.nan}
+            kappa |= {"formula": each.volume_formula, "unit": UNIT[each.material.dim]}
+            rows.append(own | kappa)
+    return pd.DataFrame(rows)
 
 
 def _lattice_table(found: Comparison) -> pd.DataFrame:
@@ -200,6 +215,14 @@ COLUMNS = {
     "left": "largest difference that it leaves, over elasticity's largest displacement (1)",
 }
 OWN = {
+    "constants": {
+        "material": "0, the body's own, or the number of a region",
+        "name": "of the kind of spring, or κ: what resists a cell's change of volume",
+        "along": "where its springs run",
+        "constant": "stiffness of a spring inside the body, of a cell",
+        "length": "of a spring at rest (m)",
+        "formula": "in μ, λ (λ′ in plane stress), the thickness t and the spacing h",
+    },
     "lattices": {"springs": "of the lattice"},
     "meshes": {"difference": "of this mesh and the finest, over the largest displacement (1)"},
     "causes": {"value": "of what was fitted, if anything was"},

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cached_property
 
 import numpy as np
 
 from msvalidate.bodies.cut_network import support_selector
+from msvalidate.case.advice import Advice
+from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
 from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
 from msvalidate.constants.homogenise import homogenise
@@ -129,6 +132,11 @@ class Comparison:
         """Length (p,) of springs - elasticity over the largest displacement."""
         away = self.displacement - self.reference.displacement.value
         return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
+
+    @cached_property
+    def advice(self) -> tuple[Advice, ...]:
+        """The springs asked for, an entry a material."""
+        return advise_body(self.case, self.springs[0])
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:

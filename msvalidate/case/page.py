@@ -57,6 +57,7 @@ class Page:
     verdict: str
     sentence: str
     sentences: tuple[str, ...]
+    springs: tuple[str, ...]
     candidate: str
     band: str
     rows: tuple[ShownRow, ...]

@@ -7,6 +7,8 @@ from datetime import UTC, datetime
 from time import perf_counter
 
 from msvalidate.case import budget, comparison, files, judge, page
+from msvalidate.case.advice import advice_record
+from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
 from msvalidate.case.figures import figures, judged_figures
 from msvalidate.case.network_files import network_files
@@ -33,6 +35,8 @@ def case_files(
     """
     started, began = datetime.now(UTC), perf_counter()
     found = comparison.compare_case(case, progress)
+    progress("springs in hand")
+    springs = body_lines(found.advice)
     progress("budget")
     tables = budget.tables(found)
     progress("pictures")
@@ -47,6 +51,7 @@ def case_files(
         verdict=page.overall(found.rows),
         sentence=head,
         sentences=said,
+        springs=springs,
         candidate="Springs",
         band=page.band_words(case, found.rows),
         rows=page.shown_rows(found.rows),
@@ -98,6 +103,7 @@ def judged_files(
         verdict=found.row.verdict,
         sentence=head,
         sentences=said,
+        springs=(),
         candidate="Result",
         band=page.band_words(case, (found.row,)),
         rows=page.shown_rows((found.row,)),
@@ -136,6 +142,7 @@ def verdict_content(
         "kind": found.kind,
         "band": found.case.band,
         "quantities": [vars(row) for row in found.rows],
+        "springs": [advice_record(each) for each in found.advice],
         "reference": reference_content(found.reference),
         "notes": found.notes,
         "origin": dict(origin),

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from msvalidate.case import building, files, page, places, results, run
+from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
 from msvalidate.case.judge import Judgement
 from msvalidate.case.schema import json_schema
@@ -171,7 +172,8 @@ def _solve(case: Case, folder: Path, whose: str, args: argparse.Namespace) -> in
     word = page.overall(found.rows)
     if not args.quiet:
         head, reasons = page.sentences(found)
-        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in reasons)])
+        more = (*reasons, *body_lines(found.advice))
+        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in more)])
         tell(f"{case.name}: {time.perf_counter() - began:.1f} s, {folder / 'case.html'}")
     elif word != AGREES:
         tell(f"{case.name}: {word}")

@@ -200,7 +200,7 @@ def _by_first_route(material: Isotropic, pattern: Pattern, spacing: float) -> Ca
 def _springs_alone(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
     constants = isotropic_constants(material, pattern, spacing)
     tensor = homogenise(pattern, constants, spacing).tensor
-    return _calibration(material, pattern, spacing, constants, 0.0, "springs", tensor)
+    return calibration_of(material, pattern, spacing, constants, 0.0, "springs", tensor)
 
 
 def _with_volume_energy(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
@@ -226,7 +226,7 @@ def _with_volume_energy(material: Isotropic, pattern: Pattern, spacing: float) -
     springs = _springs_alone(cauchy, pattern, spacing)
     normal = np.arange(len(springs.tensor)) < d
     tensor = springs.tensor + kappa * np.outer(normal, normal)
-    return _calibration(
+    return calibration_of(
         material, pattern, spacing, springs.constants, kappa, "volume energy", tensor
     )
 
@@ -245,7 +245,7 @@ def check_route(route: str) -> None:
     require_one_of("route", route, ROUTES)
 
 
-def _calibration(
+def calibration_of(
     material: Isotropic,
     pattern: Pattern,
     spacing: float,
