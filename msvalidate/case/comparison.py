@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cached_property
 
 import numpy as np
 
 from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.case import Case, compared_points
 from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
+from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
@@ -26,7 +28,8 @@ from msvalidate.problem import (
     Support,
 )
 from msvalidate.problem.checks import require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.stress import fitted_stress
 from msvalidate_check.words import AGREES, DIFFERS, agreement
 from reference_fem.body import nodal_forces
@@ -129,6 +132,23 @@ class Comparison:
         """Length (p,) of springs - elasticity over the largest displacement."""
         away = self.displacement - self.reference.displacement.value
         return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
+
+    @cached_property
+    def support(self) -> Array:
+        """What supports off the lattice's lines add (p, d) in m to `displacement`: see `held_as`.
+
+        0 where all are along lines, and in space where they are no walls.
+        """
+        springs, nothing = self.springs[0], np.zeros(self.points.shape)
+        if not isinstance(springs.lattice, CutLattice):
+            return nothing
+        body = (self.homogenised or self.reference).finest
+        other = held_as(self.case.problem, springs.lattice, springs.network, body.at)
+        if other is None:
+            return nothing
+        with suppress(SolverError):
+            return self.displacement - replace(springs, rest=equilibrium(other)).at(self.points)
+        return nothing * np.nan
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
