@@ -73,14 +73,14 @@ class Reference:
     accuracy
         Asked of the displacement, over the largest at the points.
     seconds
-        That all meshes took together.
+        That each mesh took.
     """
 
     problem: Problem
     points: Array
     solutions: tuple[Solution, ...]
     accuracy: float
-    seconds: float
+    seconds: tuple[float, ...]
 
     @cached_property
     def displacement(self) -> Converged:
@@ -249,17 +249,18 @@ def converge(
     most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
-    began = time.perf_counter()
-    body = first_mesh(problem) if first is None else first
-    found = [solve_problem(problem, body, mixed=mixed, solver=solver)]
+    found: list[Solution] = []
+    seconds: list[float] = []
     while True:
-        reference = Reference(problem, x, tuple(found), accuracy, time.perf_counter() - began)
+        began = time.perf_counter()
+        body = subdivide(found[-1].body) if found else first or first_mesh(problem)
+        found.append(solve_problem(problem, body, mixed=mixed, solver=solver))
+        seconds.append(time.perf_counter() - began)
+        reference = Reference(problem, x, tuple(found), accuracy, tuple(seconds))
         known = len(found) >= LEVELS or reference.error <= ROUNDING
         enough = known and reference.resolved
         if enough or nodes_of_children(body) > most:
             return reference
-        body = subdivide(body)
-        found.append(solve_problem(problem, body, mixed=mixed, solver=solver))
 
 
 def first_mesh(problem: Problem) -> Discretisation:

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.routes import calibrate_by_route
-from msvalidate.constants.stiffness import UNIT
+from msvalidate.constants.routes import ROUTES, calibrate_by_route
+from msvalidate.constants.stiffness import ALIKE, UNIT
 from msvalidate.constants.waves import highest_frequency
 from msvalidate.dynamics import spectrum
 from msvalidate.dynamics.damping import Damping
@@ -52,6 +52,8 @@ VOLUME, VOLUME_SOURCE = {2: "({λ} - μ)t", 3: "λ - μ"}, "[Golec2020]"
 BOUNDARY = {
     "shared": "springs in a side of the body count 1/2{edge}, points there have their part of mass",
     "equal": "springs in a side of the body are whole, points there have their part of mass",
+    "cut": "springs of cut cells count by the part in the body, points have their part of mass",
+    "edges": "points have their part of their cells' mass",
     "per_cell": "springs count once for each cell that they border",
 }
 """Boundary rule -> what it does, {edge} in space."""
@@ -94,8 +96,8 @@ class Advice:
         The springs, one entry a kind.
     volume, volume_formula
         κ of a cell (N/m in the plane, Pa in space), 0 if cells resist nothing.
-    E, nu
-        Of the lattice (Pa, -).
+    E, nu, zener
+        Of the lattice (Pa, -, 1 where it is isotropic): see `Calibration`.
     mass
         Of a point inside (kg).
     weights
@@ -115,6 +117,7 @@ class Advice:
     volume_formula: str
     E: float
     nu: float
+    zener: float
     mass: float
     weights: str
     omega: float
@@ -134,6 +137,11 @@ class Advice:
     def steps(self) -> dict[str, float]:
         """Integrator -> step (s) to take, `SAFETY` of its limit."""
         return {name: SAFETY * limit for name, limit in self.limits.items()}
+
+    @property
+    def steps_to_rest(self) -> int:
+        """Steps of leapfrog until the body is at rest; 0 where it has no damping."""
+        return math.ceil(self.damping.seconds / self.steps["leapfrog"]) if self.damping else 0
 
     @property
     def boundary(self) -> str:
@@ -197,6 +205,7 @@ def advice_of(
     omega: float,
     whose: str,
     damping: Damping | None = None,
+    weights: str = "shared",
 ) -> Advice:
     """The same from a calibration, the highest frequency (rad/s) of what is named, and damping."""
     pattern = pattern_for(material, lattice)
@@ -204,7 +213,13 @@ def advice_of(
     length = found.spacing * np.linalg.norm(pattern.vectors, axis=1)
     of_kind = [length[pattern.kind == kind].mean() for kind in range(pattern.kinds)]
     kinds = tuple(
-        SpringKind(f"k{number}", along, k, float(rest), formula.format(λ=lame))
+        SpringKind(
+            f"k{number}",
+            along,
+            k,
+            float(rest),
+            formula.format(λ=lame) if found.route in ROUTES else "",
+        )
         for number, ((along, formula), k, rest) in enumerate(
             zip(FORMULAS[lattice], found.constants, of_kind, strict=True), 1
         )
@@ -219,8 +234,9 @@ def advice_of(
         volume_formula=VOLUME[pattern.dim].format(λ=lame) if found.volume else "",
         E=found.E,
         nu=found.nu,
+        zener=found.zener,
         mass=_point_mass(material, pattern, found.spacing),
-        weights="shared",
+        weights=weights,
         omega=omega,
         whose=whose,
         damping=damping,
@@ -254,16 +270,8 @@ def _block_frequency(
 
 
 def advice_lines(advice: Advice) -> tuple[str, ...]:
-    """What to take, in four lines, with units."""
+    """What to take, in five lines, with units."""
     plane = advice.material.dim == 2
-    springs = [
-        f"{kind.name} = {kind.constant:.6g} N/m{f' ({kind.formula})' if kind.formula else ''} "
-        f"along {kind.along}, {kind.length:.6g} m long"
-        for kind in advice.kinds
-    ]
-    if advice.volume:
-        unit = f"{UNIT[advice.material.dim]} ({advice.volume_formula})"
-        springs.append(f"κ = {advice.volume:.6g} {unit} of each cell".replace(" ()", ""))
     if plane:
         grows = (
             "k and κ are the same at any spacing"
@@ -272,26 +280,43 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
         )
     else:
         grows = "k grows in proportion to the spacing" + (", κ doesn't" if advice.volume else "")
-    each = [
-        f"{INTEGRATORS[name].title} {SAFETY * limit:.4g} s ({SAFETY:g} of the limit {limit:.4g} s)"
-        for name, limit in advice.limits.items()
-    ]
+    steps = ", ".join(f"{INTEGRATORS[name].title} {h:.4g} s" for name, h in advice.steps.items())
     what = f"{advice.lattice}, spacing {advice.spacing:.6g} m, by {advice.route}"
-    waves = f"highest frequency {advice.omega:.6g} rad/s of {advice.whose}"
+    if math.isfinite(advice.E):
+        what += f": E = {advice.E:.6g} Pa, nu = {advice.nu:.6g}"
+        if abs(advice.zener - 1) > ALIKE:
+            what += f" along the axes, by direction unequal (Zener ratio {advice.zener:.6g})"
     return (
-        f"{what}: E = {advice.E:.6g} Pa, nu = {advice.nu:.6g} {advice.source}",
-        "; ".join(springs),
+        f"{what} {advice.source}",
+        springs_words(advice),
         f"{grows}; a point inside has {advice.mass:.6g} kg; {advice.boundary}",
-        f"step: {', '.join(each)}; {waves}; {_damping_words(advice.damping)}",
+        f"steps, {SAFETY:g} of their limits: {steps}; highest frequency {advice.omega:.6g} rad/s of "
+        f"{advice.whose}",
+        _damping_words(advice),
     )
 
 
-def _damping_words(damping: Damping | None) -> str:
+def springs_words(advice: Advice) -> str:
+    """The constants, with formulas and lengths."""
+    springs = [
+        f"{kind.name} = {kind.constant:.6g} N/m{f' ({kind.formula})' if kind.formula else ''} "
+        f"along {kind.along}, {kind.length:.6g} m long"
+        for kind in advice.kinds
+    ]
+    if advice.volume:
+        unit = f"{UNIT[advice.material.dim]} ({advice.volume_formula})"
+        springs.append(f"κ = {advice.volume:.6g} {unit} of each cell".replace(" ()", ""))
+    return "; ".join(springs)
+
+
+def _damping_words(advice: Advice) -> str:
+    damping = advice.damping
     if damping is None:
         return "damping depends on body and load, not on E and nu"
     return (
-        f"damping {damping.rate:.4g} 1/s (of this body and load, not of E and nu): at rest after "
-        f"{damping.seconds:.3g} s, {damping.steps} steps"
+        f"damping {damping.rate:.4g} 1/s, by the slowest motion that this load excites "
+        f"({damping.omega:.4g} rad/s), not by E and nu: within {100 * damping.accuracy:g} % of "
+        f"rest after {damping.seconds:.3g} s, {advice.steps_to_rest:,} steps of leapfrog"
     )
 
 
@@ -325,6 +350,7 @@ def advice_record(advice: Advice) -> dict[str, Any]:
         "source": advice.source,
         "E_Pa": advice.E,
         "nu": advice.nu,
+        "zener_ratio": advice.zener,
         "mass_of_a_point_inside_kg": advice.mass,
         "boundary": {"rule": advice.weights, "means": advice.boundary},
         "highest_frequency_rad_per_s": advice.omega,
@@ -332,5 +358,11 @@ def advice_record(advice: Advice) -> dict[str, Any]:
         "step_limit_s": advice.limits,
         "step_s": advice.steps,
         "damping": damping
-        and {"rate_per_s": damping.rate, "seconds": damping.seconds, "steps": damping.steps},
+        and {
+            "rate_per_s": damping.rate,
+            "slowest_excited_rad_per_s": damping.omega,
+            "rest_within": damping.accuracy,
+            "seconds": damping.seconds,
+            "leapfrog_steps": advice.steps_to_rest,
+        },
     }

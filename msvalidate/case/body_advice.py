@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,6 @@ from msvalidate.constants.routes import calibration_of
 from msvalidate.constants.zones import calibrate_zones
 from msvalidate.dynamics.damping import Damping, quickest_damping
 from msvalidate.dynamics.spectrum import highest_frequency
-from msvalidate.lattice import PatternLattice
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 
 FREQUENCY = 1e-4
@@ -26,30 +27,29 @@ WHOSE = "this body"
 def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
     """Springs of a case at rest, an entry a material: constants, masses, steps and damping.
 
-    Steps and damping are those of the whole network. Where its motion has no frequencies or no
-    load there is no damping.
+    Steps and damping are those of the whole network; no damping where nothing moves it. No entry of
+    a material that is given by its tensor.
 
     Raises
     ------
-    ProblemError
-        If a material is given by its tensor.
     SolverError
         If the highest frequency is not found.
     """
     network, problem = answer.network, case.problem
+    law = problem.material
+    if not isinstance(law, Isotropic):
+        return ()
     omega = highest_frequency(network, tolerance=FREQUENCY)
-    damping: Damping | None = None
-    try:
+    damping = None
+    with suppress(ProblemError, SolverError):
         damping = quickest_damping(network)
-    except (ProblemError, SolverError):
-        pass
     if case.lattice == MESH_EDGES:
-        return (_edge_springs(case, answer, omega, damping),)
+        return (_edge_springs(case, answer, law, omega, damping),)
     found: tuple[Calibration, ...]
     if problem.zones:
         found = calibrate_zones(problem, answer.lattice, route=case.route)
     else:
-        found = (answer.calibration or _given(case, answer),)
+        found = (answer.calibration or _given(case, answer, law),)
     rule = "cut" if hasattr(answer.lattice, "fraction") else "shared"
     return tuple(
         advice_of(law, str(case.lattice), each, omega, WHOSE, damping, rule)
@@ -59,27 +59,29 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
 
 
 def body_lines(each: tuple[Advice, ...]) -> tuple[str, ...]:
-    """Springs in four lines, and one more for each further material."""
+    """Springs in five lines, and one more for each further material."""
+    if not each:
+        return ()
     first, *others = each
     regions = (f"region {n}: {springs_words(one)}" for n, one in enumerate(others, 1))
     return (*advice_lines(first), *regions)
 
 
-def _given(case: Case, answer: SpringAnswer) -> Calibration:
+def _given(case: Case, answer: SpringAnswer, law: Isotropic) -> Calibration:
     """Constants of a case's own as what they make of the endless lattice."""
-    lattice, constants = answer.lattice, case.constants or ()
-    assert isinstance(lattice, PatternLattice)
+    lattice: Any = answer.lattice  # a pattern's: constants of mesh edges go another way
+    constants = case.constants or ()
     tensor = homogenise(lattice.pattern, constants, lattice.spacing).tensor.copy()
     tensor[: case.problem.domain.dim, : case.problem.domain.dim] += case.volume
-    law, given = case.problem.material, (lattice.pattern, lattice.spacing, constants, case.volume)
+    given = (lattice.pattern, lattice.spacing, constants, case.volume)
     return calibration_of(law, *given, "constants of the case", tensor)
 
 
 def _edge_springs(
-    case: Case, answer: SpringAnswer, omega: float, damping: Damping | None
+    case: Case, answer: SpringAnswer, law: Isotropic, omega: float, damping: Damping | None
 ) -> Advice:
     """Springs along a mesh's edges: their constant, E·t or E, and the edge of median stiffness."""
-    network, law = answer.network, case.problem.material
+    network = answer.network
     middle = int(np.argsort(network.stiffness)[len(network.stiffness) // 2])
     low, high = network.stiffness.min(), network.stiffness.max()
     kind = SpringKind(
@@ -90,7 +92,7 @@ def _edge_springs(
         "sum of E·V/L² over its cells, V their volume" if case.constants is None else "",
     )
     return Advice(
-        material=law,  # type: ignore[arg-type]  # a tensor is refused before
+        material=law,
         lattice=MESH_EDGES,
         spacing=answer.spacing,
         route="the rule 'area'",
@@ -99,6 +101,7 @@ def _edge_springs(
         volume_formula="",
         E=math.nan,
         nu=math.nan,
+        zener=math.nan,
         mass=float(np.median(network.mass)),
         weights="edges",
         omega=omega,

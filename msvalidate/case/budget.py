@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -127,7 +128,7 @@ def tables(found: Comparison) -> dict[str, pd.DataFrame]:
         "constants": _constant_table(found),
         "budget": budget(found),
         "lattices": _lattice_table(found),
-        "meshes": _mesh_table(found),
+        "meshes": pd.DataFrame(mesh_rows(found)),
         "compared": point_table(found.points, found.displacement, found.reference),
     }
 
@@ -145,39 +146,43 @@ def _constant_table(found: Comparison) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _lattice_table(found: Comparison) -> pd.DataFrame:
-    wanted, size = found.reference.displacement.value, found.size or 1.0
-    rows = [
-        {
-            "spacing": answer.spacing,
-            "points": len(answer.lattice.points),
-            "springs": len(answer.lattice.springs),
-            "difference": max_length(answer.at(found.points) - wanted) / size,
-            "seconds": answer.seconds,
-        }
-        for answer in found.springs
-    ]
-    limit = {
-        "spacing": 0.0,
-        "points": math.nan,
-        "springs": math.nan,
-        "difference": max_length(found.limit.displacement - wanted) / size,
-        "seconds": math.nan,
+def lattice_row(
+    found: Comparison, answer: SpringAnswer, points: Array, wanted: Array
+) -> dict[str, Any]:
+    """A lattice, and its largest difference from elasticity's displacement (p, d) at points."""
+    away = answer.at(points) - wanted
+    return {
+        "spacing": answer.spacing,
+        "points": len(answer.lattice.points),
+        "springs": len(answer.lattice.springs),
+        "difference": max_length(away) / (found.size or 1.0),
+        "seconds": answer.seconds,
     }
-    return pd.DataFrame([*rows, limit] if math.isfinite(found.limit.uncertainty) else rows)
 
 
-def _mesh_table(found: Comparison) -> pd.DataFrame:
+def _lattice_table(found: Comparison) -> pd.DataFrame:
+    """Lattices from coarse to fine, then what they close in on, if that is known."""
+    wanted = found.reference.displacement.value
+    rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
+    if math.isfinite(found.limit.uncertainty):
+        left = max_length(found.limit.displacement - wanted) / (found.size or 1.0)
+        rows.append({"spacing": 0.0, "difference": left})
+    return pd.DataFrame(rows)
+
+
+def mesh_rows(found: Comparison) -> list[dict[str, Any]]:
+    """Meshes of elements from coarse to fine."""
     wanted, size = found.reference.displacement.value, found.size or 1.0
-    rows = [
+    reference = found.reference
+    return [
         {
             "element": solution.body.element.name,
             "nodes": len(solution.body.points),
             "difference": max_length(solution.at(found.points) - wanted) / size,
+            "seconds": seconds,
         }
-        for solution in found.reference.solutions
+        for solution, seconds in zip(reference.solutions, reference.seconds, strict=True)
     ]
-    return pd.DataFrame(rows)
 
 
 def point_table(points: Array, displacement: Array, reference: Reference) -> pd.DataFrame:

@@ -257,14 +257,20 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
             f"spacing {spacing:g} m: {cells:.3g} cells in the body, and the most is {most:g}; take "
             "a larger one"
         )
-    cell = spacing * np.array(pattern.size)
-    cuttable = joins_corners(pattern)
-    if isinstance(domain, Box) and _divides(cell, domain):
-        if not cuttable or _ends_on_lines(case.problem, spacing):
-            return fill(pattern, domain, _counts(cell, domain))
-    elif not cuttable:
+    if isinstance(domain, Box) and is_filled(case, spacing):
+        return fill(pattern, domain, _counts(spacing * np.array(pattern.size), domain))
+    if not joins_corners(pattern):
         raise ProblemError(f"lattice {case.lattice}: {_misfit(pattern, spacing, domain)}")
     return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
+
+
+def is_filled(case: Case, spacing: float) -> bool:
+    """Whether whole cells of a side (m) fill a case's body; else the lattice is cut to it."""
+    domain, pattern = case.problem.domain, _pattern(case)
+    if pattern is None or not isinstance(domain, Box):
+        return False
+    fits = _divides(spacing * np.array(pattern.size), domain)
+    return fits and (not joins_corners(pattern) or _ends_on_lines(case.problem, spacing))
 
 
 def _pattern(case: Case) -> Pattern | None:

@@ -14,6 +14,7 @@ from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
 from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
+from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
@@ -29,7 +30,8 @@ from msvalidate.problem import (
     Support,
 )
 from msvalidate.problem.checks import require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.stress import fitted_stress
 from msvalidate_check.words import AGREES, DIFFERS, agreement
 from reference_fem.body import nodal_forces
@@ -137,6 +139,23 @@ class Comparison:
     def advice(self) -> tuple[Advice, ...]:
         """The springs asked for, an entry a material."""
         return advise_body(self.case, self.springs[0])
+
+    @cached_property
+    def support(self) -> Array:
+        """What supports off the lattice's lines add (p, d) in m to `displacement`: see `held_as`.
+
+        0 where all are along lines, and in space where they are no walls.
+        """
+        springs, nothing = self.springs[0], np.zeros(self.points.shape)
+        if not isinstance(springs.lattice, CutLattice):
+            return nothing
+        body = (self.homogenised or self.reference).finest
+        other = held_as(self.case.problem, springs.lattice, springs.network, body.at)
+        if other is None:
+            return nothing
+        with suppress(SolverError):
+            return self.displacement - replace(springs, rest=equilibrium(other)).at(self.points)
+        return nothing * np.nan
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
