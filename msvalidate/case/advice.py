@@ -281,6 +281,7 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     else:
         grows = "k grows in proportion to the spacing" + (", κ doesn't" if advice.volume else "")
     steps = ", ".join(f"{INTEGRATORS[name].title} {h:.4g} s" for name, h in advice.steps.items())
+    waves = f"highest frequency {advice.omega:.6g} rad/s of {advice.whose}"
     what = f"{advice.lattice}, spacing {advice.spacing:.6g} m, by {advice.route}"
     if math.isfinite(advice.E):
         what += f": E = {advice.E:.6g} Pa, nu = {advice.nu:.6g}"
@@ -290,8 +291,7 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
         f"{what} {advice.source}",
         springs_words(advice),
         f"{grows}; a point inside has {advice.mass:.6g} kg; {advice.boundary}",
-        f"steps, {SAFETY:g} of their limits: {steps}; highest frequency {advice.omega:.6g} rad/s of "
-        f"{advice.whose}",
+        f"steps, {SAFETY:g} of their limits: {steps}; {waves}",
         _damping_words(advice),
     )
 
