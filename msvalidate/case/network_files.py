@@ -14,6 +14,7 @@ import pandas as pd
 from msvalidate.case.case import Case
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.zones import calibrate_zones, spring_shares
+from msvalidate.network import Network
 from msvalidate.network.laws.volumes import dilatation
 from msvalidate.output.stored import csv_bytes
 from msvalidate.output.vtu import vtu_bytes
@@ -71,9 +72,8 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     points = pd.DataFrame(columns)
     points.insert(network.dim, "mass", network.mass)
     i, j = network.springs.T
-    longer = network.beyond_rest + ((u[j] - u[i]) * network.vector).sum(axis=1) / network.distance
     springs = {"i": i, "j": j, "kind": answer.lattice.kind, "stiffness": network.stiffness}
-    springs |= {"rest_length": network.rest_length, "force": network.stiffness * longer}
+    springs |= {"rest_length": network.rest_length, "force": tension(network, u)}
     tables = {"points": points, "springs": pd.DataFrame(springs)}
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
@@ -81,6 +81,13 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
         cells["pressure"] = -volumes.stiffness * dilatation(volumes, u, linear=True)
         tables["cells"] = pd.DataFrame(cells)
     return {name: table.reset_index(names="id") for name, table in tables.items()}
+
+
+def tension(network: Network, displacement: Array) -> Array:
+    """Tension (m,) in N of each spring, to first order in a displacement (n, d) in m."""
+    i, j = network.springs.T
+    along = ((displacement[j] - displacement[i]) * network.vector).sum(axis=1) / network.distance
+    return np.asarray(network.stiffness * (network.beyond_rest + along))
 
 
 def _cell_stress(answer: SpringAnswer, case: Case) -> Mapping[str, Array]:
