@@ -15,7 +15,7 @@ from msvalidate.case.network_files import tension
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network, mode_energy
 from msvalidate.network.configuration import frequency_bound
-from msvalidate.problem import AXES
+from msvalidate.problem import AXES, ProblemError
 from msvalidate.statics.equilibrium import Equilibrium
 
 PART_OF_LIMIT = 0.9
@@ -25,6 +25,8 @@ MOVED = 20.0
 AT_REST, ROUNDING = 1e-13, 2.0**-50
 """Force that is none: of the largest tension; of the largest stiffness times coordinate, which is
 the rounding of positions."""
+MOST_ROUNDING = 1e-3
+"""Of the largest tension, what the rounding of positions may make of it."""
 INPUT = """\
 # {said}
 # Run it in this folder: lmp -in in.springs (or straight to rest: lmp -in in.springs -var steps 0)
@@ -81,11 +83,22 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
         At rest to first order: damping and duration are of its motion, by Rayleigh's quotient.
     said
         What the network is, in a line.
+
+    Raises
+    ------
+    ProblemError
+        If LAMMPS's positions, in double precision, have no digits of the displacement.
     """
     u = found.displacement
     square = mode_energy(network, network.points, u) / (network.mass[:, None] * u**2).sum()
     slowest, dt = float(np.sqrt(square)), PART_OF_LIMIT * 2 / frequency_bound(network)
     rounding = ROUNDING * float(network.stiffness.max()) * max_abs(network.start)
+    largest = max_abs(tension(network, u))
+    if rounding > MOST_ROUNDING * largest:
+        raise ProblemError(
+            f"lammps: the displacement is {max_abs(u):.2g} m in a body of {network.size:.2g} m, of "
+            "which positions in double precision have no digits; multiply loads and displacements"
+        )
     axes, steps = AXES[: network.dim], int(np.ceil(MOVED / (slowest * dt)))
     held = [
         f"variable h{axis} atom i_h{axis}\ngroup held_{axis} variable h{axis}\n"
@@ -106,7 +119,7 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
         steps=steps,
         often=max(1, steps // 10),
         dt=float(dt),
-        none=max(AT_REST * max_abs(tension(network, u)), rounding),
+        none=max(AT_REST * largest, rounding),
     )
     return {"in.springs": script.encode(), "springs.data": _data(network, said)}
 

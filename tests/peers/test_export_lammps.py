@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from msvalidate.case.springs import solve_springs
-from msvalidate.problem import Isotropic
 from msvalidate.simulators.lammps import lammps_files
 from msvalidate.statics.equilibrium import equilibrium
 from tests.msvalidate.case.test_network_files import BRACKET, HOLES, case_of
