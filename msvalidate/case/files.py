@@ -42,7 +42,7 @@ def refuse_foreign(folder: Path, whose: str) -> None:
         For results, and the name of the file or files that they are of.
     """
     if folder.exists() and not folder.is_dir():
-        raise ProblemError(f"--out: {folder} is a file; name another folder")
+        raise ProblemError(f"folder {folder} is a file; name another folder")
     if not folder.is_dir():
         return
     try:
@@ -53,13 +53,13 @@ def refuse_foreign(folder: Path, whose: str) -> None:
     others = sorted(path.name for path in folder.iterdir() if path.name not in own)
     if others:
         raise ProblemError(
-            f"--out: {folder} holds {format_value(others[0])}, which no case left there; name "
+            f"folder {folder} holds {format_value(others[0])}, which no case left there; name "
             "another folder, or move it away"
         )
 
     if of != whose:
         raise ProblemError(
-            f"--out: {folder} holds results of {format_value(of)}; name another folder, or move it "
+            f"folder {folder} holds results of {format_value(of)}; name another folder, or move it "
             "away"
         )
 

@@ -1,19 +1,23 @@
 """The springs of a case as files for other programs: tables that rebuild the network, and fields.
 
 `points.csv`, `springs.csv` and `cells.csv` are the network as it was solved, in SI units, with all
-digits; `springs.vtu` and `cells.vtu` show it at rest. docs/cases.md says what each column holds.
+digits, and `network.json` is these in one; `springs.vtu` and `cells.vtu` show it at rest.
+docs/cases.md says what each column holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any, Literal
 
+import msgspec
 import numpy as np
 import pandas as pd
 
 from msvalidate.case.case import Case
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.zones import calibrate_zones, spring_shares
+from msvalidate.network import Network
 from msvalidate.network.laws.volumes import dilatation
 from msvalidate.output.stored import csv_bytes
 from msvalidate.output.vtu import vtu_bytes
@@ -22,6 +26,71 @@ from msvalidate.statics.stress import cell_stress
 
 SHAPE_OF = {(shape.dim, len(shape.nodes)): shape.name for shape in SHAPES.values()}
 """Axes and corners of cells -> their shape's name, which is meshio's."""
+
+
+class PointLists(msgspec.Struct, forbid_unknown_fields=True):
+    """A row a point: where it is without load, what it weighs, is held by and carries."""
+
+    position_m: list[list[float]]
+    mass_kg: list[float]
+    held: list[list[bool]]
+    prescribed_displacement_m: list[list[float]]
+    force_N: list[list[float]]
+    displacement_at_rest_m: list[list[float]]
+
+
+class SpringLists(msgspec.Struct, forbid_unknown_fields=True):
+    """A row a spring: numbers of its two points from 0, its constants, its tension."""
+
+    points: list[list[int]]
+    kind: list[int]
+    stiffness_N_per_m: list[float]
+    rest_length_m: list[float]
+    tension_at_rest_N: list[float]
+
+
+class CellLists(msgspec.Struct, forbid_unknown_fields=True):
+    """A row a cell that resists a change of volume: kappa and pressure N/m in the plane, or Pa."""
+
+    points: list[list[int]]
+    kappa_N_per_m_or_Pa: list[float]
+    volume_m2_or_m3: list[float]
+    pressure_at_rest_N_per_m_or_Pa: list[float]
+
+
+class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
+    """A spring network at rest to first order in the displacement, in SI units."""
+
+    schema: Literal[1]
+    name: str
+    lattice: str
+    spacing_m: float
+    points: PointLists
+    springs: SpringLists
+    cells: CellLists | None = None
+
+
+def network_schema() -> dict[str, Any]:
+    """JSON schema of network.json."""
+    return msgspec.json.schema(NetworkFile)
+
+
+def network_json(answer: SpringAnswer, case: Case) -> bytes:
+    """A case's springs at rest as `NetworkFile` has them."""
+    network, tables = answer.network, network_tables(answer)
+    lists = [network.points, network.mass, network.held, network.displacement, network.force]
+    points = PointLists(*(each.tolist() for each in [*lists, answer.rest.displacement]))
+    springs = SpringLists(network.springs.tolist(), *_last(tables["springs"], 4))
+    cells = None
+    if network.volumes is not None:
+        cells = CellLists(network.resisting.tolist(), *_last(tables["cells"], 3))
+    about = NetworkFile(1, case.name, answer.lattice.name, answer.spacing, points, springs, cells)
+    return msgspec.json.format(msgspec.json.encode(about), indent=0) + b"\n"
+
+
+def _last(table: pd.DataFrame, count: int) -> list[list[Any]]:
+    """Values of a table's last columns."""
+    return [table[name].tolist() for name in table.columns[-count:]]
 
 
 def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:
@@ -71,9 +140,8 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     points = pd.DataFrame(columns)
     points.insert(network.dim, "mass", network.mass)
     i, j = network.springs.T
-    longer = network.beyond_rest + ((u[j] - u[i]) * network.vector).sum(axis=1) / network.distance
     springs = {"i": i, "j": j, "kind": answer.lattice.kind, "stiffness": network.stiffness}
-    springs |= {"rest_length": network.rest_length, "force": network.stiffness * longer}
+    springs |= {"rest_length": network.rest_length, "force": tension(network, u)}
     tables = {"points": points, "springs": pd.DataFrame(springs)}
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
@@ -81,6 +149,13 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
         cells["pressure"] = -volumes.stiffness * dilatation(volumes, u, linear=True)
         tables["cells"] = pd.DataFrame(cells)
     return {name: table.reset_index(names="id") for name, table in tables.items()}
+
+
+def tension(network: Network, displacement: Array) -> Array:
+    """Tension (m,) in N of each spring, to first order in a displacement (n, d) in m."""
+    i, j = network.springs.T
+    along = ((displacement[j] - displacement[i]) * network.vector).sum(axis=1) / network.distance
+    return np.asarray(network.stiffness * (network.beyond_rest + along))
 
 
 def _cell_stress(answer: SpringAnswer, case: Case) -> Mapping[str, Array]:

@@ -10,11 +10,18 @@ from msvalidate.cli.arguments import PROGRAM, Parser
 from msvalidate.cli.simulator_arguments import add_export, add_output
 
 FOLDER = Path("reports/cases")
+SIMULATOR = "simulator"
+EXPORTS = {
+    SIMULATOR: "a mesh with masses, forces and supports",
+    "csv": "tables of points, springs and cells",
+    "json": "these in one file",
+    "lammps": "springs alone, at the nearest ratio that these have, as data and input",
+}
 COMMANDS = {
     "new": "write a commented case file",
     "run": "solve cases with springs and with elements, and compare",
     "judge": "compare displacements from a file with a case's elasticity",
-    "export": "write a case as a mesh with masses, forces and supports, for a simulator",
+    "export": "write a case for a simulator, or its springs as CSV, JSON or for LAMMPS",
     "schema": "the JSON schema of case files, for editors",
 }
 EXIT_CODES = """\
@@ -81,7 +88,14 @@ def _parser() -> argparse.ArgumentParser:
     each["export"].add_argument(
         "folder", type=Path, metavar="DIR", help="folder that is made, or whose export is replaced"
     )
+    what = "; ".join(f"{name}: {said}" for name, said in EXPORTS.items())
+    each["export"].add_argument(
+        "--to", choices=EXPORTS, default=SIMULATOR, help=f"{what} (default: %(default)s)"
+    )
     add_export(each["export"])
+    each["schema"].add_argument(
+        "--network", action="store_true", help="of network.json, which export --to json writes"
+    )
     for name in ("run", "judge"):
         said = "folder in which each case gets a folder of its own (default: %(default)s)"
         add_output(each[name], said, FOLDER)

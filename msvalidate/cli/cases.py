@@ -10,18 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
-from msvalidate.case import building, files, page, places, results, run
+from msvalidate.case import building, files, network_files, page, places, results, run, springs
 from msvalidate.case.body_advice import body_lines
-from msvalidate.case.case import Case
+from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.judge import Judgement
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
+from msvalidate.cli.case_arguments import SIMULATOR
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, format_value
 from msvalidate.problem.records import replace
-from msvalidate.simulators.export import export_case
+from msvalidate.simulators.export import export_case, lammps_of, ratio_words
 from msvalidate.simulators.folders import write_request
 from msvalidate_check import exchange
 from msvalidate_check.words import AGREES
@@ -58,22 +59,60 @@ def new_path(said: str, path: Path) -> Path:
     return path
 
 
-def _schema(_args: argparse.Namespace) -> int:
-    return print_lines([json.dumps(json_schema(), indent=2)])
+def _schema(args: argparse.Namespace) -> int:
+    made = network_files.network_schema() if args.network else json_schema()
+    return print_lines([json.dumps(made, indent=2)])
 
 
 def _export(args: argparse.Namespace) -> int:
-    """Write what a simulator is asked."""
+    """Write what a simulator is asked, or the case's springs."""
     try:
         case = building.read_case(args.file)
+        own = {"case.toml": args.file.read_bytes()}
+        if args.to != SIMULATOR:
+            return _export_springs(case, args, own)
         request = export_case(
             case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
         )
-        write_request(request, args.folder, {"case.toml": args.file.read_bytes()})
+        if args.springs:
+            tell_ratio(case)
+        write_request(request, args.folder, own)
     except ProblemError as error:
         return tell_error(said(args.file, error), USAGE)
+    except SolverError as error:
+        return tell_error(said(args.file, error), FAILED)
     tell(f"{args.folder}: {request.mesh}, {len(request.mesh.points)} nodes")
     return HELD
+
+
+def _export_springs(case: Case, args: argparse.Namespace, own: dict[str, bytes]) -> int:
+    """Write a case's springs at rest as tables, JSON, or for LAMMPS."""
+    for name in ("shape", "springs", "set"):
+        if getattr(args, name):
+            raise ProblemError(f"--{name}: is of --to {SIMULATOR}; with {args.to} leave it out")
+    files.refuse_foreign(args.folder, args.file.name)
+    if args.cells is not None:
+        case = replace(case, cells=args.cells, spacing=None)
+    if args.to == "lammps":
+        tell_ratio(case)
+        answer, content = lammps_of(case)
+    else:
+        answer = springs.solve_springs(case, spacing_of(case))
+        every = network_files.network_files(answer, case)
+        content = {name: each for name, each in every.items() if name.endswith(".csv")}
+        if args.to == "json":
+            content = {"network.json": network_files.network_json(answer, case)}
+    files.publish(args.folder, content | own, args.file.name)
+    count = f"{len(answer.network.points)} points, {len(answer.network.springs)} springs"
+    tell(f"{args.folder}: {answer.lattice.name}, {count}, {len(answer.network.resisting)} cells")
+    return HELD
+
+
+def tell_ratio(case: Case) -> None:
+    """Say what the ratio of springs alone costs, if it is another than the case's."""
+    words = ratio_words(case)
+    if words:
+        tell(f"{case.name}: {words}")
 
 
 def _run(args: argparse.Namespace) -> int:

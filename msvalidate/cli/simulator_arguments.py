@@ -158,7 +158,7 @@ def add_export(parser: argparse.ArgumentParser) -> None:
     add(
         "--springs",
         action="store_true",
-        help="the case's own springs too, if they stand for the material alone",
+        help="the case's own springs too, if their ratio is its own to 0.01",
     )
     _add_set(add, "--set", "a setting of the simulator, handed on; again for another")
 

@@ -20,7 +20,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.results import Result
 from msvalidate.cli.adapter_check import Steps, check_adapter, tell_laws
 from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
-from msvalidate.cli.cases import new_path, said, tell_judged
+from msvalidate.cli.cases import new_path, said, tell_judged, tell_ratio
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
@@ -82,6 +82,8 @@ def _simulate(args: argparse.Namespace) -> int:
         request = export_case(
             case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
         )
+        if args.springs and not args.quiet:
+            tell_ratio(case)
         show = Steps(case.name, shown=not args.quiet)
         show("simulator; judging is left")
         began = time.perf_counter()

@@ -8,6 +8,7 @@ forces, on bent ones force and moment stay those of the true side.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -16,14 +17,21 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.case.case import Case, spacing_of
-from msvalidate.case.springs import make_network
+from msvalidate.case.network_files import SHAPE_OF
+from msvalidate.case.springs import SpringAnswer, make_network, solve_springs
+from msvalidate.constants.homogenise import deforms_affinely
+from msvalidate.constants.stiffness import ALIKE, CAUCHY
 from msvalidate.lattice import Lattice
+from msvalidate.lattice.patterns import all_patterns
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.network import Network
 from msvalidate.problem import (
     SHAPES,
     Array,
     Box,
     Index,
     Isotropic,
+    Material,
     Mesh,
     Polygon,
     Problem,
@@ -32,9 +40,10 @@ from msvalidate.problem import (
     prescribed_displacements,
 )
 from msvalidate.problem.checks import format_value, require_one_of, whole_number
+from msvalidate.simulators.lammps import lammps_files
 from msvalidate.simulators.protocol import Request, Springs
-from reference_fem.body import nodal_forces
-from reference_fem.converged import grid_lines, kept_places
+from reference_fem.body import nodal_forces, solve_problem
+from reference_fem.converged import NEARLY_INCOMPRESSIBLE, first_mesh, grid_lines, kept_places
 from reference_fem.elasticity import solve
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
@@ -48,8 +57,8 @@ CELLS = {2: ("triangle", "quad"), 3: ("tetra", "hexahedron")}
 ACROSS = 8
 """Cells across the narrowest side of a box or an outline where nothing is said."""
 MOST_HALVINGS = 6
-LATTICE_SHAPES = {(2, 3): "triangle", (2, 4): "quad", (3, 4): "tetra", (3, 8): "hexahedron"}
-"""Axes and corners of a lattice's cells -> their shape."""
+CLOSE = 0.01
+"""Poisson's ratios so near to each other count as one, and the difference is stated."""
 
 
 def export_case(
@@ -72,7 +81,8 @@ def export_case(
     shape
         Of the cells: see `CELLS`. A mesh file has its own.
     springs
-        Give the network that stands for the case too: nodes are its points, on its own lattice.
+        Give the network that stands for the case too: nodes are its points, on its own lattice;
+        its ratio is that of springs alone, and the case's within `CLOSE` of it.
     settings
         Of the simulator, by its own names.
 
@@ -210,24 +220,88 @@ def _linear_cells(body: Discretisation) -> tuple[Mesh, csr_array]:
 # Springs ------------------------------------------------------------------------------------------
 
 
+def nearest_case(case: Case) -> Case:
+    """The case at the ratio that springs alone have there; itself where it has that ratio.
+
+    Itself too where none is to be chosen: of given constants, of a material that is no isotropic
+    one or several, and of a lattice whose springs have many ratios.
+    """
+    law, pattern = case.problem.material, all_patterns().get(str(case.lattice))
+    free = case.constants is not None or (pattern and not deforms_affinely(pattern()))
+    if free or case.problem.zones or not isinstance(law, Isotropic):
+        return case
+    nu = _cauchy(law)
+    if abs(law.nu - nu) <= ALIKE:
+        return replace(case, route="springs")
+    problem = replace(case.problem, material=replace(law, nu=nu))
+    return replace(case, problem=problem, route="springs")
+
+
+def ratio_words(case: Case) -> str:
+    """What it costs that springs alone have another ratio than the case, "" where they have not.
+
+    Of elasticity at both ratios, by elements on one mesh: changes need no finer one.
+    """
+    problem, other = case.problem, nearest_case(case).problem
+    law = problem.material
+    if other is problem or not isinstance(law, Isotropic):
+        return ""
+    body, near = first_mesh(problem), getattr(other.material, "nu", math.nan)
+    mixed = law.state != "plane_stress" and law.nu >= NEARLY_INCOMPRESSIBLE
+    own, apart = (solve_problem(each, body, mixed=mixed).displacement for each in (problem, other))
+    part = 100 * max_length(apart - own) / (max_length(own) or 1.0)
+    return (
+        f"springs alone have ratio {near:.6g} in {law.state.replace('_', ' ')}, the case "
+        f"{law.nu:g}: that changes elasticity's displacement here by {part:.2g} % of the largest"
+    )
+
+
+def _cauchy(law: Material) -> float:
+    """The ratio of an isotropic solid of central springs: 1/3 in plane stress, else 1/4."""
+    return CAUCHY[2 if getattr(law, "state", "") == "plane_stress" else 3]
+
+
+def refuse_cells(case: Case, network: Network) -> None:
+    """Raise `ProblemError` where a case's network at `nearest_case` is more than springs."""
+    if network.volumes is not None:
+        nu = _cauchy(case.problem.material)
+        what = "volume" if case.constants is not None else "a ratio in its regions"
+        mend = "leave it out" if case.constants is not None else f"give each nu = {nu!r}"
+        raise ProblemError(
+            f"springs alone: the case has {what} that takes cells which resist a change of volume; "
+            f"{mend}, or write the cells too: case export --to csv"
+        )
+
+
+def lammps_of(case: Case) -> tuple[SpringAnswer, dict[str, bytes]]:
+    """Springs alone at `nearest_case`, at rest to first order, and LAMMPS's files of them."""
+    near = nearest_case(case)
+    answer = solve_springs(near, spacing_of(near))
+    refuse_cells(near, answer.network)
+    ratio = getattr(near.problem.material, "nu", math.nan)
+    said = f"{' '.join(case.name.split())}: springs alone, {answer.lattice.name}, nu = {ratio:.6g}"
+    return answer, lammps_files(answer.network, answer.rest, said)
+
+
 def _spring_request(
     case: Case, cells: int | None, shape: str | None, settings: Mapping[str, Any]
 ) -> Request:
-    """The network that stands for a case, if it is springs alone."""
+    """The network that stands for a case, if springs alone do to a hundredth of the ratio."""
     if shape is not None:
         raise ProblemError("--shape: with --springs cells are the lattice's; leave it out")
     if cells is not None:
         case = replace(case, cells=cells, spacing=None)
     others, gravity = _loads_apart(case.problem)
-    lattice, network, _ = make_network(replace(case, problem=others), spacing_of(case))
-    if network.volumes is not None:
-        material = case.problem.material
-        nu = getattr(material, "nu", 0.0)
+    near = nearest_case(replace(case, problem=others))
+    own, nu = (getattr(each.problem.material, "nu", 0.0) for each in (case, near))
+    if abs(own - nu) > CLOSE:
         raise ProblemError(
-            f"--springs: at ratio {nu:g} the {lattice.name} lattice has cells that resist a "
-            "change of volume beside its springs; take a ratio or a lattice that springs alone can "
-            "be, or give constants"
+            f"--springs: at ratio {own:g} the {case.lattice} lattice has cells that resist a "
+            f"change of volume beside its springs; take nu within {CLOSE:g} of {nu:.6g}, which "
+            "springs alone have, or write the cells too: case export --to csv"
         )
+    lattice, network, _ = make_network(near, spacing_of(near))
+    refuse_cells(near, network)
     return Request(
         task="rest",
         mesh=_lattice_mesh(lattice),
@@ -248,7 +322,7 @@ def _spring_request(
 def _lattice_mesh(lattice: Lattice) -> Mesh:
     """A lattice's points and cells, where these are linear ones that take in every point."""
     cells: Index = lattice.cells
-    shape = LATTICE_SHAPES.get((lattice.points.shape[1], cells.shape[1]))
+    shape = SHAPE_OF.get((lattice.points.shape[1], cells.shape[1]))
     if shape is None or len(np.unique(cells)) < len(lattice.points):
         raise ProblemError(
             f"--springs: lattice {format_value(lattice.name)} has points that are corners of no "

@@ -150,7 +150,7 @@ def with_zone(case):
 
 REFUSED = [
     (with_zone(block()), {}, "several materials"),
-    (block(0.4), {"springs": True}, "at ratio 0.4 the cubic 18 lattice has cells that resist"),
+    (block(0.4), {"springs": True}, "at ratio 0.4 the cubic18 lattice has cells that resist"),
     (block(), {"springs": True, "shape": "tetra"}, "--shape: with --springs"),
     (block(lattice="bcc"), {"springs": True, "cells": 4}, "corners of no cell"),
     (block(), {"shape": "quad"}, "--shape: 'quad'; choose tetra or hexahedron"),
