@@ -11,7 +11,7 @@ import numpy as np
 
 from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.case import Case, compared_points
-from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
+from msvalidate.case.springs import ROUNDING, SpringAnswer, SpringLimit, limit_of, solve_finer
 from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
@@ -135,20 +135,20 @@ class Comparison:
 
     @cached_property
     def support(self) -> Array:
-        """What supports off the lattice's lines add (p, d) in m to `displacement`: see `held_as`.
+        """What supports off the lattice's lines add to `displacement`, (p, d) in m: see `held_as`.
 
-        0 where all are along lines, and in space where they are no walls.
+        0 where all are along lines. Raises `SolverError` as `equilibrium` does.
         """
         springs, nothing = self.springs[0], np.zeros(self.points.shape)
         if not isinstance(springs.lattice, CutLattice):
             return nothing
         body = (self.homogenised or self.reference).finest
-        other = held_as(self.case.problem, springs.lattice, springs.network, body.at)
+        other = held_as(
+            self.case.problem, springs.lattice, springs.network, body.at, ROUNDING * self.size
+        )
         if other is None:
             return nothing
-        with suppress(SolverError):
-            return self.displacement - replace(springs, rest=equilibrium(other)).at(self.points)
-        return nothing * np.nan
+        return self.displacement - replace(springs, rest=equilibrium(other)).at(self.points)
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:

@@ -170,8 +170,9 @@ def _solve(case: Case, folder: Path, whose: str, args: argparse.Namespace) -> in
     show.clear()
     word = page.overall(found.rows)
     if not args.quiet:
-        head, reasons = page.sentences(found)
-        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in reasons)])
+        said = json.loads(content["verdict.json"])
+        lines = [f"{case.name}: {word}", *(f"  {s}" for s in (said["sentence"], *said["reasons"]))]
+        print_lines(lines)
         tell(f"{case.name}: {time.perf_counter() - began:.1f} s, {folder / 'case.html'}")
     elif word != AGREES:
         tell(f"{case.name}: {word}")
