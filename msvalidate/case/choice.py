@@ -15,6 +15,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from msvalidate.case.budget import lattice_row, mesh_rows
 from msvalidate.case.case import (
@@ -27,7 +28,8 @@ from msvalidate.case.case import (
     spacing_of,
 )
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.springs import ROUNDING, solve_springs
+from msvalidate.case.springs import ROUNDING, SpringAnswer, solve_springs
+from msvalidate.lattice import PatternLattice
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
@@ -47,7 +49,7 @@ ALIKE, TRIED = math.log(1.5), 30
 """Within which a lattice must lie to one that is wanted, and numbers of cells that are tried."""
 GROWTH = 1.2
 """Exponent of the springs that seconds grow with."""
-BETTER, MAIN, THIN = 3.0, 0.5, 6.0
+BETTER, MAIN, THIN = 3.0, 0.5, 5.0
 """Times by which elements are nearer from which they are advised, part of the difference that is
 most of it, and cells across a wall that is thin."""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
@@ -234,17 +236,27 @@ def _reasons(found: Comparison) -> tuple[str, ...]:
     away = away - found.reference.displacement.value
     worst = int(np.linalg.norm(away, axis=1).argmax())
     own, total = away[worst] @ found.support[worst], away[worst] @ away[worst]
-    # A slab of N cells has N + 1 layers of points.
-    walls = len(lattice.cells) / max(len(lattice.points) - len(lattice.cells), 1)
+    walls = _thickest(found.springs[0])
     fits = {
         "a support that no line of the lattice runs along": own >= MAIN * total,
-        f"walls some {walls:.0f} cells thick": walls < THIN,
+        f"walls at most {walls:.0f} cells thick": walls <= THIN,
         "a corner that points inwards": len(getattr(lattice.domain, "reentrant", ())) > 0,
         "stress is asked for": any(
             row.verdict == DIFFERS and row.quantity.startswith("stress at") for row in found.rows
         ),
     }
     return tuple(why for why, fit in fits.items() if fit)
+
+
+def _thickest(answer: SpringAnswer) -> float:
+    """Cells across a body where it is thickest; infinite where cells are no squares or cubes."""
+    lattice, inner = answer.lattice, answer.surrounded
+    if not isinstance(lattice, PatternLattice) or not joins_corners(lattice.pattern):
+        return math.inf
+    if not inner.any():
+        return 1.0
+    depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
+    return 2 * float(depth) / lattice.spacing
 
 
 def choice_sentences(chosen: Choice) -> tuple[str, ...]:
