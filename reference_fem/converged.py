@@ -85,8 +85,13 @@ class Reference:
     @cached_property
     def displacement(self) -> Converged:
         """Displacement (p, d) in m at the points."""
-        found = self._close_in([solution.at(self.points) for solution in self.solutions])
+        found = self._close_in(self.by_mesh)
         return self._unlimited(found) if self.no_limit else found
+
+    @cached_property
+    def by_mesh(self) -> list[Array]:
+        """Displacement (p, d) in m at the points on each mesh."""
+        return [solution.at(self.points) for solution in self.solutions]
 
     @cached_property
     def error(self) -> float:

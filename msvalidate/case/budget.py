@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from msvalidate.case.case import MESH_EDGES
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.stiffness import UNIT
@@ -27,8 +28,10 @@ LARGE_NODES = 5_000
 
 PARTS = {
     "spacing": "what finer lattices take away",
+    "support": "that no line of the lattice runs along, as at a curve; finer lattices take it too",
     "boundary": "what stays though the material is right: springs and loads at the sides",
     "material": "the material that the springs are, beside the one asked for",
+    "boundary or material": "what stays; the material that the springs are is not known",
 }
 """Parts that make up the difference, in words."""
 
@@ -48,22 +51,21 @@ def budget(found: Comparison) -> pd.DataFrame:
     def part(field: Array) -> float:
         return float(field[at] @ along) / size + 0.0
 
-    target = found.reference.displacement.value
+    target, limit = found.reference.displacement.value, found.limit.displacement
     own = target if found.homogenised is None else found.homogenised.displacement.value
-    error = found.limit.uncertainty / size
+    error, known = found.limit.uncertainty / size, found.reference.error
     rows = []
     if math.isfinite(error):
-        values = {
-            "spacing": part(found.displacement - found.limit.displacement),
-            "boundary": part(found.limit.displacement - own),
-            "material": part(own - target),
-        }
-        doubts = {
-            "spacing": error,
-            "boundary": error + found.reference.error,
-            "material": found.reference.error,
-        }
-        rows = [(name, values[name], doubts[name], said) for name, said in PARTS.items()]
+        values = {"spacing": (part(found.displacement - limit), error)}
+        if found.support.any():
+            values["spacing"] = (part(found.displacement - limit - found.support), error + known)
+            values["support"] = (part(found.support), known)
+        if math.isfinite(material_off(found)):
+            values["boundary"] = (part(limit - own), error + known)
+            values["material"] = (part(own - target), known)
+        else:
+            values["boundary or material"] = (part(limit - target), error + known)
+        rows = [(name, *value, PARTS[name]) for name, value in values.items()]
     rows.append(
         ("total", length / size, found.reference.error, "springs - elasticity, both linear")
     )
@@ -77,6 +79,15 @@ def budget(found: Comparison) -> pd.DataFrame:
     rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
+
+
+def material_off(found: Comparison) -> float:
+    """How far the springs' material may take a displacement off, over the largest; or infinite."""
+    case, wanted = found.case, found.reference.displacement.value
+    if case.lattice == MESH_EDGES or (case.constants is not None and found.homogenised is None):
+        return math.inf
+    own = wanted if found.homogenised is None else found.homogenised.displacement.value
+    return max_length(own - wanted) / (found.size or 1.0) + found.reference.error
 
 
 def _rest(found: Comparison) -> float:
@@ -178,10 +189,12 @@ def mesh_rows(found: Comparison) -> list[dict[str, Any]]:
         {
             "element": solution.body.element.name,
             "nodes": len(solution.body.points),
-            "difference": max_length(solution.at(found.points) - wanted) / size,
+            "difference": max_length(moved - wanted) / size,
             "seconds": seconds,
         }
-        for solution, seconds in zip(reference.solutions, reference.seconds, strict=True)
+        for solution, seconds, moved in zip(
+            reference.solutions, reference.seconds, reference.by_mesh, strict=True
+        )
     ]
 
 

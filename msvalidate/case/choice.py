@@ -15,6 +15,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from msvalidate.case.budget import lattice_row, mesh_rows
 from msvalidate.case.case import (
@@ -23,85 +24,67 @@ from msvalidate.case.case import (
     Case,
     compared_points,
     is_filled,
-    make_lattice,
     spacing_by_cells,
     spacing_of,
 )
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.springs import solve_springs
-from msvalidate.lattice.outline import outline
+from msvalidate.case.springs import ROUNDING, SpringAnswer, solve_springs
+from msvalidate.lattice import PatternLattice
+from msvalidate.lattice.cut import joins_corners
+from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, Box, Domain, ProblemError, SolverError
-from msvalidate.problem.domain import SIDES
+from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.words import DIFFERS
 
 TARGETS = (0.05, 0.01)
-"""Differences, over the largest displacement, for which a spacing is sought."""
-NEAR = 4.0
-"""Factor between difference and target at which a lattice counts less by e."""
+"""Differences, over the largest displacement, for which spacing and mesh are sought."""
+NEAR = math.log(4)
+"""Of the logarithm of a difference over its target: where a lattice counts less by e."""
 ORDERS, ORDER_DOUBT = (0.5, 3.0), 0.3
 """Of the spacing: orders that are believed, and what one may be off beyond what was solved."""
 UNCERTAIN = 4.0
 """Factor that a spacing may be off from which it is called uncertain."""
-ALIKE, TRIED = 1.5, 30
-"""Factor from a wanted spacing within which a lattice must lie, and how many are looked at."""
+ALIKE, TRIED = math.log(1.5), 30
+"""Within which a lattice must lie to one that is wanted, and numbers of cells that are tried."""
 GROWTH = 1.2
 """Exponent of the springs that seconds grow with."""
-BETTER = 3.0
-"""Times by which elements are nearer at equal cost, from which they are advised."""
-MAIN, THIN = 0.5, 6.0
-"""Part of the difference that is most of it, and cells across a wall that is thin."""
+BETTER, MAIN, THIN = 3.0, 0.5, 5.0
+"""Times by which elements are nearer from which they are advised, part of the difference that is
+most of it, and cells across a wall that is thin."""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
-"""Where a target's spacing lies: between those solved; beyond the finest; it is met by the coarsest
-that there is; or no spacing meets it."""
+"""Where what a target takes lies: between what was solved; beyond the finest; the coarsest meets
+it; or no spacing does."""
 
 
 @dataclass(frozen=True)
-class Spacing:
-    """The spacing that a target takes.
+class Need:
+    """What a target takes, of springs or of elements.
 
     Parameters
     ----------
     target, where
-        Difference over the largest displacement, and where its spacing lies.
-    cells, spacing
-        For a case's `cells`, and the spacing (m) that comes of it; 0 cells where none can be laid.
-    least, most
-        Spacings (m) between which the target's may lie.
-    springs, seconds
-        Of that lattice.
+        Difference over the largest displacement, and where what it takes lies.
+    count, seconds
+        Springs or nodes, and what solving them takes; 0 where they are not known.
+    cells, spacing, least, most
+        Of springs: for a case's `cells`, 0 if none can be laid, the spacing (m) that comes of it,
+        and between which the target's may lie.
     """
 
     target: float
     where: str
+    count: int = 0
+    seconds: float = math.nan
     cells: int = 0
     spacing: float = math.nan
     least: float = math.nan
     most: float = math.nan
-    springs: int = 0
-    seconds: float = math.nan
 
     @property
     def uncertain(self) -> bool:
-        """Whether it may be off by a factor of `UNCERTAIN` or more."""
+        """Whether the spacing may be off by a factor of `UNCERTAIN` or more."""
         return max(self.most / self.spacing, self.spacing / self.least) >= UNCERTAIN
-
-
-@dataclass(frozen=True)
-class Nodes:
-    """The first mesh that met a target, 0 nodes where none did; fewer may do if it is the coarsest.
-
-    Parameters
-    ----------
-    target, nodes, seconds, coarsest
-        Difference over the largest displacement, and the mesh.
-    """
-
-    target: float
-    nodes: int = 0
-    seconds: float = math.nan
-    coarsest: bool = False
 
 
 @dataclass(frozen=True)
@@ -110,19 +93,20 @@ class Choice:
 
     Parameters
     ----------
-    spacings, meshes
-        One a target; no spacings for springs on a mesh's edges.
+    springs, elements
+        One need a target; none of springs on a mesh's edges, and none of either where elasticity's
+        own error is not known.
     unknowns, times
         At how many unknowns elements are how many times nearer than springs; NaN if not known.
     reasons
         Why they are, as far as the case shows it.
     """
 
-    spacings: tuple[Spacing, ...]
-    meshes: tuple[Nodes, ...]
-    unknowns: int
-    times: float
-    reasons: tuple[str, ...]
+    springs: tuple[Need, ...] = ()
+    elements: tuple[Need, ...] = ()
+    unknowns: int = 0
+    times: float = math.nan
+    reasons: tuple[str, ...] = ()
 
     @property
     def use_elements(self) -> bool:
@@ -132,24 +116,27 @@ class Choice:
 
 def choose(found: Comparison) -> Choice:
     """What targets take in a case, from what was solved and lattices that are coarser."""
+    if not math.isfinite(found.reference.error):
+        return Choice()
     rows, meshes = _lattices(found), mesh_rows(found)
-    spacings = () if found.case.lattice == MESH_EDGES else TARGETS
     return Choice(
-        tuple(_spacing(found, rows, target) for target in spacings),
-        tuple(_nodes(meshes, found.reference.error, target) for target in TARGETS),
+        tuple(_springs(found, rows, t) for t in TARGETS if found.case.lattice != MESH_EDGES),
+        tuple(_elements(meshes, found.reference.error, t) for t in TARGETS),
         *_equal_cost(found, rows, meshes),
         _reasons(found),
     )
 
 
 def _lattices(found: Comparison) -> list[dict[str, Any]]:
-    """Lattices from coarse to fine, with coarser ones until the largest target is between them."""
+    """Lattices from coarse to fine, two at least, with coarser ones beyond the largest target."""
     wanted, at = found.reference.displacement.value, found.reference.finest.at
     rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
     with suppress(ProblemError, SolverError):  # coarser ones are then fewer
-        while found.case.lattice != MESH_EDGES and _column(rows, "difference").max() < max(TARGETS):
+        while found.case.lattice != MESH_EDGES and (
+            len(rows) < 2 or _column(rows, "difference").max() < max(TARGETS)
+        ):
             laid = _laid(found, 2 * rows[0]["spacing"])
-            if laid is None or spacing_of(laid) < ALIKE * rows[0]["spacing"]:
+            if laid is None or spacing_of(laid) <= rows[0]["spacing"]:
                 break
             answer = solve_springs(laid, spacing_of(laid))
             points = compared_points(laid, answer.lattice)
@@ -158,75 +145,75 @@ def _lattices(found: Comparison) -> list[dict[str, Any]]:
 
 
 def _column(rows: list[dict[str, Any]], name: str) -> Array:
-    return np.array([row[name] for row in rows], dtype=float)
+    return np.array([max(row[name], ROUNDING) for row in rows])
 
 
 def _laid(found: Comparison, wanted: float) -> Case | None:
     """The case at the number of cells nearest to a spacing (m), laid as it was if it can be."""
     case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
+    cuttable = joins_corners(all_patterns()[str(case.lattice)]())
     one = spacing_by_cells(replace(case, cells=1, spacing=None)) / wanted
-    many = sorted(range(1, math.ceil(ALIKE * one) + 1), key=lambda n: abs(n - one))[:TRIED]
     near = []
-    for cells in many:
+    for cells in sorted(range(1, math.ceil(2 * one) + 1), key=lambda n: abs(n - one))[:TRIED]:
         laid = replace(case, cells=cells, spacing=None)
-        far = abs(math.log(spacing_of(laid) / wanted))
-        if far <= math.log(ALIKE):
-            near.append((is_filled(laid, spacing_of(laid)) != filled, far, cells, laid))
+        far, fills = abs(math.log(spacing_of(laid) / wanted)), is_filled(laid, spacing_of(laid))
+        if far <= ALIKE and (cuttable or fills):
+            near.append((fills != filled, far, cells, laid))
     return min(near)[-1] if near else None
 
 
-def _spacing(found: Comparison, rows: list[dict[str, Any]], target: float) -> Spacing:
+def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Need:
     """The spacing that a target takes."""
     wanted, size = found.reference.displacement.value, found.size or 1.0
     left = max_length(found.limit.displacement - wanted) - found.limit.uncertainty
     if found.homogenised:
         left = max(left, max_length(found.homogenised.displacement.value - wanted))
     if left / size - found.reference.error > target:
-        return Spacing(target, NONE)
+        return Need(target, NONE)
     s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "difference"))
     t = math.log(target)
-    if len(rows) == 1 or (e <= t).all():
-        where = COARSEST if (e <= t).all() else BEYOND
-        return _costed(found, rows, Spacing(target, where, spacing=math.exp(s[0])))
-    weight = np.exp(-(((e - t) / math.log(NEAR)) ** 2))
+    if (e <= t).all():
+        return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]))
+    if len(rows) < 2:
+        return Need(target, BEYOND)
+    weight = np.exp(-(((e - t) / NEAR) ** 2))
     middle_s, middle_e = np.average([s, e], axis=1, weights=weight)
     order = (weight * (s - middle_s) * (e - middle_e)).sum()
     order = np.clip(order / (weight * (s - middle_s) ** 2).sum(), *ORDERS)
     best = middle_s + (t - middle_e) / order
-    ends = [best, s[e > t].min()]
     if (e > t).all():
         slow_fast = np.clip([order - ORDER_DOUBT, order + ORDER_DOUBT], *ORDERS)
         ends, where = [best, *(s[-1] + (t - e[-1]) / slow_fast)], BEYOND
     else:
         ends, where = [best, s[e > t].min(), s[e <= t].max()], BETWEEN
-    least, most = math.exp(min(ends)), math.exp(max(ends))
-    return _costed(found, rows, Spacing(target, where, 0, math.exp(best), least, most))
+    doubt = math.log1p(found.reference.error / target) / order
+    best, least, most = np.exp([best, min(ends) - doubt, max(ends) + doubt]).tolist()
+    return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most))
 
 
-def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Spacing) -> Spacing:
+def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need:
     """What can be laid near a wanted spacing, and what it costs."""
     laid, dim = _laid(found, wanted.spacing), found.case.problem.domain.dim
     if laid is None or found.case.problem.domain.volume / spacing_of(laid) ** dim > MOST_ASKED[dim]:
         return wanted
-    spacing = spacing_of(laid)
-    finest = rows[-1]
-    if spacing >= finest["spacing"]:
-        springs = len(make_lattice(laid, spacing).springs)
-    else:
-        springs = round(finest["springs"] * (finest["spacing"] / spacing) ** dim)
+    h, cells = spacing_of(laid), laid.cells or 0
     # The lattice asked for was solved first: its seconds are of loading and compiling too.
     timed = [row for row in rows if row["seconds"] != found.springs[0].seconds] or rows
-    near = min(timed, key=lambda row: abs(math.log(row["springs"] / springs)))
-    seconds = near["seconds"] * (springs / near["springs"]) ** GROWTH
-    return replace(wanted, cells=laid.cells or 0, spacing=spacing, springs=springs, seconds=seconds)
+    near, clock = (
+        min(each, key=lambda r: abs(math.log(r["spacing"] / h))) for each in (rows, timed)
+    )
+    count = round(near["springs"] * (near["spacing"] / h) ** dim)
+    seconds = clock["seconds"] * (count / clock["springs"]) ** GROWTH
+    return replace(wanted, count=count, seconds=seconds, cells=cells, spacing=h)
 
 
-def _nodes(meshes: list[dict[str, Any]], error: float, target: float) -> Nodes:
+def _elements(meshes: list[dict[str, Any]], error: float, target: float) -> Need:
     """The first mesh that met a target."""
     for number, mesh in enumerate(meshes):
         if mesh["difference"] + error <= target:
-            return Nodes(target, mesh["nodes"], mesh["seconds"], coarsest=not number)
-    return Nodes(target)
+            where = BETWEEN if number else COARSEST
+            return Need(target, where, mesh["nodes"], mesh["seconds"])
+    return Need(target, BEYOND)
 
 
 def _equal_cost(
@@ -234,48 +221,50 @@ def _equal_cost(
 ) -> tuple[int, float]:
     """Unknowns of the mesh nearest in cost to the springs asked for, and how much nearer it is."""
     points, differences = np.log(_column(rows, "points")), np.log(_column(rows, "difference"))
-    asked = len(found.springs[0].lattice.points)
+    asked, error = len(found.springs[0].lattice.points), found.reference.error
     mesh = min(meshes, key=lambda each: abs(math.log(each["nodes"] / asked)))
     if math.log(mesh["nodes"]) > points[-1]:
         return 0, math.nan
     springs = math.exp(float(np.interp(math.log(mesh["nodes"]), points, differences)))
-    error = found.reference.error
     times = (springs - error) / (mesh["difference"] + error)
     return mesh["nodes"] * found.points.shape[1], times
 
 
 def _reasons(found: Comparison) -> tuple[str, ...]:
     """What in a case elements do better than springs."""
-    domain, away = found.case.problem.domain, found.displacement
+    lattice, away = found.springs[0].lattice, found.displacement
     away = away - found.reference.displacement.value
-    worst = away[int(np.linalg.norm(away, axis=1).argmax())]
-    own = found.support[int(np.linalg.norm(away, axis=1).argmax())]
-    walls = 2 * domain.volume / _surface(domain) / found.springs[0].spacing
-    stress = any(r.verdict == DIFFERS and r.quantity.startswith("stress at") for r in found.rows)
+    worst = int(np.linalg.norm(away, axis=1).argmax())
+    own, total = away[worst] @ found.support[worst], away[worst] @ away[worst]
+    walls = _thickest(found.springs[0])
     fits = {
-        "a support that no line of the lattice runs along": own @ worst >= MAIN * (worst @ worst),
-        f"walls {walls:.2g} cells thick": walls < THIN,
-        "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
-        "stress is asked for": stress,
+        "a support that no line of the lattice runs along": own >= MAIN * total,
+        f"walls at most {walls:.0f} cells thick": walls <= THIN,
+        "a corner that points inwards": len(getattr(lattice.domain, "reentrant", ())) > 0,
+        "stress is asked for": any(
+            row.verdict == DIFFERS and row.quantity.startswith("stress at") for row in found.rows
+        ),
     }
     return tuple(why for why, fit in fits.items() if fit)
 
 
-def _surface(domain: Domain) -> float:
-    """Length (m) of a plane body's outline, area (m²) of a solid's surface."""
-    if domain.dim == 2:
-        return float(outline(domain).length)
-    if isinstance(domain, Box):
-        return math.fsum(domain.side(name).measure(domain.span) for name in SIDES)
-    return domain.whole_surface.measure(domain.span)  # type: ignore[union-attr]
+def _thickest(answer: SpringAnswer) -> float:
+    """Cells across a body where it is thickest; infinite where cells are no squares or cubes."""
+    lattice, inner = answer.lattice, answer.surrounded
+    if not isinstance(lattice, PatternLattice) or not joins_corners(lattice.pattern):
+        return math.inf
+    if not inner.any():
+        return 1.0
+    depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
+    return 2 * float(depth) / lattice.spacing
 
 
 def choice_sentences(chosen: Choice) -> tuple[str, ...]:
     """What to take, in words."""
-    lattices = [f"for {100 * each.target:g} %: {_lattice_words(each)}" for each in chosen.spacings]
-    meshes = [f"for {100 * each.target:g} %: {_mesh_words(each)}" for each in chosen.meshes]
-    said = [f"Springs {'; '.join(lattices)}."] if lattices else []
-    said.append(f"Elements {'; '.join(meshes)}.")
+    said = []
+    for kind, needs in {"Springs": chosen.springs, "Elements": chosen.elements}.items():
+        each = [f"for {100 * need.target:g} %: {_need_words(need)}" for need in needs]
+        said += [f"{kind} {'; '.join(each)}."] if each else []
     if chosen.use_elements:
         why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
         said.append(
@@ -285,22 +274,17 @@ def choice_sentences(chosen: Choice) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _lattice_words(each: Spacing) -> str:
-    if each.where == NONE:
+def _need_words(need: Need) -> str:
+    if need.where == NONE:
         return "no spacing does"
-    if not each.cells:
-        return "more cells than can be laid" if each.least else "not known from one lattice"
-    said = f"cells = {each.cells} ({each.spacing:.3g} m), {each.springs:,} springs, "
-    said += f"{each.seconds:.2g} s"
-    between = f"{each.least:.2g} to {each.most:.2g} m"
-    if each.uncertain:
-        return f"uncertain, {between}, perhaps {said}"
-    if each.where == COARSEST:
-        return f"{said}, or coarser if that can be laid"
-    return f"{said}, finer than was solved ({between})" if each.where == BEYOND else said
-
-
-def _mesh_words(each: Nodes) -> str:
-    if not each.nodes:
-        return "more nodes than were tried"
-    return f"{'at most ' if each.coarsest else ''}{each.nodes:,} nodes, {each.seconds:.2g} s"
+    if not need.count:
+        near = "" if math.isnan(need.spacing) else f", some {need.spacing:.2g} m"
+        return f"finer than was tried{near}"
+    if not need.cells:
+        at_most = "at most " if need.where == COARSEST else ""
+        return f"{at_most}{need.count:,} nodes, {need.seconds:.2g} s"
+    between = "" if math.isnan(need.least) else f", from {need.least:.2g} to {need.most:.2g} m"
+    coarser = {COARSEST: ", or coarser", BEYOND: ", finer than was solved"}.get(need.where, "")
+    said = f"cells = {need.cells} ({need.spacing:.3g} m{between}), {need.count:,} springs"
+    doubt = "uncertain, perhaps " if need.uncertain else ""
+    return f"{doubt}{said}, {need.seconds:.2g} s{coarser}"

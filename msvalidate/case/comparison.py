@@ -13,7 +13,7 @@ from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
-from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
+from msvalidate.case.springs import ROUNDING, SpringAnswer, SpringLimit, limit_of, solve_finer
 from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
@@ -95,8 +95,11 @@ class Comparison:
         (p, d) in m, where displacements are compared.
     springs
         On the lattice asked for, then on finer ones.
+    support
+        (p, d) in m: what supports that no line of the lattice runs along add to the springs asked
+        for; 0 where there are none (`supports.held_as`).
     limit
-        What they close in on.
+        What the springs close in on, without that.
     reference
         Elasticity at the points.
     homogenised
@@ -112,6 +115,7 @@ class Comparison:
     case: Case
     points: Array
     springs: tuple[SpringAnswer, ...]
+    support: Array
     limit: SpringLimit
     reference: Reference
     homogenised: Reference | None
@@ -140,23 +144,6 @@ class Comparison:
         """The springs asked for, an entry a material."""
         return advise_body(self.case, self.springs[0])
 
-    @cached_property
-    def support(self) -> Array:
-        """What supports off the lattice's lines add (p, d) in m to `displacement`: see `held_as`.
-
-        0 where all are along lines, and in space where they are no walls.
-        """
-        springs, nothing = self.springs[0], np.zeros(self.points.shape)
-        if not isinstance(springs.lattice, CutLattice):
-            return nothing
-        body = (self.homogenised or self.reference).finest
-        other = held_as(self.case.problem, springs.lattice, springs.network, body.at)
-        if other is None:
-            return nothing
-        with suppress(SolverError):
-            return self.displacement - replace(springs, rest=equilibrium(other)).at(self.points)
-        return nothing * np.nan
-
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
     """Solve a case with springs and with elements and compare them.
@@ -179,12 +166,14 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     progress("springs")
     answers = solve_finer(case)
     points = compared_points(case, answers[0].lattice)
-    limit = limit_of(answers, points)
     progress("elements")
     reference = converge(case.problem, points, case.accuracy)
     if not max_length(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
     homogenised, notes = _homogenised(case, answers[0], points)
+    support = _support(case, answers, homogenised or reference)
+    values = [answer.at(points) for answer in answers]
+    limit = limit_of(answers, [u - part for u, part in zip(values, support, strict=True)])
     rows = []
     if "displacement" in case.quantities:
         rows.append(_displacement(case, answers[0], reference))
@@ -206,8 +195,32 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     bridged = say_bridged(answers[0].lattice)
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
     return Comparison(
-        case, points, answers, limit, reference, homogenised, tuple(rows), kind, tuple(notes)
+        case,
+        points,
+        answers,
+        support[0],
+        limit,
+        reference,
+        homogenised,
+        tuple(rows),
+        kind,
+        tuple(notes),
     )
+
+
+def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:
+    """What supports off the lattice's lines add to displacements (p, d) in m of each lattice."""
+    found, room = [], ROUNDING * max_length(body.displacement.value)
+    for answer in answers:
+        other, lattice = None, answer.lattice
+        if isinstance(lattice, CutLattice):
+            other = held_as(case.problem, lattice, answer.network, body.finest.at, room)
+        if other is None:
+            found.append(np.zeros(body.points.shape))
+        else:
+            less = replace(answer, rest=equilibrium(other)).at(body.points)
+            found.append(answer.at(body.points) - less)
+    return found
 
 
 def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Row:

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import pandas as pd
 
-from msvalidate.case.budget import COLUMNS, OWN
+from msvalidate.case.budget import COLUMNS, OWN, material_off
 from msvalidate.case.case import Case, describe_spacing
 from msvalidate.case.comparison import (
     COARSE,
@@ -20,6 +20,7 @@ from msvalidate.case.comparison import (
 )
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.rendering import render_template
@@ -198,15 +199,28 @@ def _kind_sentence(found: Comparison) -> str:
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if limit.status == "seen" else ""
-    left = found.limit.displacement - found.reference.displacement.value
-    rest = percent(float((left**2).sum(axis=1).max() ** 0.5) / size)
+    rest = percent(max_length(limit.displacement - found.reference.displacement.value) / size)
     doubt = percent(limit.uncertainty / size)
     closing = f"On finer lattices{order} they close in on {rest} ± {doubt}"
+    off, support = material_off(found), found.support
+    right = off <= found.case.band
     if found.kind == COARSE:
-        return f"{closing}: what is left is spacing."
-    if found.kind == OTHER_MATERIAL:
-        return f"{closing}: they are another material, whatever their spacing."
-    return f"{closing}, which does not tell spacing from material."
+        said = f"{closing}: what is left is spacing."
+    elif found.kind == OTHER_MATERIAL and right:
+        said = f"{closing}, though their material is right to {percent(off)}: it is the boundary."
+    elif found.kind == OTHER_MATERIAL:
+        said = f"{closing}: they are another material, whatever their spacing."
+    elif right:
+        said = (
+            f"{closing}. Their material is right to {percent(off)}; whether spacing alone is left "
+            "is not known."
+        )
+    else:
+        said = f"{closing}, which does not tell spacing from material."
+    if support.any():
+        cost = percent(max_length(support) / size)
+        said += f" A support that no line of the lattice runs along costs up to {cost}."
+    return said
 
 
 def asked(case: Case) -> dict[str, str]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from datetime import UTC, datetime
 from time import perf_counter
 
-from msvalidate.case import budget, comparison, files, judge, page
+from msvalidate.case import budget, choice, comparison, files, judge, page
 from msvalidate.case.advice import advice_record
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
@@ -39,6 +40,8 @@ def case_files(
     springs = body_lines(found.advice)
     progress("budget")
     tables = budget.tables(found)
+    progress("coarser springs")
+    chosen = choice.choose(found)
     progress("pictures")
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
     content, pictures = files.picture_files(drawn)
@@ -46,6 +49,7 @@ def case_files(
     seconds = perf_counter() - began
     origin = collect_provenance(command, 0, started, seconds, form="case")
     head, said = page.sentences(found)
+    said = (*said, *choice.choice_sentences(chosen))
     shown = page.Page(
         name=case.name,
         verdict=page.overall(found.rows),
@@ -62,7 +66,7 @@ def case_files(
         asked=page.asked(case),
         origin=origin,
     )
-    verdict = verdict_content(found, head, said, origin)
+    verdict = verdict_content(found, head, said, origin) | {"choice": asdict(chosen)}
     content |= files.table_files(tables) | fields
     content |= {"case.html": page.render(shown).encode(), "verdict.json": files.json_bytes(verdict)}
     return found, content

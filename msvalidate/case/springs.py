@@ -250,9 +250,8 @@ def _offer_cells(case: Case) -> str:
     return ""
 
 
-def limit_of(answers: tuple[SpringAnswer, ...], places: Array) -> SpringLimit:
-    """What springs close in on at places (p, d) in m, from one to three lattices."""
-    values = [answer.at(places) for answer in answers]
+def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLimit:
+    """What springs close in on, from their displacement (p, d) in m on one to three lattices."""
     fine = values[-1]
     if len(values) == 1:
         return SpringLimit(fine, math.inf, math.nan, "none")

@@ -23,13 +23,17 @@ from msvalidate.problem.records import replace
 
 
 def held_as(
-    problem: Problem, lattice: CutLattice, network: Network, motion: Callable[[Array], Array]
+    problem: Problem,
+    lattice: CutLattice,
+    network: Network,
+    motion: Callable[[Array], Array],
+    room: float,
 ) -> Network | None:
     """The network with supports off the lattice's lines held as a motion (n, d) -> (n, d) in m.
 
-    None where there are none. In space, of walls of prisms alone.
+    None where that is nowhere other than it is by more than `room` (m). In space, of walls alone.
     """
-    moved, changed = network.displacement.copy(), False
+    moved = network.displacement.copy()
     for support in problem.supports:
         on = support_selector(lattice)(support)
         off = np.flatnonzero(on & ~support.region.select(lattice.points, problem.domain.tolerance))
@@ -37,8 +41,8 @@ def held_as(
             continue
         with suppress(ProblemError):  # facets across z have no lines
             moved[off] = _moved(problem, support, lattice.points[off], moved[off], motion)
-            changed = True
-    return replace(network, displacement=moved) if changed else None
+    other = np.abs(moved - network.displacement).max() > room
+    return replace(network, displacement=moved) if other else None
 
 
 def _moved(

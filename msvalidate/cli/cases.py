@@ -210,9 +210,9 @@ def _solve(case: Case, folder: Path, whose: str, args: argparse.Namespace) -> in
     show.clear()
     word = page.overall(found.rows)
     if not args.quiet:
-        head, reasons = page.sentences(found)
-        more = (*reasons, *body_lines(found.advice))
-        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in more)])
+        told = json.loads(content["verdict.json"])
+        more = (told["sentence"], *told["reasons"], *body_lines(found.advice))
+        print_lines([f"{case.name}: {word}", *(f"  {each}" for each in more)])
         tell(f"{case.name}: {time.perf_counter() - began:.1f} s, {folder / 'case.html'}")
     elif word != AGREES:
         tell(f"{case.name}: {word}")
