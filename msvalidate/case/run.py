@@ -62,7 +62,7 @@ def case_files(
         notes=found.notes,
         pictures=page.shown_pictures(pictures),
         tables=page.shown_tables(tables),
-        fields=tuple(name for name in fields if name.endswith(".vtu")),
+        fields=tuple(fields),
         asked=page.asked(case),
         origin=origin,
     )
