@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate.dynamics.damping import decay
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -91,7 +92,7 @@ def price_guess(
                 "dt_s": found.dt,
                 "steps": found.measured[ERROR],
                 "steps_slowest": found.slowest[ERROR],
-                "rate_price": omega / bodies.decay(omega, 2 * guess * omega),
+                "rate_price": omega / decay(omega, 2 * guess * omega),
             }
         )
     return rows

@@ -1,13 +1,4 @@
-"""The bodies that are let go, their modes, and the closed forms that say how they come to rest.
-
-A small motion about rest is a sum of modes, x'' = -ω²x - c·x' each. Let go at the distance 1 from
-rest with no velocity, with s = c/2 and r = √(s² - ω²), real or imaginary,
-
-    x(t) = [(r + s)·exp(-(s - r)t) + (r - s)·exp(-(s + r)t)] / 2r,
-
-which at the critical c = 2ω is (1 + ωt)·exp(-ωt). Below it the envelope falls with c/2; above it
-the slow root s - r = ω²/(s + r), about ω²/c, is what is left.
-"""
+"""The bodies that are let go, and their modes: `dynamics.damping` has how each comes to rest."""
 
 from __future__ import annotations
 
@@ -17,7 +8,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
 from msvalidate.bodies.lattice_network import lattice_network
@@ -183,25 +173,6 @@ def modes(network: Network) -> tuple[Array, Array]:
     shapes = np.zeros((len(free), network.points.size))
     shapes[:, free] = (scale[:, None] * vectors).T
     return np.sqrt(squares), shapes
-
-
-def approach(omega: float, damping: float, times: ArrayLike) -> Array:
-    """Distance from rest (1) of a mode let go at 1 without velocity, at times (s)."""
-    t = np.asarray(times, dtype=float)
-    s, r = damping / 2, np.emath.sqrt(damping**2 / 4 - omega**2)
-    if abs(r) < 1e-6 * omega:
-        return np.asarray((1 + omega * t) * np.exp(-omega * t))
-    slow, fast = omega**2 / (s + r), s + r  # s - r, without cancellation
-    both = (r + s) * np.exp(-slow * t) + (r - s) * np.exp(-fast * t)
-    return np.asarray((both / (2 * r)).real)
-
-
-def decay(omega: float, damping: float) -> float:
-    """Rate (1/s) at which the slower part of a mode dies out."""
-    s = damping / 2
-    if s <= omega:
-        return s
-    return float(omega**2 / (s + np.sqrt(s**2 - omega**2)))
 
 
 def one_step(omegas: Array, dt: float, damping: float) -> Array:

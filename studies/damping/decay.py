@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate.dynamics.damping import decay
 from msvalidate.dynamics.integrate import State
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
@@ -81,7 +82,7 @@ def fit_decay(candidate: MotionSolver, ratio: float | None) -> dict[str, object]
     else:
         body = bodies.loaded(*PLATE)
         network, omega, name = body.unloaded, float(body.frequencies[0]), body.name
-        damping, predicted = 2 * ratio * omega, bodies.decay(omega, 2 * ratio * omega)
+        damping, predicted = 2 * ratio * omega, decay(omega, 2 * ratio * omega)
         dt, shape = body.time_step(damping, PART), body.shapes[0].reshape(body.rest.shape)
         weights = network.mass[:, None] * shape
         moved = network.points + LOAD * shape / np.abs(shape).max()
@@ -136,7 +137,7 @@ def draw(tables: Tables) -> Figure:
     x = modes["c_over_critical"].astype(float)
     axis.loglog(x, modes["rate_over_c"], "o", color=figures.COLOURS[0], label="lowest mode")
     ratios = np.geomspace(x.min(), x.max(), 100)
-    told = [bodies.decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]
+    told = [decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]
     axis.loglog(ratios, told, color="black", lw=0.9, label="closed form")
     axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
     axis.set(xlabel="damping c over 2ω (1)", ylabel="rate of decay of the velocity over c (1)")

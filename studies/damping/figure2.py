@@ -19,6 +19,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate.dynamics.damping import approach
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -145,7 +146,7 @@ def curve(
     damping, h = 2 * ratio * omega, dt / divisor
     looks = int(PERIODS * 2 * np.pi / omega / dt)
     corner, mode = watch_curve(candidate, body, damping, h, looks, divisor)
-    predicted = 1 - bodies.approach(omega, damping, dt * np.arange(looks + 1))
+    predicted = 1 - approach(omega, damping, dt * np.arange(looks + 1))
     again = recursion(omega, damping, h, looks, divisor)
     row = {
         "c_over_critical": ratio,

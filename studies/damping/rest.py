@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate.dynamics.damping import approach, decay
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -217,8 +218,8 @@ def steps_of_slowest(body: Body, damping: float, dt: float, error: float) -> int
     mode = body.lowest_excited(VISIBLE)
     omega, share = float(body.frequencies[mode]), float(body.shares[mode])
     # Five e-foldings more than asked for: what a double root or a phase adds to the envelope.
-    longest = (5 - np.log(error)) / bodies.decay(omega, damping)
-    way = share * np.abs(bodies.approach(omega, damping, dt * np.arange(int(longest / dt) + 2)))
+    longest = (5 - np.log(error)) / decay(omega, damping)
+    way = share * np.abs(approach(omega, damping, dt * np.arange(int(longest / dt) + 2)))
     return int(np.flatnonzero(way > error)[-1]) + 1
 
 

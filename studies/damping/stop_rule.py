@@ -23,6 +23,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate.dynamics.damping import decay
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -134,7 +135,7 @@ def stop_runs(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
     swiftest = omega * largest(body.rest)
     seen = watch_run(candidate, body, omega, damping, dt)
     told = stops_of_modes(body, damping, dt, [asked * swiftest for asked in ASKED])
-    slow = omega / bodies.decay(omega, damping)
+    slow = omega / decay(omega, damping)
     rows = []
     for asked, told_stop in zip(ASKED, told, strict=True):
         stop = first(seen.speed <= asked)

@@ -18,7 +18,6 @@ from msvalidate.studies.damping import (
     stop_rule,
     wave,
 )
-from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 from msvalidate.dynamics.integrate import State, euler_cromer, motion
@@ -53,32 +52,6 @@ def test_full_range_of_dampings():
 
 
 # --- closed forms ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.999999, 1.0, 1.000001, 3.0, 40.0])
-def test_approach_is_the_oscillator(ratio):
-    omega = 1.7
-    c = 2 * ratio * omega
-    times = np.linspace(0, 6, 30)
-    solved = solve_ivp(
-        lambda _, y: [y[1], -(omega**2) * y[0] - c * y[1]],
-        (0, 6),
-        [1.0, 0.0],
-        method="Radau",
-        t_eval=times,
-        rtol=1e-10,
-        atol=1e-12,
-    )
-    assert np.abs(bodies.approach(omega, c, times) - solved.y[0]).max() < 1e-7
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.9, 1.1, 5.0, 1e6])
-def test_decay_is_the_slower_root(ratio):
-    omega = 0.6
-    roots = np.roots([1, 2 * ratio * omega, omega**2])
-    if ratio < 1e3:
-        assert bodies.decay(omega, 2 * ratio * omega) == pytest.approx(-roots.real.max())
-    assert bodies.decay(omega, 2 * ratio * omega) > 0
 
 
 def test_one_step_is_the_schemes_own():
