@@ -98,7 +98,10 @@ def identify_lattice(
     if density is None:
         return found
     heavy = positive_number("density", density, "kg/m³")
-    omega, whose = body_frequency(pattern, constants, kappa, h, heavy)
+    try:
+        omega, whose = body_frequency(pattern, constants, kappa, h, heavy)
+    except ProblemError as error:
+        return replace(found, stable=f"endless stable, a body not: {error}")
     return replace(found, omega=omega, whose=whose)
 
 
@@ -131,7 +134,10 @@ def identified_lines(found: Identified, thickness: float | None = None) -> tuple
     unit, order = UNIT[d], {2: "xx, yy, xy", 3: "xx, yy, zz, yz, xz, xy"}[d]
     shown = np.where(np.abs(C) > ROUNDING * np.abs(C).max(), C, 0.0).tolist()
     rows = "; ".join(", ".join(f"{each:.9g}" for each in row) for row in shown)
-    lines = [f"{found.what}: {found.stable}", f"  C in {unit} ({order}): {rows}"]
+    lines = [
+        f"{found.what}: {found.stable}",
+        f"  C in {unit} ({order}; to {found.error:.1g}): {rows}",
+    ]
     if found.stable.startswith("no solid"):
         return tuple(lines)
     mean = isotropic_moduli(C)
@@ -142,7 +148,7 @@ def identified_lines(found: Identified, thickness: float | None = None) -> tuple
         way = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
         way = way[np.argsort((way**2).sum(axis=1), kind="stable")]  # of those alike the simplest
         E = directional_modulus(C, way / np.linalg.norm(way, axis=1)[:, None])
-        ends = [np.argmax(np.isclose(E, end, rtol=ALIKE)) for end in (E.min(), E.max())]
+        ends = [np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0)) for end in (E.min(), E.max())]
         span = " to ".join(f"{E[at]:.6g} {unit} along {tuple(way[at].tolist())}" for at in ends)
         zener = f"Zener ratio along the axes {mean.zener:.6g}"
         lines.append(f"  not isotropic: E from {span}, {zener}; nearest isotropic: {solid}")
