@@ -38,6 +38,7 @@ VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason", "--accuracy", "--q
 LATEST, CANDIDATES = Path("reports/latest"), Path("reports/candidate")
 """Where results go: those of a candidate do not take the place of our own."""
 OTHERS = {
+    "advise": "spring constants, masses and steps for a material, without a body",
     "case": "your own body: case new, case run, case judge, case export, case schema",
     "simulate": "your own simulator on a case, judged",
     "adapter": "your own simulator: adapter new, adapter check, adapter laws",

@@ -19,6 +19,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from msvalidate.cli.advise_arguments import parse_advise
 from msvalidate.cli.arguments import (
     FAILED,
     HELD,
@@ -57,6 +58,8 @@ def main(arguments: Sequence[str]) -> int:
         return _act("cases", parse_case(arguments[1:]))
     if arguments[:1] in (["simulate"], ["adapter"]):
         return _act("simulators", parse_simulators(arguments))
+    if arguments[:1] == ["advise"]:
+        return _act("advise", parse_advise(arguments[1:]))
     args = parse(arguments)
     if args.verb == "list":
         return _guard(_list, args)

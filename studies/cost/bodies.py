@@ -11,10 +11,10 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.lattice import fill, patterns, square
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.relaxation.run import SAFETY
 
 SIDE = 0.1
 """Of the plate (m)."""

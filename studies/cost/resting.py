@@ -8,12 +8,12 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.judging import counting
 from msvalidate.network import Network
 from msvalidate.problem import Array
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.run import SAFETY
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import bodies, kernel

@@ -10,10 +10,11 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.relaxation.run import Run
 from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import PART

@@ -56,6 +56,16 @@ def test_highest_frequency_does_not_depend_on_the_cell():
         assert highest_frequency(pattern, constants) == pytest.approx(twice, rel=1e-12), name
 
 
+@pytest.mark.parametrize("name", WHERE_UNSTABLE)
+def test_cells_make_the_highest_frequency_higher(name):
+    # On a torus of two cells an axis, which has the highest waves: their phases are 0 and pi.
+    pattern, kappa = getattr(patterns, name)(), 3.0
+    springs, volumes = torus(pattern, ISOTROPIC[name])
+    expected = np.linalg.eigvalsh(springs + kappa * volumes)[-1]
+    assert highest_frequency(pattern, ISOTROPIC[name], kappa) == pytest.approx(expected, rel=1e-12)
+    assert expected > 1.2 * highest_frequency(pattern, ISOTROPIC[name])
+
+
 def test_bad_input_is_refused():
     with pytest.raises(ProblemError, match="pattern: 'square'; give a Pattern"):
         highest_frequency("square", (1.0, 1.0))

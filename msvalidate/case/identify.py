@@ -1,0 +1,199 @@
+"""Which solid springs are: of a lattice with given constants, and of what people do."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+
+from msvalidate.case.advice import body_frequency, step_limits
+from msvalidate.constants.directions import directional_modulus
+from msvalidate.constants.homogenise import Homogenised, homogenise
+from msvalidate.constants.stiffness import (
+    ALIKE,
+    AXES_OF,
+    UNIT,
+    is_same_tensor,
+    isotropic_moduli,
+    isotropic_part,
+    moduli,
+    spring_tensor,
+)
+from msvalidate.constants.waves import least_stable_volume
+from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate.lattice import Constants, fill
+from msvalidate.lattice.patterns import all_patterns
+from msvalidate.problem import Array, Box, ProblemError
+from msvalidate.problem.checks import (
+    finite_number,
+    length_in_metres,
+    positive_number,
+    require_one_of,
+)
+from msvalidate.problem.records import dataclass, replace
+
+STABLE = "stable"
+ROUNDING = 1e-13
+"""Of a tensor's largest entry, shown as 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """The solid that springs are.
+
+    Parameters
+    ----------
+    what, tensor, error
+        What was looked at; Voigt tensor, (3, 3) in N/m or (6, 6) in Pa, points at rest; and the
+        largest error of an entry, as in `Homogenised`.
+    stable
+        `STABLE`, or why not.
+    omega, whose
+        Highest frequency (rad/s), NaN where masses are not known, and of what.
+    """
+
+    what: str
+    tensor: Array
+    error: float
+    stable: str
+    omega: float = math.nan
+    whose: str = ""
+
+
+def identify_lattice(
+    lattice: str,
+    constants: Constants,
+    spacing: float,
+    volume: float = 0.0,
+    density: float | None = None,
+) -> Identified:
+    """The solid that a lattice is with constants (N/m), one a kind, at a spacing (m).
+
+    Parameters
+    ----------
+    volume
+        κ of a cell, N/m in the plane or Pa in space.
+    density
+        kg/m³, in the plane times the thickness; None leaves frequencies out.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of range, or κ is given of a lattice whose points move on by themselves.
+    """
+    require_one_of("lattice", lattice, all_patterns())
+    pattern, h = all_patterns()[lattice](), length_in_metres("spacing", spacing)
+    kappa, k = finite_number("kappa", volume), ", ".join(f"{each:g}" for each in constants)
+    if len(constants) != pattern.kinds:
+        names = ", ".join(f"k{number + 1}" for number in range(pattern.kinds))
+        raise ProblemError(f"{lattice}: constants {k or 'missing'}; give {names}")
+    what = f"{lattice}, spacing {h:g} m, k = {k} N/m{f', κ = {kappa:g}' if kappa else ''}"
+    found = with_cells(what, homogenise(pattern, constants, h), kappa)
+    if found.stable != STABLE:
+        return found
+    least = least_stable_volume(pattern, constants) / h ** (pattern.dim - 2)
+    if kappa <= least * (1 - ALIKE):
+        return replace(found, stable=f"unstable: short waves ask for κ above {least:.6g}")
+    if density is None:
+        return found
+    heavy = positive_number("density", density, "kg/m³")
+    try:
+        omega, whose = body_frequency(pattern, constants, kappa, h, heavy)
+    except ProblemError as error:
+        return replace(found, stable=f"endless stable, a body not: {error}")
+    return replace(found, omega=omega, whose=whose)
+
+
+def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
+    """Springs at rest, with κ of cells (N/m in the plane, Pa in space) beside them.
+
+    Raises
+    ------
+    ProblemError
+        If there are cells, and points that move on in a uniform strain.
+    """
+    tensor, d = solid.tensor.copy(), AXES_OF[len(solid.tensor)]
+    if kappa and np.abs(solid.affine - tensor).max() > ALIKE * np.abs(tensor).max():
+        raise ProblemError(f"{what}: points move on in a uniform strain, cells change how; no κ")
+    tensor[:d, :d] += kappa
+    stable = STABLE
+    if solid.floppy:
+        stable = f"not stable: {solid.floppy} motions of points stretch no spring"
+    if np.linalg.eigvalsh(tensor)[0] <= ALIKE * np.abs(tensor).max():
+        stable = "no solid: some strain costs no energy"
+    return Identified(what, tensor, solid.error, stable)
+
+
+def identified_lines(found: Identified, thickness: float | None = None) -> tuple[str, ...]:
+    """What it is, its tensor, moduli and stable steps, with units.
+
+    A thickness (m) makes moduli in N/m ones in Pa, of plane stress and of plane strain.
+    """
+    C, d = found.tensor, AXES_OF[len(found.tensor)]
+    unit, order = UNIT[d], {2: "xx, yy, xy", 3: "xx, yy, zz, yz, xz, xy"}[d]
+    shown = np.where(np.abs(C) > ROUNDING * np.abs(C).max(), C, 0.0).tolist()
+    rows = "; ".join(", ".join(f"{each:.9g}" for each in row) for row in shown)
+    lines = [
+        f"{found.what}: {found.stable}",
+        f"  C in {unit} ({order}; to {found.error:.1g}): {rows}",
+    ]
+    if found.stable.startswith("no solid"):
+        return tuple(lines)
+    mean = isotropic_moduli(C)
+    solid = f"E = {mean.E:.9g} {unit}, nu = {mean.nu:.9g}"
+    if is_same_tensor(C, isotropic_part(C)):
+        lines.append(f"  isotropic: {solid}")
+    else:
+        way = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
+        way = way[np.argsort((way**2).sum(axis=1), kind="stable")]  # of those alike the simplest
+        E = directional_modulus(C, way / np.linalg.norm(way, axis=1)[:, None])
+        ends = [np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0)) for end in (E.min(), E.max())]
+        span = " to ".join(f"{E[at]:.6g} {unit} along {tuple(way[at].tolist())}" for at in ends)
+        zener = f"Zener ratio along the axes {mean.zener:.6g}"
+        lines.append(f"  not isotropic: E from {span}, {zener}; nearest isotropic: {solid}")
+    if d == 2 and thickness is not None:
+        t, strain = length_in_metres("thickness", thickness), mean.nu / (1 + mean.nu)
+        lines[-1] += (
+            f"; in plane stress E = {mean.E / t:.6g} Pa, nu = {mean.nu:.6g}; in plane strain E = "
+            f"{mean.E / t * (1 - strain**2):.6g} Pa, nu = {strain:.6g}"
+        )
+    if math.isfinite(found.omega):
+        limit = step_limits(found.omega)["leapfrog"]
+        lines.append(
+            f"  highest frequency {found.omega:.6g} rad/s of {found.whose}; step of leapfrog and "
+            f"Euler-Cromer {SAFETY * limit:.4g} s, {SAFETY:g} of the limit {limit:.4g} s"
+        )
+    return tuple(lines)
+
+
+HABITS = {
+    2: (("k = E t on every spring", "square", (1.0, 1.0)), ("k2 = 2 k1", "square", (1.0, 2.0))),
+    3: (
+        ("k = E h on the axes alone", "cubic6", (1.0,)),
+        ("k = E h on every spring", "cubic18", (1.0, 1.0)),
+        ("k2 = 2 k1", "cubic18", (1.0, 2.0)),
+    ),
+}
+"""What people do, by axes: words, lattice and constants over E t or E h."""
+ACROSS = 10
+"""Cells along the edges of the block whose springs in the sides are whole."""
+
+
+def habits(dim: int) -> tuple[str, ...]:
+    """Which solid some usual choices of constants are, in so many axes."""
+    lines = []
+    for words, lattice, constants in HABITS[dim]:
+        solid = moduli(homogenise(all_patterns()[lattice](), constants).tensor)
+        size = f"{solid.E:.4g} times E" if "E" in words else "not incompressible"
+        loose = "" if solid.zener else ", no shear stiffness"
+        along = f"nu = {solid.nu:.4g} along the axes, Zener ratio {solid.zener:.4g}{loose}"
+        lines.append(f"{words} of {lattice}: {size}, {along}")
+    block = fill(all_patterns()[lattice](), Box((1.0,) * dim), ACROSS)
+    k = np.array(all_patterns()[lattice]().rules["isotropic"])[block.kind]
+    E = [moduli(spring_tensor(block.vectors, each, 1.0)).E for each in (k, k * block.share)]
+    lines.append(
+        f"whole springs in the sides, not half: a block of {lattice} with {ACROSS} cells an edge "
+        f"resists uniform strain as {E[0] / E[1]:.3g} times E"
+    )
+    return tuple(lines)

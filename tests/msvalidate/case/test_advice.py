@@ -1,0 +1,174 @@
+"""Springs advised for a material: formulas, frequencies, words, and the command line."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.case.advice import (
+    FORMULAS,
+    Settling,
+    advice_lines,
+    advice_of,
+    advice_record,
+    advise,
+)
+from msvalidate.case.nearest_ratio import nearest_by_springs, price_of_ratio
+from msvalidate.cli.program import main
+from msvalidate.constants.routes import calibrate_by_route
+from msvalidate.dynamics import spectrum
+from msvalidate.lattice import boundary_weights, fill
+from msvalidate.lattice.patterns import all_patterns
+from msvalidate.network import tangent
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support
+from tests.table import table
+
+SPACING, THICKNESS = 0.37 / 5, 0.2
+STATES = {2: ("plane_stress", "plane_strain"), 3: ("solid",)}
+
+
+def material(state, nu, E=2.8e9):
+    return Isotropic(E, nu, state, 1234.0, 1.0 if state == "solid" else THICKNESS)
+
+
+def evaluated(formula, values):
+    """A formula as it is printed: factors side by side are multiplied."""
+    words = re.findall(r"\d+|√\d+|λ′|[μλth]|[()/·-]", formula)
+    assert "".join(words) == formula.replace(" ", "")
+    python = ""
+    for word, last in zip(words, [".", *words], strict=False):
+        gap = "*" if python and word not in ")/·-" and last not in "(/·-" else ""
+        root = f"math.sqrt({word[1:]})" if word[0] == "√" else word.replace("·", "*")
+        python += gap + root.replace("λ′", "λ")
+    return eval(python, {"math": math, **values})  # noqa: S307  of our own table
+
+
+@table("lattice, nu", [(name, nu) for name in FORMULAS for nu in (0.3, 0.4)])
+def test_formulas_are_what_the_calibration_has(lattice, nu):
+    for state in STATES[all_patterns()[lattice]().dim]:
+        found = material(state, nu)
+        lame = found.E * nu / (1 - nu**2 if state == "plane_stress" else (1 + nu) * (1 - 2 * nu))
+        values = {"λ": lame, "μ": found.E / 2 / (1 + nu), "t": THICKNESS, "h": SPACING}
+        try:
+            own = calibrate_by_route(found, all_patterns()[lattice](), SPACING, None)
+        except ProblemError:
+            assert lattice == "honeycomb"
+            assert lame <= values["μ"] * (1 + 1e-9)
+            continue
+        advice = advice_of(found, lattice, own, 1.0, "it")
+        got = [kind.constant for kind in advice.kinds]
+        told = [evaluated(kind.formula, values) for kind in advice.kinds]
+        assert got == pytest.approx(told, rel=1e-7)
+        kappa = evaluated(advice.volume_formula, values) if advice.volume_formula else 0.0
+        assert advice.volume == pytest.approx(kappa, rel=1e-9)
+        assert (advice.E, advice.nu) == pytest.approx((found.E, nu), rel=1e-9)
+
+
+@pytest.mark.parametrize("lattice", FORMULAS)
+def test_steps_are_those_of_bodies(lattice):
+    # By the tangent of a body with a side held, and by steps of leapfrog in plain numbers.
+    pattern = all_patterns()[lattice]()
+    found = material(STATES[pattern.dim][-1], 0.4)
+    advice = advise(found, lattice, SPACING)
+    calibration = calibrate_by_route(found, pattern, SPACING, None)
+    own = []
+    for cells in ((2,) * pattern.dim, (3,) * pattern.dim, (5, *(2,) * (pattern.dim - 1))):
+        box = Box(tuple(SPACING * n * e for n, e in zip(cells, pattern.size, strict=True)))
+        hold = Support(box.side("left"), (0.0,) * pattern.dim)
+        network = lattice_network(
+            Problem(box, found, (hold,)), fill(pattern, box, cells), calibration
+        )
+        own.append(spectrum.highest_frequency(network))
+    assert max(own) <= advice.omega * (1 + 1e-12)
+    assert max(own) >= 0.97 * advice.omega  # the side that is held is one of several
+    free = np.flatnonzero(~network.held.ravel())
+    K = tangent(network, network.points).toarray()[np.ix_(free, free)]
+    mass = np.repeat(network.mass, pattern.dim)[free]
+    largest = []
+    for part in (0.98, 1.02 * advice.omega / own[-1]):
+        h, v = part * advice.limits["leapfrog"], 0.0
+        u = np.random.default_rng(0).normal(size=len(free))
+        for _ in range(400):
+            v = v - h * (K @ u) / mass
+            u = u + h * v
+        largest.append(np.abs(u).max())
+    assert largest[0] < 100
+    assert largest[1] > 1e4
+
+
+def test_what_is_told_of_the_boundary_is_done():
+    for dim, lattice, parts in ((2, "square", {0.5, 1}), (3, "cubic18", {0.25, 0.5, 1})):
+        body = fill(all_patterns()[lattice](), Box((1.0,) * dim), 3)
+        assert set(boundary_weights(body, "shared").tolist()) == parts
+        told = advise(material(STATES[dim][0], 0.3), lattice, 1.0).boundary
+        assert ("1/4" in told) == (dim == 3)
+        assert "1/2" in told
+
+
+def test_damping_is_told_and_shortens_euler_cromer():
+    found = material("plane_stress", 0.4)
+    calibration = calibrate_by_route(found, all_patterns()["square"](), SPACING, None)
+    omega, rate = 1000.0, 600.0
+    advice = advice_of(found, "square", calibration, omega, "it", Settling(rate, 0.01, 7))
+    zeta = rate / 2 / omega
+    closed = 2 * (math.sqrt(1 + zeta**2) - zeta) / omega
+    assert advice.limits == pytest.approx({"leapfrog": 2 / omega, "euler_cromer": closed})
+    lines = advice_lines(advice)
+    assert len(lines) == 4
+    assert "damping 600 1/s by body and load, not by E and nu: at rest after 0.01 s" in lines[-1]
+    assert json.loads(json.dumps(advice_record(advice)))["damping"]["steps"] == 7
+
+
+def test_a_price_is_in_proportion_to_the_change_of_the_ratio():
+    found, half = (Isotropic(1.0, nu, "plane_strain") for nu in (0.3, 0.275))
+    whole = price_of_ratio(found, nearest_by_springs(found))
+    assert price_of_ratio(found, half) == pytest.approx(tuple(e / 2 for e in whole), rel=0.15)
+
+
+@table(
+    "words, said",
+    [
+        ("--E 1e6 --nu .5 --spacing 1", "take nu below 1/2"),
+        ("--E 0 --nu .3 --spacing 1", "Young's modulus E: 0.0 Pa; it must be above zero"),
+        ("--E nan --nu .3 --spacing 1", "--E: 'nan'; give a number"),
+        ("--E 1e6 --nu .3 --spacing 6furlong", "give a number in SI units, or one with m, km"),
+        ("--E 1e6 --nu .3 --spacing 6 mm", "write a value and its unit as one"),
+        ("--E 1e6 --nu .3 --spacing 1 --state solid --thickness 1", "a solid has none"),
+        ("--E 1e6 --nu .3 --spacing 1 --lattice squar", "choose square, square4"),
+        ("--E 1e6 --nu .3 --spacing 1 --lattice square", "'square' is of the plane; choose cubic6"),
+        ("--E 1e6 --nu 0 --spacing 1 --lattice fcc", "a free block of 2 cells an edge does not"),
+        ("--E 1e6 --nu .3 --spacing 1 --lattice cubic6", "no spring constants make it isotropic"),
+        ("--E 1e6 --nu .3", "--spacing is missing"),
+        ("--E 1e6 --nu .3 --spacing 1 --k1 3", "--k1 goes with --identify"),
+        ("--identify --lattice square --k1 1 --spacing 1", "square: constants 1; give k1, k2"),
+        ("--identify none.csv", "none.csv: No such file or directory; give a table"),
+    ],
+)
+def test_refusals_are_one_line(words, said, capsys):
+    try:
+        code = main(["advise", *words.split()])
+    except SystemExit as end:
+        code = end.code
+    lines = capsys.readouterr().err.splitlines()
+    assert (code, len(lines)) == (2, 1)
+    assert said in lines[0]
+
+
+def test_the_command_says_its_numbers_and_what_it_took(capsys):
+    sheet = "advise --E 2.8GPa --nu .4 --thickness 6mm --spacing 2mm"
+    assert main([*sheet.split(), "--engine", "springs"]) == 0
+    out = capsys.readouterr().out
+    assert "in plane_stress (taken; another by --state)" in out
+    assert "springs alone have nu = 0.3333 (honeycomb: others too)" in out
+    assert "k1 = 1.26e+07 N/m = 2μt along the axes" in out  # 2 t E/(2 (1 + 1/3))
+    assert "k2 = 2 k1 of square: not incompressible, nu = 0.6667" in out
+    assert main([*sheet.split(), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert [each["lattice"] for each in record["lattices"]] == ["square", "triangular", "honeycomb"]
+    assert record["lattices"][0]["kinds"][0]["constant"] == pytest.approx(1.2e7)
+    assert list(record["cannot"]) == ["square4"]
