@@ -13,9 +13,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from scipy.integrate import quad
+from scipy.linalg import eigvalsh, toeplitz
 from scipy.optimize import brentq, minimize_scalar
 
-from msvalidate import homogenise, patterns, spring_network
+from msvalidate import Box, calibrate, fill, homogenise, patterns, spring_network
+from msvalidate.constants import waves
+from msvalidate.dynamics import spectrum
+from msvalidate.lattice import boundary_weights
 from msvalidate.network import internal_force
 from msvalidate.network.laws import volumes
 from msvalidate.simulators.laws import LAWS, lame, predicted
@@ -36,6 +40,21 @@ EXACT = 1e-12
 E, NU = 7.0, 0.37
 MU, LAM = lame(E, NU)
 READ = predicted(SMITH, E, NU)
+ISOTROPIC = np.linalg.inv(np.array([[1, -NU, -NU], [-NU, 1, -NU], [-NU, -NU, 1]]) / E)
+SHEET = ISOTROPIC[0, 1] - ISOTROPIC[0, 2] ** 2 / ISOTROPIC[2, 2]  # λ′ in plane stress
+CHAIN = np.r_[2, -1, np.zeros(98)]  # of points of mass 1 and springs of 1 N/m, between walls
+SYMBOLS = {
+    "μ": MU,
+    "μt": MU,
+    "μh": MU,
+    "λ": LAM,
+    "λ′": SHEET,
+    "ρ": 1,
+    "ρh": 1,
+    "ρth": 1,
+    "t": 1,
+    "h": 1,
+}
 PRIMED = {"μ′": READ.C[3, 3], "λ′": READ.C[0, 1], "E′": READ.E, "ν′": READ.nu}
 BENT = np.array([[1.1, 0.2, 0.0], [0.0, 0.9, 0.1], [0.0, 0.0, 1.05]])
 
@@ -66,9 +85,47 @@ def slowest(c):
     return np.linalg.eigvals([[0.0, 1.0], [-9.0, -c]]).real.max()
 
 
+def springs(name, nu=NU):
+    """Constants that are found for a lattice: by search, but for the square and the triangular."""
+    pattern = getattr(patterns, name)()
+    return calibrate(E, nu, pattern, "plane_stress" if pattern.dim == 2 else "solid")
+
+
+def body(name, cells):
+    pattern = getattr(patterns, name)()
+    return fill(pattern, Box(tuple(cells * side for side in pattern.size)), cells)
+
+
+def mass(name):
+    return body(name, 3).point_volume.max()
+
+
+def highest(name, nu=NU):
+    """Highest frequency squared of an endless lattice, times the mass of a point."""
+    pattern, found = getattr(patterns, name)(), springs(name, nu)
+    return waves.highest_frequency(pattern, found.constants, found.volume)
+
+
+def one_cell(name):
+    """Highest frequency squared of a cell alone, times the mass of a point inside a body.
+
+    No body of such cells has a higher one [Irons1971].
+    """
+    cell, found = body(name, 1), springs(name)
+    network = spring_network(
+        cell.points,
+        cell.springs,
+        np.array(found.constants)[cell.kind] * cell.factor * boundary_weights(cell, "shared"),
+        mass=cell.point_volume,
+        volumes=volumes.Volumes(cell.points, cell.cells, np.full(1, found.volume)),
+    )
+    return spectrum.highest_frequency(network) ** 2 * mass(name)
+
+
 def evaluated(printed, values):
     """A formula's right side as it is printed, at values of its symbols."""
-    code = printed.rpartition(" = ")[2].replace("²", "**2").replace("√", "sqrt")
+    code = re.sub(r"√(\d)", r"√(\1)", printed.rpartition(" = ")[2])
+    code = code.replace("²", "**2").replace("³", "**3").replace("√", "sqrt")
     code = re.sub(r"(?<=[\d)])\s*(?=[(A-Za-zα-ω])", "*", code)
     for symbol in sorted(values, key=len, reverse=True):
         code = re.sub(rf"\b{symbol}\s*\(", f"{symbol}*(", code)
@@ -116,6 +173,42 @@ FORMULAS = {  # printed -> values of its symbols, what it comes to by another wa
     "λ′ + 5μ′/6": (PRIMED, LAM, EXACT),
     "ν = (5 + 2ν′)/(26 - 28ν′)": (PRIMED, NU, EXACT),
     "E = 4E′(1 + ν)/(3(1 + ν′))": (PRIMED | {"ν": NU}, E, EXACT),
+    # docs/choosing-constants.md
+    "4μ/3": ({"μ": READ.C[3, 3]}, MU, EXACT),
+    "λ + 5μ/6": ({"μ": READ.C[3, 3], "λ": READ.C[0, 1]}, LAM, EXACT),
+    "E/(2(1 + ν))": ({"E": E, "ν": NU}, (ISOTROPIC[0, 0] - ISOTROPIC[0, 1]) / 2, EXACT),
+    "λ = Eν/((1 + ν)(1 - 2ν))": ({"Eν": E * NU, "ν": NU}, ISOTROPIC[0, 1], EXACT),
+    "λ′ = Eν/(1 - ν²)": ({"Eν": E * NU, "ν": NU}, SHEET, EXACT),
+    "λ + 2μ": (SYMBOLS, ISOTROPIC[0, 0], EXACT),
+    "E = μ(3λ + 2μ)/(λ + μ)": (SYMBOLS, E, EXACT),
+    "2μt": (SYMBOLS, springs("square").constants[0], EXACT),
+    "μt": (SYMBOLS, springs("square").constants[1], EXACT),
+    "(λ′ - μ)t": (SYMBOLS, [springs(n).volume for n in ("square", "triangular")], EXACT),
+    "4μt/√3": (SYMBOLS, springs("triangular").constants[0], EXACT),
+    "2√3(λ′ - μ)t": (SYMBOLS, springs("honeycomb").constants[0], 1e-9),
+    "2μt/√3": (SYMBOLS, springs("honeycomb").constants[1], 1e-9),
+    "μh": (SYMBOLS, [*springs("cubic18").constants, springs("fcc").constants[0]], EXACT),
+    "11μh/7": (SYMBOLS, springs("cubic26").constants[0], EXACT),
+    "3μh/7": (SYMBOLS, springs("cubic26").constants[1:], EXACT),
+    "3μh/2": (SYMBOLS, springs("bcc").constants[0], EXACT),
+    "μh/4": (SYMBOLS, springs("fcc").constants[1], EXACT),
+    "λ - μ": (SYMBOLS, [springs(n).volume for n in ("cubic18", "cubic26", "bcc", "fcc")], EXACT),
+    "ρth²": (SYMBOLS, mass("square"), EXACT),
+    "√3ρth²/2": (SYMBOLS, mass("triangular"), EXACT),
+    "3√3ρth²/4": (SYMBOLS, mass("honeycomb"), EXACT),
+    "ρh³/2": (SYMBOLS, mass("bcc"), EXACT),
+    "ρh³/4": (SYMBOLS, mass("fcc"), EXACT),
+    "4(λ′ + 2μ)t": (SYMBOLS, highest("square"), 1e-9),
+    "8√3μt": ({"μt": E / 2 / (1 + 1 / 3)}, highest("triangular", 1 / 3), 1e-9),
+    "4(λ + 2μ)h": (SYMBOLS, [highest("cubic18"), highest("cubic26")], 1e-9),
+    "12μh": ({"μh": E / 2 / (1 + 1 / 4)}, highest("bcc", 1 / 4), 1e-9),
+    "4(λ + μ)h": (SYMBOLS, highest("bcc"), 1e-9),
+    "9μh": ({"μh": E / 2 / (1 + 1 / 4)}, highest("fcc", 1 / 4), 1e-9),
+    "(4λ + μ)h": (SYMBOLS, highest("fcc"), 1e-9),
+    "c = √((λ + 2μ)/ρ)": (SYMBOLS, springs("cubic18").tensor[0, 0] ** 0.5, EXACT),
+    "h/√(2(λ′ + μ)/ρ)": (SYMBOLS, 2 / one_cell("square") ** 0.5, 1e-9),
+    "h/√((3λ + 2μ)/ρ)": (SYMBOLS, 2 / one_cell("cubic18") ** 0.5, 1e-9),
+    "c = √(EA/w)": ({"EA": 3, "w": 2}, eigvalsh(toeplitz(CHAIN * 3 / 2)).max() ** 0.5 / 2, 1e-3),
 }  # fmt: skip
 
 
