@@ -12,7 +12,6 @@ import pytest
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.case.advice import (
     FORMULAS,
-    Settling,
     advice_lines,
     advice_of,
     advice_record,
@@ -22,6 +21,7 @@ from msvalidate.case.nearest_ratio import nearest_by_springs, price_of_ratio
 from msvalidate.cli.program import main
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.dynamics import spectrum
+from msvalidate.dynamics.damping import Damping
 from msvalidate.lattice import boundary_weights, fill
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.network import tangent
@@ -114,14 +114,17 @@ def test_damping_is_told_and_shortens_euler_cromer():
     found = material("plane_stress", 0.4)
     calibration = calibrate_by_route(found, all_patterns()["square"](), SPACING, None)
     omega, rate = 1000.0, 600.0
-    advice = advice_of(found, "square", calibration, omega, "it", Settling(rate, 0.01, 7))
+    advice = advice_of(found, "square", calibration, omega, "it", Damping(rate, 0.01, 300.0, 1e-3))
     zeta = rate / 2 / omega
     closed = 2 * (math.sqrt(1 + zeta**2) - zeta) / omega
     assert advice.limits == pytest.approx({"leapfrog": 2 / omega, "euler_cromer": closed})
     lines = advice_lines(advice)
-    assert len(lines) == 4
-    assert "damping 600 1/s by body and load, not by E and nu: at rest after 0.01 s" in lines[-1]
-    assert json.loads(json.dumps(advice_record(advice)))["damping"]["steps"] == 7
+    assert len(lines) == 5
+    assert "damping 600 1/s, by the slowest motion that this load excites (300 rad/s)" in lines[-1]
+    assert (
+        "not by E and nu: within 0.1 % of rest after 0.01 s, 6 steps" in lines[-1]
+    )  # of 0.9 · 2/ω
+    assert json.loads(json.dumps(advice_record(advice)))["steps_to_rest"] == 6
 
 
 def test_a_price_is_in_proportion_to_the_change_of_the_ratio():
