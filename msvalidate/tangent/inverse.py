@@ -153,6 +153,8 @@ class Solver:
         Others with the same points, springs and supports may be asked about as well.
     wanted
         "direct", "multigrid", or "auto", which counts what a factor takes.
+    cycle
+        Of a place close by, for the first multigrid.
 
     Raises
     ------
@@ -160,12 +162,12 @@ class Solver:
         If there is no such solver.
     """
 
-    def __init__(self, network: Network, wanted: str = "auto") -> None:
+    def __init__(self, network: Network, wanted: str = "auto", cycle: Cycle | None = None) -> None:
         require_one_of("solver", wanted, SOLVERS)
         self.wanted, self._network = wanted, network
         self.met_negative = False
         """Whether multigrid met a tangent that is not positive, and did not go on."""
-        self._cycle: Cycle | None = None
+        self._cycle = cycle
         self._last: Cycles | None = None
         self._usual, self._looked = 0, False
         self._order: Index | None = None
