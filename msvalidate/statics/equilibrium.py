@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.linear_algebra.refine import InaccurateError
+from msvalidate.linear_algebra.refine import InaccurateError, is_certain
 from msvalidate.network import Configuration, Network
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
 from msvalidate.network.residual import out_of_balance_force
@@ -18,7 +18,6 @@ from msvalidate.problem.records import dataclass
 from msvalidate.statics.following import PathResult, follow_path
 from msvalidate.statics.path import Path, load_path
 from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, refine_linear
-from msvalidate.statics.tangents import is_inertia_certain
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
 
@@ -302,4 +301,4 @@ def _explain_pivots(network: Network, solver: Solver) -> str:
         found = solver.regular(Configuration(network))
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
-    return "" if is_inertia_certain(found) else explain_rounding(network, found.softness)
+    return "" if is_certain(found.softness) else explain_rounding(network, found.softness)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
+from msvalidate.linear_algebra.refine import is_certain
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
@@ -49,7 +49,7 @@ class Tangent:
             return True
         if self.found.negative == 0:
             return True
-        return not is_inertia_certain(self.found)
+        return not is_certain(self.found.softness)
 
     def move(self, load: Array, held: Array) -> Array:
         """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
@@ -110,11 +110,6 @@ def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
 def is_positive_definite(found: Regular) -> bool:
     """Whether a tangent is: by the signs of pivots where these are no rounding."""
     return negative_modes(found) == 0
-
-
-def is_inertia_certain(found: Regular) -> bool:
-    """Whether the signs of a factor's pivots are those of the exact tangent."""
-    return contraction_bound(found.softness) <= DOUBTFUL
 
 
 def refuse_mechanism(network: Network) -> None:

@@ -17,7 +17,7 @@ from scipy.sparse import bsr_array, csr_array, diags_array
 
 from msvalidate.linear_algebra.dissection import Dissection, nested_dissection
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
+from msvalidate.linear_algebra.refine import contraction_bound, is_certain
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.checks import require_one_of
@@ -95,10 +95,6 @@ class Regular:
         """The motion (n·d,) that the tangent resists least."""
         return self._softest[1]
 
-    def refuse_mechanism(self) -> None:
-        """Raise `SolverError` where the softest motion meets no stiffness."""
-        _refuse_no_stiffness(self.at.network, *self._softest)
-
     @property
     def rate(self) -> float:
         """Part of an error that a correction leaves, at the most."""
@@ -127,7 +123,7 @@ class Regular:
         if 0 < soft < SOFT:
             way, told = found.softer(way)
             soft, mode = self._judged(way)
-        if contraction_bound(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
+        if not is_certain(soft):  # so little may be rounding: a purer motion tells
             purer = softest_motion(found.A, self.at)
             if purer.any():
                 soft, mode = self._judged(purer[~self.at.network.held.ravel()])
@@ -279,7 +275,7 @@ class Solver:
             stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
             factor = self.inverse(at, stiffened)
         found = Regular(at, factor, diagonal)
-        found.refuse_mechanism()
+        _ = found.softness  # a mechanism is refused here
         return found
 
     def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
@@ -323,7 +319,7 @@ def _refuse_no_stiffness(network: Network, soft: float, mode: Array) -> None:
 
 
 def _refuse_rounding(softness: float) -> None:
-    if contraction_bound(softness) > DOUBTFUL:
+    if not is_certain(softness):
         raise NotConvergedError(
             f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
             "by one, too little to be told from rounding"

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import DOUBTFUL, FACTOR_ROUNDING, contraction_bound
+from msvalidate.linear_algebra.refine import FACTOR_ROUNDING, is_certain
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.tangent.cycles import NotConvergedError
@@ -38,7 +38,7 @@ def negative_modes(found: Regular) -> int:
         If more motions than can be looked at meet no more than rounding; `NotConvergedError` if one
         does, and there is no factor.
     """
-    if contraction_bound(found.softness) <= DOUBTFUL:
+    if is_certain(found.softness):
         return found.negative
     if not isinstance(found.inverse, Factor):
         raise NotConvergedError(
