@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-__all__ = ["LONGEST_REPR", "dataclass", "field", "replace", "short_repr"]
+__all__ = ["LONGEST_REPR", "ReadOnly", "dataclass", "field", "replace", "short_repr"]
 
 LONGEST_REPR = 160
 """Letters of a repr: two lines of a terminal."""
@@ -28,6 +28,15 @@ else:
         if "__repr__" not in vars(cls):
             cls.__repr__ = short_repr
         return dataclasses.dataclass(cls, **options)
+
+
+class ReadOnly:
+    """Base of records whose arrays are made read-only."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
 
 
 class _Short(Repr):
