@@ -66,11 +66,6 @@ def contraction_bound(softness: float) -> float:
     return FACTOR_ROUNDING / max(abs(softness), np.finfo(float).tiny)
 
 
-def is_certain(softness: float) -> bool:
-    """Whether signs of a factor's pivots, and of energies, are those of the exact tangent."""
-    return contraction_bound(softness) <= DOUBTFUL
-
-
 def refine_solution(
     residual: Residual, solve: Solve, start: Array, rate: float, solved: float = 0.0
 ) -> Refined:

@@ -17,13 +17,18 @@ from scipy.sparse import bsr_array, csr_array, diags_array
 
 from msvalidate.linear_algebra.dissection import Dissection, nested_dissection
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
-from msvalidate.linear_algebra.refine import contraction_bound, is_certain
+from msvalidate.linear_algebra.refine import contraction_bound
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
-from msvalidate.tangent.mechanism import NO_STIFFNESS, describe_motion, relative_stiffness
+from msvalidate.tangent.mechanism import (
+    NO_STIFFNESS,
+    describe_motion,
+    is_certain,
+    relative_stiffness,
+)
 from msvalidate.tangent.multigrid import (
     Cycle,
     make_cycle,

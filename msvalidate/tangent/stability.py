@@ -13,12 +13,12 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import FACTOR_ROUNDING, is_certain
+from msvalidate.linear_algebra.refine import FACTOR_ROUNDING
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Regular
-from msvalidate.tangent.mechanism import NO_STIFFNESS
+from msvalidate.tangent.mechanism import NO_STIFFNESS, is_certain
 from msvalidate.tangent.multigrid import force_against
 
 MODES = 8
