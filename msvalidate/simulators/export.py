@@ -249,10 +249,11 @@ def ratio_words(case: Case) -> str:
     body, near = first_mesh(problem), getattr(other.material, "nu", math.nan)
     mixed = law.state != "plane_stress" and law.nu >= NEARLY_INCOMPRESSIBLE
     own, apart = (solve_problem(each, body, mixed=mixed).displacement for each in (problem, other))
+    where = law.state.replace("_", " ").replace("solid", "space")
     part = 100 * max_length(apart - own) / (max_length(own) or 1.0)
     return (
-        f"springs alone have ratio {near:.6g} in {law.state.replace('_', ' ')}, the case "
-        f"{law.nu:g}: that changes elasticity's displacement here by {part:.2g} % of the largest"
+        f"springs alone have ratio {near:.6g} in {where}, the case {law.nu:g}: that changes "
+        f"elasticity's displacement here by {part:.2g} % of the largest"
     )
 
 
