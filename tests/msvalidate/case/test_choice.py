@@ -61,8 +61,8 @@ def test_the_spacing_that_is_advised_gives_the_difference(bent):
 def test_elements_are_as_much_nearer_at_equal_cost_as_is_said(bent):
     found, chosen = bent
     nodes = chosen.unknowns // 2
-    counts = (int(np.sqrt(nodes / 2)), int(np.sqrt(nodes / 8)))  # halves: a quadratic cell has two
-    mesh = box_discretisation(BEAM, (counts[0] // 2 * 2, counts[1]), "Q2")
+    across = int(np.sqrt(nodes / 8))
+    mesh = box_discretisation(BEAM, (2 * across, across), "Q2")
     springs = solve_springs(beam(cells=1), 1 / round(np.sqrt(len(mesh.points) / 2)))
     at = springs.lattice.points
     wanted = found.reference.finest.at(at)
@@ -91,8 +91,7 @@ def test_beside_a_support_a_linear_motion_goes_on_as_it_is():
     lattice, network, _ = make_network(case, 1 / 8)
     moved = held_as(case.problem, lattice, network, lambda x: x @ A.T, 0.0)
     beside = network.held.all(axis=1) & ~SLANT.select(lattice.points, SLANTED.tolerance)
-    assert (~lattice.inside[beside]).any()
-    assert lattice.inside[beside].any()
+    assert 0 < lattice.inside[beside].mean() < 1
     wanted = (lattice.points @ A.T)[beside]
     np.testing.assert_allclose(moved.displacement[beside], wanted, atol=1e-15)
 
@@ -103,21 +102,16 @@ def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing
     own = ["spacing", "support", "boundary", "material"]
     assert parts.loc[own, "value"].sum() == pytest.approx(parts.loc["total", "value"])
     assert parts.loc["support", "value"] > 0.5 * parts.loc["total", "value"]
-    # What is left is of second order, as where all supports lie on lines.
-    away = [each.at(found.points) - found.reference.displacement.value for each in found.springs]
-    assert max_length(away[0] - found.support) < 0.4 * max_length(away[0])
-    assert max_length(away[2]) > 0.15 * max_length(away[0])  # first order: a quarter
-    assert found.kind == "coarse"
+    away = found.displacement - found.reference.displacement.value
+    assert max_length(away - found.support) < 0.4 * max_length(away)
+    assert found.kind == "coarse"  # what is left closes in, though the whole falls unevenly
     assert abs(parts.loc["boundary", "value"]) < parts.loc["boundary", "doubt"]
     assert "a support that no line of the lattice runs along" in choose(found).reasons
-    assert not bent[0].support.any()
-    assert "support" not in set(budget(bent[0])["part"])
-
-
-def test_words_do_not_contradict_the_budget(bent):
-    said = sentences(replace(bent[0], kind=NOT_TOLD))[1][0]
+    said = sentences(replace(found, kind=NOT_TOLD))[1][0]  # as the budget has it
     assert "material is right to 0." in said
     assert "from material" not in said
+    assert not bent[0].support.any()
+    assert "support" not in set(budget(bent[0])["part"])
 
 
 def test_words_are_of_the_record():
