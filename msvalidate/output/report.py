@@ -253,7 +253,7 @@ def _only_results(out: Path) -> bool:
 
 
 def _place(path: Path) -> Path:
-    """Where a path leads to: as `Path.resolve`, but of links in a circle too."""
+    """Where a path leads to, also one of links in a circle."""
     return Path(os.path.realpath(path))
 
 
