@@ -19,7 +19,7 @@ from numba.core import cgutils, types
 from numba.core.errors import TypingError
 from numba.extending import overload
 
-from msvalidate.kernels.lanes import LANES, WIDTH, Lanes, instruction
+from msvalidate.kernels.lanes import LANES, WIDTH, Lanes, instruction, operation, shuffled
 from msvalidate.kernels.values import Builder, Code, Context, Instruction, Lane, Signature, Type
 from msvalidate.problem import Array
 
@@ -27,11 +27,6 @@ Ends = tuple[Code, Code | None]
 """Pointers to the first two components of a corner, and to its third in space."""
 
 _DOUBLE, _INDEX, _FUSED = ir.DoubleType(), ir.IntType(64), ("contract",)
-
-
-def _shuffled(builder: Builder, a: Code, b: Code, places: list[int]) -> Code:
-    kind = ir.VectorType(ir.IntType(32), len(places))
-    return builder.shuffle_vector(a, b, ir.Constant(kind, places))
 
 
 def _undefined() -> Code:
@@ -90,7 +85,7 @@ def _points(
 def _read(builder: Builder, pointers: list[Ends]) -> list[Code]:
     """A corner of all cells as it lies: [x0 y0 x2 y2], [x1 y1 x3 y3], in space [z0 z1 z2 z3]."""
     pairs = [_loaded(builder, pair) for pair, _ in pointers]
-    values = [_shuffled(builder, pairs[i], pairs[i + 2], [0, 1, 2, 3]) for i in (0, 1)]
+    values = [shuffled(builder, pairs[i], pairs[i + 2], [0, 1, 2, 3]) for i in (0, 1)]
     if pointers[0][1] is None:
         return values
     third = _undefined()
@@ -102,17 +97,17 @@ def _read(builder: Builder, pointers: list[Ends]) -> list[Code]:
 def _turned(builder: Builder, read: list[Code]) -> list[Code]:
     """What `_read` gave, or differences of it, as a value per axis; the reverse is `_returned`."""
     places = [[axis, 4 + axis, 2 + axis, 6 + axis] for axis in (0, 1)]
-    return [_shuffled(builder, read[0], read[1], place) for place in places] + read[2:]
+    return [shuffled(builder, read[0], read[1], place) for place in places] + read[2:]
 
 
 def _returned(builder: Builder, values: list[Code]) -> list[tuple[Code, Code | None]]:
     """Values per axis as (first two components, third) of each cell."""
     places = [0, 4, 2, 6], [1, 5, 3, 7]
-    both = [_shuffled(builder, values[0], values[1], order) for order in places]
+    both = [shuffled(builder, values[0], values[1], order) for order in places]
     out = []
     for lane in range(WIDTH):
         half = [lane // 2 * 2, lane // 2 * 2 + 1]
-        pair = _shuffled(builder, both[lane % 2], _undefined(), half)
+        pair = shuffled(builder, both[lane % 2], _undefined(), half)
         third = builder.extract_element(values[2], _INDEX(lane)) if values[2:] else None
         out.append((pair, third))
     return out
@@ -251,42 +246,23 @@ def still(_typing: Context, body: Type) -> Instruction:
     return body(body), code
 
 
-@instruction
-def inner(_typing: Context, slope: Type, move: Type) -> Instruction:
+@operation(LANES, None, None)
+def inner(builder: Builder, slope: Code, move: Code) -> Code:
     """Sum over corners and axes of the products of two bodies' components."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
-    ) -> Code:
-        pairs = list(zip(*(_leaves(builder, one) for one in given), strict=True))
-        total = builder.fmul(*pairs[0], flags=_FUSED)
-        for pair in pairs[1:]:
-            total = builder.fadd(total, builder.fmul(*pair, flags=_FUSED), flags=_FUSED)
-        return total
-
-    return LANES(slope, move), code
+    pairs = list(zip(_leaves(builder, slope), _leaves(builder, move), strict=True))
+    total = builder.fmul(*pairs[0], flags=_FUSED)
+    for pair in pairs[1:]:
+        total = builder.fadd(total, builder.fmul(*pair, flags=_FUSED), flags=_FUSED)
+    return total
 
 
-@instruction
-def quotient(_typing: Context, a: Type, b: Type) -> Instruction:
+@operation(LANES, LANES, LANES)
+def quotient(builder: Builder, a: Code, b: Code) -> Code:
     """Compute a/b."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
-    ) -> Code:
-        return builder.fdiv(*given)
-
-    return LANES(LANES, LANES), code
+    return builder.fdiv(a, b)
 
 
-@instruction
-def _negative(_typing: Context, a: Type) -> Instruction:
-    def code(
-        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
-    ) -> Code:
-        return builder.fneg(*given)
-
-    return LANES(LANES), code
+_negative = operation(LANES, LANES)(lambda builder, a: builder.fneg(a))
 
 
 @overload(operator.neg)

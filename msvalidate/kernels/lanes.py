@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import partial, wraps
 from typing import Any
 
 from llvmlite import ir
@@ -42,6 +42,28 @@ LANES = Lanes()
 def instruction(function: Callable[..., Instruction]) -> Callable[..., Any]:
     """Numba's intrinsic, of no type: calls have other arguments than the function that makes it."""
     return intrinsic(function)
+
+
+def operation(kind: Type, *taken: Type) -> Callable[[Callable[..., Code]], Callable[..., Any]]:
+    """The same of fixed types, from a function that writes its code from a builder and values.
+
+    It gives a `kind` from values of the types `taken`, None for one that is taken as it comes.
+    """
+
+    def made(write: Callable[..., Code]) -> Callable[..., Any]:
+        @wraps(write)
+        def typed(_typing: Context, *given: Type) -> Instruction:
+            def code(
+                context: Context, builder: Builder, _signature: Signature, values: Sequence[Code]
+            ) -> Code:
+                written = write(builder, *values)
+                return context.get_dummy_value() if written is None else written
+
+            return kind(*(a or b for a, b in zip(taken, given, strict=True))), code
+
+        return instruction(typed)
+
+    return made
 
 
 def _model(manager: Any, kind: Type) -> Any:
@@ -76,31 +98,18 @@ def start(_typing: Context, array: Type) -> Instruction:
     return pointer(array.dtype)(array), code
 
 
-@instruction
-def load(_typing: Context, begin: Type, index: Type) -> Instruction:
+@operation(LANES, None, types.int64)
+def load(builder: Builder, begin: Code, index: Code) -> Code:
     """The `WIDTH` float64 from an int64 index behind a `start` on, unchecked."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        loaded = builder.load(_pointer(builder, *values))
-        loaded.align = 8
-        return loaded
-
-    return LANES(begin, types.int64), code
+    loaded = builder.load(_pointer(builder, begin, index))
+    loaded.align = 8
+    return loaded
 
 
-@instruction
-def store(_typing: Context, begin: Type, index: Type, value: Type) -> Instruction:
+@operation(types.void, None, types.int64, LANES)
+def store(builder: Builder, begin: Code, index: Code, value: Code) -> None:
     """Put a value to an int64 index behind a `start`, unchecked."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        builder.store(values[2], _pointer(builder, *values[:2])).align = 8
-        return context.get_dummy_value()
-
-    return types.void(begin, types.int64, LANES), code
+    builder.store(value, _pointer(builder, begin, index)).align = 8
 
 
 def _widened(builder: Builder, value: Code) -> Code:
@@ -108,96 +117,52 @@ def _widened(builder: Builder, value: Code) -> Code:
     if value.type == _VECTOR:
         return value
     one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INDEX(0))
-    places = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
-    return builder.shuffle_vector(one, ir.Constant(_VECTOR, ir.Undefined), places)
+    return shuffled(builder, one, ir.Constant(_VECTOR, ir.Undefined), [0] * WIDTH)
 
 
-@instruction
-def spread(_typing: Context, number: Type) -> Instruction:
+def shuffled(builder: Builder, a: Code, b: Code, places: Sequence[int]) -> Code:
+    """The numbers of two values at such places, the second's counted on from the first's."""
+    kind = ir.VectorType(ir.IntType(32), len(places))
+    return builder.shuffle_vector(a, b, ir.Constant(kind, list(places)))
+
+
+@operation(LANES, types.float64)
+def spread(builder: Builder, number: Code) -> Code:
     """A number in every place."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        return _widened(builder, values[0])
-
-    return LANES(types.float64), code
-
-
-@instruction
-def one_on(_typing: Context, before: Type, value: Type) -> Instruction:
-    """A value moved one place up: the last number of `before`, then all but its own last."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        places = [WIDTH - 1 + place for place in range(WIDTH)]
-        moved = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), places)
-        return builder.shuffle_vector(*values, moved)
-
-    return LANES(LANES, LANES), code
-
-
-@instruction
-def where_positive(_typing: Context, condition: Type, value: Type, other: Type) -> Instruction:
-    """`value` where `condition` is above 0, `other` elsewhere, NaN included."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        above = builder.fcmp_ordered(">", values[0], _constant(0.0))
-        return builder.select(above, *values[1:])
-
-    return LANES(LANES, LANES, LANES), code
-
-
-@instruction
-def total(_typing: Context, value: Type) -> Instruction:
-    """Sum of the numbers of a value, first to last."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        added = builder.extract_element(values[0], _INDEX(0))
-        for place in range(1, WIDTH):
-            added = builder.fadd(added, builder.extract_element(values[0], _INDEX(place)))
-        return added
-
-    return types.float64(LANES), code
-
-
-@instruction
-def load_half(_typing: Context, begin: Type, index: Type) -> Instruction:
-    """The two float64 from an int64 index behind a `start` on, then two zeros, unchecked."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-    ) -> Code:
-        half = ir.VectorType(ir.DoubleType(), 2)
-        loaded = builder.load(
-            builder.bitcast(builder.gep(*values[:1], [values[1]]), half.as_pointer())
-        )
-        loaded.align = 8
-        places = ir.Constant(ir.VectorType(ir.IntType(32), 4), [0, 1, 2, 3])
-        return builder.shuffle_vector(loaded, ir.Constant(half, [0.0, 0.0]), places)
-
-    return LANES(begin, types.int64), code
+    return _widened(builder, number)
 
 
 def picked(*places: int) -> Callable[[Lane, Lane], Lane]:
     """Function of two values: the numbers at such places, the second's counted on from 4."""
+    return operation(LANES, None, None)(lambda builder, a, b: shuffled(builder, a, b, places))
 
-    @instruction
-    def chosen(_typing: Context, a: Type, b: Type) -> Instruction:
-        def code(
-            context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
-        ) -> Code:
-            kind = ir.VectorType(ir.IntType(32), len(places))
-            return builder.shuffle_vector(*values, ir.Constant(kind, places))
 
-        return LANES(a, b), code
+one_on = picked(*range(WIDTH - 1, 2 * WIDTH - 1))
+"""A value moved one place up: the last number of one before, then all but its own last."""
 
-    return chosen
+
+@operation(LANES, LANES, LANES, LANES)
+def where_positive(builder: Builder, condition: Code, value: Code, other: Code) -> Code:
+    """`value` where `condition` is above 0, `other` elsewhere, NaN included."""
+    return builder.select(builder.fcmp_ordered(">", condition, _constant(0.0)), value, other)
+
+
+@operation(types.float64, LANES)
+def total(builder: Builder, value: Code) -> Code:
+    """Sum of the numbers of a value, first to last."""
+    added = builder.extract_element(value, _INDEX(0))
+    for place in range(1, WIDTH):
+        added = builder.fadd(added, builder.extract_element(value, _INDEX(place)))
+    return added
+
+
+@operation(LANES, None, types.int64)
+def load_half(builder: Builder, begin: Code, index: Code) -> Code:
+    """The two float64 from an int64 index behind a `start` on, then two zeros, unchecked."""
+    half = ir.VectorType(_DOUBLE, 2)
+    loaded = builder.load(builder.bitcast(builder.gep(begin, [index]), half.as_pointer()))
+    loaded.align = 8
+    return shuffled(builder, loaded, ir.Constant(half, [0.0, 0.0]), range(4))
 
 
 @instruction

@@ -4,14 +4,9 @@ A spring of a whole cell belongs to it as the boundary weights of a filled box h
 side in the plane, a quarter of an edge in space, all of a diagonal inside. That part is an integral
 over the cell: of the product of N over the axes *across* the spring, where N falls linearly from 1
 at the spring to 0 at the cell's other side. In a cell that the outline cuts, the same integral runs
-over the part of the cell inside the body. Rules for it (`RULES`):
-
-- ``moment``: the integral itself, which takes the area inside and where it lies.
-- ``fraction``: as if the area inside were spread evenly over the cell.
-- ``whole``: a cell counts in full if half of it or more is inside, and not at all otherwise.
-
-In a ring under pressure, 32 cells to its inner radius, displacements err by 2e-4, 7e-4 and 1e-2. In
-a turned square under uniform tension the first two are alike, and the third is ten times worse.
+over the part of the cell inside the body: it takes the area inside and where that lies. In a
+ring under pressure, 32 cells to its inner radius, displacements err by 2e-4. Were the area inside
+spread evenly over the cell it would be 7e-4, and 1e-2 with whole cells alone.
 
 In the plane, and in prisms along z of whole layers of cells, the outline is cut; any other solid is
 cut by its surface (`msvalidate.lattice.grid_cut`). Both are exact for straight sides and flat
@@ -40,13 +35,10 @@ from msvalidate.problem.checks import (
     finite_number,
     format_value,
     length_in_metres,
-    require_one_of,
     require_type,
 )
-from msvalidate.problem.records import dataclass, replace
+from msvalidate.problem.records import dataclass
 
-RULES = ("moment", "fraction", "whole")
-"""What of a cell's springs counts where the outline cuts it: see the module's text."""
 SLIVER = 1e-2
 """Cells with less than this part of them inside are left out: the tangent is then as well
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
@@ -67,8 +59,6 @@ class CutLattice(PatternLattice):
         (c, corners) area (m²) or volume (m³) of each cell that belongs to each of its corners.
     inside
         (n,) whether each point lies in the body, its surface included to the body's tolerance.
-    lost_fraction
-        Part of the body's area or volume in cells that were left out, as slivers or by the rule.
     drawing_error
         Part of the body's area or volume that may lie between its bent sides or facets and the
         straight or flat pieces that they are drawn by: 0 where all are straight or flat.
@@ -79,7 +69,6 @@ class CutLattice(PatternLattice):
     fraction: Array
     corner_volume: Array
     inside: Mask
-    lost_fraction: float
     drawing_error: float
     by_surface: bool
 
@@ -136,7 +125,6 @@ def cut_lattice(
     spacing: float,
     *,
     origin: tuple[float, ...] | None = None,
-    rule: str = "moment",
     sliver: float = SLIVER,
 ) -> CutLattice:
     """Lattice cut to a body.
@@ -152,8 +140,6 @@ def cut_lattice(
     origin
         A place (m) of the lattice, by default (0, 0): lines or planes of it should run along
         supports. In space z may be given too; by default it is where the body begins.
-    rule
-        One of `RULES`.
     sliver
         Cells with less than this part inside are left out, 0 <= sliver < 1. A point of such a cell
         alone is held by little, so its displacement says little; loads on the outline there go to
@@ -166,14 +152,19 @@ def cut_lattice(
         surface are too many, the surface crosses itself, or a value is out of range.
     """
     steps, h = _steps(pattern), length_in_metres("cut lattice: spacing", spacing)
-    _refuse_misfit(pattern, domain, rule, sliver)
+    require_type("body", domain, Domain)
+    if pattern.dim != domain.dim:
+        raise ProblemError(
+            f"{pattern.name} lattice: a {format_value(domain)}; give one of {pattern.dim}D"
+        )
+    finite_number("cut lattice: sliver", sliver, least=0, below=1)
     d = domain.dim
     base = _origin(origin, domain, h)
-    kept, part, lost = _keep_cells(cut_cells(domain, h, base, sliver), h, rule)
+    kept = cut_cells(domain, h, base, sliver)
     number_of, cells = _number_points(kept.index)
     points = base + h * number_of
-    springs, kind, factor = _springs(pattern, steps, cells, part)
-    corner_volume = part * h**d
+    springs, kind, factor = _springs(pattern, steps, cells, kept.part)
+    corner_volume = kept.part * h**d
     return CutLattice(
         name=f"{pattern.name}, cut",
         domain=domain,
@@ -189,37 +180,12 @@ def cut_lattice(
         pattern=pattern,
         spacing=h,
         regular=False,
-        fraction=part.sum(axis=1),
+        fraction=kept.part.sum(axis=1),
         corner_volume=corner_volume,
         inside=_inside(kept, domain, points, number_of, cells, h),
-        lost_fraction=lost,
         drawing_error=kept.drawing_error,
         by_surface=kept.surface is not None,
     )
-
-
-def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -> None:
-    require_type("body", domain, Domain)
-    if pattern.dim != domain.dim:
-        raise ProblemError(
-            f"{pattern.name} lattice: a {format_value(domain)}; give one of {pattern.dim}D"
-        )
-    require_one_of("cut lattice: rule", rule, RULES)
-    finite_number("cut lattice: sliver", sliver, least=0, below=1)
-
-
-def _keep_cells(found: CutCells, h: float, rule: str) -> tuple[CutCells, Array, float]:
-    """The cells that a rule counts, their parts (c, 2^d) by it, and the part of the body lost."""
-    counted = _weigh_corners(found.part, rule)
-    some = counted.sum(axis=1) > 0
-    if not some.any():
-        raise ProblemError(
-            f"cut lattice: no cell of {h:g} m has half of it inside the body; choose a smaller "
-            "spacing, or rule 'moment'"
-        )
-    lost = 1 - counted[some].sum() * h ** found.index.shape[1] / found.size
-    kept = replace(found, index=found.index[some], part=found.part[some])
-    return kept, counted[some], max(float(lost), 0.0)
 
 
 def _inside(
@@ -282,16 +248,6 @@ def _origin(origin: tuple[float, ...] | None, domain: Domain, h: float) -> Array
         if abs(steps - np.rint(steps)) * h <= domain.tolerance:
             base[2] = low
     return base
-
-
-def _weigh_corners(part: Array, rule: str) -> Array:
-    """Corners' parts (c, 2^d) as a rule counts them."""
-    if rule == "moment":
-        return part
-    fraction = part.sum(axis=1, keepdims=True)
-    if rule == "whole":
-        fraction = (fraction >= 0.5 - ROUNDING).astype(float)
-    return np.asarray(np.broadcast_to(fraction / part.shape[1], part.shape))
 
 
 def _number_points(index: Index) -> tuple[Index, Index]:

@@ -19,7 +19,7 @@ from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.records import dataclass
 
 PIECES = 60_000
-"""Pieces that are looked into at once, about: some 60 MB."""
+"""Pieces that are looked into at once, about, but for those of one triangle: some 60 MB."""
 SLAB = 500_000
 """Cells of the grid that are looked into at once: 100 MB."""
 
@@ -61,8 +61,8 @@ def cut_to_grid(corners: Array, count: Index | None = None) -> Iterator[Pieces]:
 
     They come in groups, so that memory stays small. Indices are held below `count` (3,).
     """
-    corners, owner, load = _split_large(corners)
-    group = (np.cumsum(load) // PIECES).astype(int)
+    owner = np.arange(len(corners))
+    group = (np.cumsum(_expected_pieces(corners)) // PIECES).astype(int)
     ends = np.flatnonzero(np.diff(group, append=-1)) + 1
     start = 0
     for end in ends.tolist():
@@ -80,23 +80,6 @@ def _expected_pieces(corners: Array) -> Array:
     """Pieces (t,) that triangles will be cut into, at most about."""
     planes = np.floor(corners.max(axis=1)) - np.floor(corners.min(axis=1)) + 1
     return np.asarray((planes * np.roll(planes, 1, axis=1)).sum(axis=1))
-
-
-def _split_large(corners: Array) -> tuple[Array, Index, Array]:
-    """Triangles halved until none has more pieces than a group; their numbers and pieces."""
-    owner = np.arange(len(corners))
-    while True:
-        load = _expected_pieces(corners)
-        (large,) = np.nonzero(load > PIECES)
-        if not len(large):
-            return corners, owner, load
-        some = corners[large]
-        length = np.linalg.norm(np.roll(some, -1, axis=1) - some, axis=2)
-        a, b, c = _turned(some, length.argmax(axis=1))
-        middle = (a + b) / 2
-        halves = [np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)]
-        corners = np.concatenate([np.delete(corners, large, axis=0), *halves])
-        owner = np.concatenate([np.delete(owner, large), owner[large], owner[large]])
 
 
 def _turned(corners: Array, first: Index) -> tuple[Array, Array, Array]:

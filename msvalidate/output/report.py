@@ -9,7 +9,6 @@ folder and each page is replaced whole, one after another.
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import shutil
 import tempfile
@@ -44,7 +43,6 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     names
         Studies whose folders will lie in it.
     """
-    _resolve("--out", out)
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
@@ -52,8 +50,6 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     for name in PAGES:
         if (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a folder; name another one")
-    if out.is_symlink() and not out.exists():
-        raise ProblemError(f"--out {out}: a link to nowhere; name another folder")
     for folder in (out, *out.parents):
         if folder.exists() and not folder.is_dir():
             raise ProblemError(f"--out {out}: {folder} is a file; name a folder")
@@ -62,7 +58,7 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
 
 def _refuse_unmakeable(out: Path) -> None:
     """Make the folder and something in it, and leave no trace."""
-    if out.resolve() == out.resolve().parent:
+    if _place(out) == _place(out).parent:
         raise ProblemError(f"--out {out}: the root of all folders; name one in it")
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
@@ -79,7 +75,7 @@ def _refuse_unmakeable(out: Path) -> None:
 
 def refuse_place(option: str, path: Path, out: Path) -> None:
     """Raise `ProblemError`, before any work is done, if no file could be written at `path`."""
-    if out.resolve() in _resolve(option, path).parents:
+    if _place(out) in _place(path).parents:
         raise ProblemError(f"{option} {path}: inside --out {out}; name a place outside")
     if path.is_dir():
         raise ProblemError(f"{option} {path}: a folder; name a file")
@@ -93,7 +89,7 @@ def refuse_place(option: str, path: Path, out: Path) -> None:
 
 def refuse_folder(option: str, path: Path, out: Path, *, written: bool) -> None:
     """Raise `ProblemError`, before any work, if `path` is no folder apart, or cannot be written."""
-    found, results = _resolve(option, path), out.resolve()
+    found, results = _place(path), _place(out)
     if results in (found, *found.parents) or found in results.parents:
         raise ProblemError(f"{option} {path}: shares a folder with --out {out}; name another")
     if found.exists() and not found.is_dir():
@@ -101,21 +97,6 @@ def refuse_folder(option: str, path: Path, out: Path, *, written: bool) -> None:
     above = next(each for each in (found, *found.parents) if each.exists())
     if written and not (above.is_dir() and _writable(above)):
         raise ProblemError(f"{option} {path}: no permission to write there; name another place")
-
-
-def _resolve(option: str, path: Path) -> Path:
-    """The place that a path leads to; raise `ProblemError` if it leads in a circle, or nowhere."""
-    try:
-        found = path.resolve()
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            found.stat()
-    except (OSError, RuntimeError) as error:
-        # Of links in a circle `resolve` raises RuntimeError, but nothing from Python 3.13 on.
-        why = "a link that leads back to itself"
-        if isinstance(error, OSError) and error.errno != errno.ELOOP:
-            why = str(error.strerror)
-        raise ProblemError(f"{option} {path}: {why}; name another place") from error
-    return found
 
 
 def publish(
@@ -152,7 +133,7 @@ def publish(
         late = unfinished or {}
         new_files = {**studies, **{name: make(out / name) for name, make in late.items()}}
         _refuse_foreign(out, list(new_files))
-        whole = _only_results(out) and not _holds(out, _here()) and _writable(out.parent)
+        whole = _only_results(out) and not _holds(out, Path.cwd()) and _writable(out.parent)
         if not (whole and _exchanged_whole(new_files, out)):
             _exchanged_one_by_one(new_files, out)
         return [read_result(out / name) for name in new_files]
@@ -271,6 +252,11 @@ def _only_results(out: Path) -> bool:
     return True
 
 
+def _place(path: Path) -> Path:
+    """Where a path leads to, also one of links in a circle."""
+    return Path(os.path.realpath(path))
+
+
 def _writable(folder: Path) -> bool:
     return os.access(folder, os.W_OK | os.X_OK)
 
@@ -278,11 +264,3 @@ def _writable(folder: Path) -> bool:
 def _holds(folder: Path, other: Path) -> bool:
     """Whether a folder is another or holds it: exchanging it would take the ground away."""
     return folder == other or folder in other.parents
-
-
-def _here() -> Path:
-    """The current folder; the root of all if it has been removed."""
-    try:
-        return Path.cwd()
-    except OSError:
-        return Path("/")

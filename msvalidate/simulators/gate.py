@@ -122,8 +122,6 @@ def gate(
     simulator: Simulator,
     material: Isotropic,
     settings: Mapping[str, Any] | None = None,
-    *,
-    shape: str | None = None,
 ) -> Gate:
     """Try a simulator on a small block of a material.
 
@@ -135,18 +133,11 @@ def gate(
         Of which the block is.
     settings
         Of the simulator.
-    shape
-        Of the block's cells, by default triangles or tetrahedra.
-
-    Raises
-    ------
-    ProblemError
-        If the shape is none of the material's dimension.
     """
     require_type("gate: material", material, Isotropic)
-    block = pulled_block(material, dict(settings or {}), shape)
+    block = pulled_block(material, dict(settings or {}))
     rows = _motion_rows(simulator, block)
-    hanging = hanging_block(material, dict(settings or {}), shape)
+    hanging = hanging_block(material, dict(settings or {}))
     for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
         try:
             first = ask(simulator, asked)

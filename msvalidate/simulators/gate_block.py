@@ -11,8 +11,8 @@ import numpy as np
 
 from msvalidate.case.case import Case
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction, Weight
-from msvalidate.problem.checks import require_one_of, whole_number
-from msvalidate.simulators.export import CELLS, export_case
+from msvalidate.problem.checks import whole_number
+from msvalidate.simulators.export import export_case
 from msvalidate.simulators.protocol import Answer, Request, SimulatorError
 
 ACROSS = 4
@@ -24,40 +24,28 @@ STRAIN = 2.0**-10
 """Of the pulled block: far above rounding in float32, small beside 1."""
 
 
-def pulled_block(
-    material: Isotropic, settings: Mapping[str, Any], shape: str | None = None
-) -> Request:
+def pulled_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
     """A block of side 1 m, clamped at its left, pulled at its right to about `STRAIN`."""
     pull = (STRAIN * material.E, *[0.0] * (material.dim - 1))
-    return _block(material, settings, shape, lambda box: Traction(box.side("right"), pull))
+    return _block(material, settings, lambda box: Traction(box.side("right"), pull))
 
 
-def hanging_block(
-    material: Isotropic, settings: Mapping[str, Any], shape: str | None = None
-) -> Request:
+def hanging_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
     """The same under a weight that stretches it as much, for programs without nodal forces."""
     weight = STRAIN * material.E / material.density  # over a side of 1 m
     acceleration = (weight, *[0.0] * (material.dim - 1))
-    return _block(material, settings, shape, lambda _: Weight(acceleration))
+    return _block(material, settings, lambda _: Weight(acceleration))
 
 
 def _block(
     material: Isotropic,
     settings: Mapping[str, Any],
-    shape: str | None,
     load: Callable[[Box], Traction | Weight],
 ) -> Request:
-    dim = material.dim
-    require_one_of("gate: shape", shape or CELLS[dim][0], CELLS[dim])
-    box = Box((1.0,) * dim)
-    problem = Problem(
-        box,
-        material,
-        (Support(box.side("left"), (0.0,) * dim),),
-        (load(box),),
-        "block",
-    )
-    return export_case(Case(problem), cells=ACROSS, shape=shape, settings=settings)
+    box = Box((1.0,) * material.dim)
+    clamp = Support(box.side("left"), (0.0,) * material.dim)
+    problem = Problem(box, material, (clamp,), (load(box),), "block")
+    return export_case(Case(problem), cells=ACROSS, settings=settings)
 
 
 def motion(block: Request, start: Array, steps: int = 1, gravity: Array | None = None) -> Request:

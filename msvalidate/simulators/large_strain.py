@@ -64,7 +64,6 @@ def at_large_strain(
     settings: Mapping[str, Any] | None = None,
     *,
     mass_of: Callable[[Request], Array | None] | None = None,
-    strain: float = STRAIN,
 ) -> AtLargeStrain:
     """Bring a body to rest under loads that strain it, and hold it against elements of its law.
 
@@ -76,8 +75,6 @@ def at_large_strain(
         The documented law with the constants that it takes for this material.
     mass_of
         (n,) kg of a request's nodes as measured; None where they are those asked.
-    strain
-        Largest principal strain that linear elements of the asked material would have.
 
     Raises
     ------
@@ -88,7 +85,7 @@ def at_large_strain(
     """
     refused: CannotRepresent | None = None
     for name in BODIES:
-        request = _strained(name, material, settings, strain)
+        request = _strained(name, material, settings)
         try:
             answer = ask(simulator, request)
         except CannotRepresent as error:
@@ -100,7 +97,7 @@ def at_large_strain(
         try:
             wanted = at_rest(body, weighed, stress)[0]
         except SolverError as error:
-            raise SolverError(f"{name} at {strain:.0%} strain: {error}") from error
+            raise SolverError(f"{name} at {STRAIN:.0%} strain: {error}") from error
         F = deformation_gradients(body, request.mesh.points + wanted)
         green = np.linalg.eigvalsh((np.swapaxes(F, 1, 2) @ F - np.eye(3)) / 2)
         linear = blocks.linear_elements(weighed, material.E, material.nu)
@@ -115,14 +112,12 @@ def at_large_strain(
     raise refused or CannotRepresent("no body")
 
 
-def _strained(
-    name: str, material: Isotropic, settings: Mapping[str, Any] | None, strain: float
-) -> Request:
-    """A case of the set as a request, its loads multiplied so that they strain it so far."""
+def _strained(name: str, material: Isotropic, settings: Mapping[str, Any] | None) -> Request:
+    """A case of the set as a request, its loads multiplied so that they strain it by `STRAIN`."""
     request = blocks.request_of(blocks.frozen_case(name, MESH, material.nu), material, settings)
     move = blocks.linear_elements(request, material.E, material.nu)
     G = deformation_gradients(tetrahedra_of(request.mesh), move)
-    times = strain / float(np.abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2)).max())
+    times = STRAIN / float(np.abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2)).max())
     return replace(
         request,
         force=times * request.force,

@@ -85,7 +85,7 @@ class Masses:
         return f"masses: {self.pattern}{spread} ({rounding})"
 
 
-def measure_masses(bench: Bench, seed: int = SEED) -> Masses:
+def measure_masses(bench: Bench) -> Masses:
     """Masses from steps after small random displacements.
 
     Raises
@@ -95,7 +95,7 @@ def measure_masses(bench: Bench, seed: int = SEED) -> Masses:
         out negative, or they are not known to `LOOSEST`: forces have a resultant then.
     """
     n = len(bench.block.mesh.points)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(SEED)
     count = int(np.ceil(SURPLUS * n / 3))
     largest = MOVE * bench.block.height
     rows = []

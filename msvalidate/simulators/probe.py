@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 
 from msvalidate.problem import VOIGT, Array, Isotropic
-from msvalidate.problem.checks import positive_number, require_one_of
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.bench import ROUNDING, Bench, Precision
+from msvalidate.simulators.bench import Bench, Precision
 from msvalidate.simulators.flags import raise_flags, rounding_parts
 from msvalidate.simulators.masses import Masses, measure_masses
 from msvalidate.simulators.probe_mesh import Block, probe_mesh
@@ -61,12 +60,13 @@ def probe(
     material: Isotropic,
     *,
     settings: Mapping[str, Any] | None = None,
-    strain: float | None = None,
-    dt: float | None = None,
-    precision: Precision | None = None,
     masses: Masses | None = None,
 ) -> Reading:
     """First-order stiffness of the law that a simulator runs, with the flags it stands on.
+
+    The step is the largest power of two (s) below the time in which a pressure wave of the asked
+    material crosses the smallest cell, 1.7 cm; `LONGER` times that where an implicit program works
+    in single precision. An explicit one has Δv/dt = f/m at any dt.
 
     Parameters
     ----------
@@ -74,14 +74,6 @@ def probe(
         What the simulator is asked for, of state "solid".
     settings
         Of the simulator, by its own names.
-    strain
-        Default: `STRAIN` of the precision.
-    dt
-        Length of the step, s. Default: the largest power of two below the time in which a pressure
-        wave of the asked material crosses the smallest cell, 1.7 cm; `LONGER` times that where an
-        implicit program works in single precision. An explicit one has Δv/dt = f/m at any dt.
-    precision
-        Default: what the answers say.
     masses
         Measured before, of the same block; default: measured here.
 
@@ -93,29 +85,19 @@ def probe(
         For arguments out of their range.
     """
     block = Block(probe_mesh(), material)
-    base = _default_dt(block) if dt is None else positive_number("probe: dt", dt, "s")
-    if precision is not None:
-        require_one_of("probe: precision", precision, tuple(ROUNDING))
-    bench = Bench(simulator, block, base, precision or "float32", dict(settings or {}))
+    base = float(2.0 ** np.floor(np.log2(block.height / block.wave_speed)))  # it rounds nothing
+    bench = Bench(simulator, block, base, "float32", dict(settings or {}))
     first = bench.step(np.zeros(block.mesh.points.shape))
-    told: Precision = precision or first.about["precision"]
+    told: Precision = first.about["precision"]
     forces_at = "start" if first.force is not None else str(first.about["forces_at"])
-    stretch = LONGER if dt is None and told == "float32" and forces_at == "end" else 1.0
+    stretch = LONGER if told == "float32" and forces_at == "end" else 1.0
     bench = replace(bench, precision=told, dt=base * stretch)
-    if strain is None:
-        strain = STRAIN[told]
-    strain = positive_number("probe: strain", strain)
     if first.force is None and masses is None:
         masses = measure_masses(bench)
     inertia = _inertia(block, masses, first)
     consistent = first.force is None and first.about["mass"] != "lumped"
     station = Station(bench, inertia, forces_at, consistent, solves_to(first.about))
-    return _read(station, strain, masses, first)
-
-
-def _default_dt(block: Block) -> float:
-    """Power of two (s), so that dividing by it rounds nothing."""
-    return float(2.0 ** np.floor(np.log2(block.height / block.wave_speed)))
+    return _read(station, STRAIN[told], masses, first)
 
 
 def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Array], Array]:

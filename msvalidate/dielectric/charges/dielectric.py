@@ -32,13 +32,13 @@ from msvalidate.dielectric.charges.checks import (
     refuse_dense,
 )
 from msvalidate.dielectric.charges.faces import Faces
-from msvalidate.dielectric.charges.moments import Complex, check_points, to_complex
+from msvalidate.dielectric.charges.moments import Complex, LineCharges, to_complex
 from msvalidate.dielectric.charges.neutral import factorise, subtract_middle
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array
 from msvalidate.problem.checks import require_type
-from msvalidate.problem.records import ReadOnly, dataclass, replace
+from msvalidate.problem.records import dataclass, replace
 
 
 class SlabInAir:
@@ -55,6 +55,8 @@ class SlabInAir:
 
     Attributes
     ----------
+    around
+        Permittivity of the air (F/m).
     flux
         Φ (n, n): part of the flux of one segment's charge that leaves through another.
 
@@ -70,13 +72,9 @@ class SlabInAir:
         self.faces = faces
         self.ratio = check_ratio(ratio)
         self.permittivity = check_permittivity(permittivity)
+        self.around = self.permittivity / self.ratio
         self.flux: Array = fluxes.crossed(*self.lines()).imag / (2 * np.pi)
         self._inverse, self._condition = factorise(self._equations(), symmetric=False)
-
-    @property
-    def air(self) -> float:
-        """Permittivity of the air (F/m)."""
-        return self.permittivity / self.ratio
 
     @property
     def contrast(self) -> float:
@@ -87,8 +85,9 @@ class SlabInAir:
         """Charges at potentials (k,) in V, one for each electrode."""
         given = check_voltages("an electrode", self.faces.count, voltages)
         level, middle = subtract_middle(given)
-        solved = self.solve(self.air * np.where(self.faces.bare, 0.0, level[self.faces.electrode]))
-        constant = float(solved[-1]) / self.air + middle
+        wanted = np.where(self.faces.bare, 0.0, level[self.faces.electrode])
+        solved = self.solve(self.around * wanted)
+        constant = float(solved[-1]) / self.around + middle
         rounding = logarithm_error(float(np.ptp(self.faces.points, axis=0).max()))
         found = ChargesInAir(
             self, given, solved[:-1], constant, check_error(rounding * self._condition)
@@ -116,30 +115,13 @@ class SlabInAir:
 
 
 @dataclass(frozen=True, eq=False)
-class ChargesInAir(ReadOnly):
-    """Charges at given voltages. Arrays are read-only.
+class ChargesInAir(LineCharges):
+    """Charges of a body's segments, free and bound together; `error` is that of the free ones too.
 
-    Parameters
-    ----------
-    moments
-        What they solve.
-    voltages
-        (k,) of the electrodes (V).
-    charge
-        (n,) free and bound of the segments, per depth (C/m).
-    floating
-        The constant (V) that the potentials of the charges lack.
-    error
-        How far the charges, and the free ones, may be from the solution of their equations, as sums
-        over all segments of the sizes of both, by the condition of the matrix. Totals and energy
-        share it. What the segments' number leaves out is not in it.
+    Potential and field are of all of them, inside the body and out.
     """
 
     moments: SlabInAir
-    voltages: Array
-    charge: Array
-    floating: float
-    error: float
 
     @property
     def free(self) -> Array:
@@ -162,18 +144,6 @@ class ChargesInAir(ReadOnly):
     def energy(self) -> float:
         """½ΣQV per depth (J/m)."""
         return 0.5 * float(self.totals @ self.voltages)
-
-    def potential(self, points: ArrayLike) -> Array:
-        """Potential (k,) in V at points (k, 2) in m, inside the body and out."""
-        seen = integrals.seen(check_points(points), *self.moments.lines())
-        at: Array = self.floating - seen @ self.charge / (2 * np.pi * self.moments.air)
-        return at
-
-    def field(self, points: ArrayLike) -> Array:
-        """Field (k, 2) in V/m at points (k, 2) in m; on the surface the mean of its two sides."""
-        seen = integrals.fields(check_points(points), *self.moments.lines())
-        turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.air)
-        return np.column_stack([turned.real, turned.imag])
 
 
 def _cancellation(charges: ChargesInAir) -> float:
@@ -206,7 +176,7 @@ def forces_in_air(charges: ChargesInAir) -> Array:
     more, less = (integrals.pulled(*lines, on_covered + s * charge, n) for s in (1, -1))
     flux = fluxes.dragged(*lines, weight, charge, n)
     # A form of two vectors, from that of one.
-    total = (more - less) / (16 * np.pi * moments.air) + flux / (2 * np.pi)
+    total = (more - less) / (16 * np.pi * moments.around) + flux / (2 * np.pi)
     return np.column_stack([total.real, -total.imag])
 
 
@@ -219,4 +189,5 @@ def adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:
         0.5 * (1 + ratio) * volt - (ratio - 1) * (volt @ moments.flux), adjoint=True
     )[:-1]
     on_bare = np.where(faces.bare, answer, 0.0)
-    return moments.air * (answer - on_bare), moments.contrast * on_bare - 0.5 * (ratio - 1) * volt
+    on_covered = moments.around * (answer - on_bare)
+    return on_covered, moments.contrast * on_bare - 0.5 * (ratio - 1) * volt

@@ -17,7 +17,7 @@ weighting, as that of any set of a logarithmic capacity below 1 is: Cholesky's f
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,8 +59,8 @@ def segment_lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
 
 
 @dataclass(frozen=True, eq=False)
-class Charges(ReadOnly):
-    """Charges at given voltages. Arrays are read-only.
+class LineCharges(ReadOnly):
+    """Charges of segments at given voltages. Arrays are read-only.
 
     Parameters
     ----------
@@ -78,11 +78,34 @@ class Charges(ReadOnly):
         segments' number leaves out is not in it.
     """
 
-    moments: Moments
+    moments: Any
     voltages: Array
     charge: Array
     floating: float
     error: float
+
+    def potential(self, points: ArrayLike) -> Array:
+        """Potential (n,) in V at points (n, 2) in m."""
+        seen = integrals.seen(check_points(points), *self.moments.lines())
+        charge = self.charge / (2 * np.pi * self.moments.around)
+        return np.asarray(self.floating - seen @ charge)
+
+    def field(self, points: ArrayLike) -> Array:
+        """Field (n, 2) in V/m at points (n, 2) in m.
+
+        On a segment the mean of its two sides. At the ends of segments, where densities jump, it is
+        infinite, and NaN is returned.
+        """
+        seen = integrals.fields(check_points(points), *self.moments.lines())
+        turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.around)
+        return np.column_stack([turned.real, turned.imag])
+
+
+@dataclass(frozen=True, eq=False)
+class Charges(LineCharges):
+    """Charges of electrodes in one medium."""
+
+    moments: Moments
 
     @property
     def density(self) -> Array:
@@ -99,22 +122,6 @@ class Charges(ReadOnly):
     def energy(self) -> float:
         """½ΣQV per depth (J/m)."""
         return 0.5 * float(self.totals @ self.voltages)
-
-    def potential(self, points: ArrayLike) -> Array:
-        """Potential (n,) in V at points (n, 2) in m."""
-        seen = integrals.seen(check_points(points), *segment_lines(self.moments.electrodes))
-        charge = self.charge / (2 * np.pi * self.moments.permittivity)
-        return np.asarray(self.floating - seen @ charge)
-
-    def field(self, points: ArrayLike) -> Array:
-        """Field (n, 2) in V/m at points (n, 2) in m.
-
-        On an electrode the mean of its two faces. At the ends of segments, where densities jump, it
-        is infinite, and NaN is returned.
-        """
-        seen = integrals.fields(check_points(points), *segment_lines(self.moments.electrodes))
-        turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.permittivity)
-        return np.column_stack([turned.real, turned.imag])
 
 
 class Moments:
@@ -151,7 +158,7 @@ class Moments:
         require_one_of("weighting", weighting, WEIGHTINGS)
         refuse_dense("segments", len(electrodes.segments))
         self.weighting: Weighting = weighting
-        self.permittivity = check_permittivity(permittivity)
+        self.permittivity = self.around = check_permittivity(permittivity)
         matrix = coefficients(electrodes, self.permittivity, weighting)
         inverse, condition = factorise(matrix, symmetric=weighting == "galerkin")
         self._neutral = Neutral(inverse, len(matrix))
@@ -168,6 +175,10 @@ class Moments:
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
         return self._neutral(potential)[:-1]
+
+    def lines(self) -> tuple[Complex, Complex]:
+        """Starts and vectors (m,) of segments, complex, as `kernels.charges` takes them."""
+        return segment_lines(self.electrodes)
 
 
 def coefficients(electrodes: Electrodes, permittivity: float, weighting: Weighting) -> Array:

@@ -38,7 +38,7 @@ def tangent_in_air(charges: ChargesInAir) -> Array:
     potential = -slopes(0.5 * (more_first - less_first)) / whole
     bound = -2 * moments.contrast * slopes(through) / whole
     moved = moments.solve(np.where(faces.bare[:, None], bound, potential))[:-1]
-    turned = slopes(0.5 * (more_first + less_first) / moments.air + 2 * sent) / whole
+    turned = slopes(0.5 * (more_first + less_first) / moments.around + 2 * sent) / whole
     cross = turned.T @ moved
-    bend = bends((more_second - less_second) / (8 * moments.air) + second) / whole
+    bend = bends((more_second - less_second) / (8 * moments.around) + second) / whole
     return bend - 0.5 * (cross + cross.T)

@@ -66,16 +66,13 @@ def test_the_outline_of_a_mesh_has_bent_sides_and_holes(quarter_ring):
     assert len(frame.interiors) == 1
 
 
-@pytest.mark.parametrize("rule", ["moment", "fraction"])
-def test_what_the_points_have_is_the_body(rule):
+def test_what_the_points_have_is_the_body():
     domain = Polygon(((0.0, 0.1), (2.0, 0.0), (1.7, 1.5), (0.2, 1.1)))
-    lattice = cut_lattice(patterns.square(), domain, 0.13, rule=rule, sliver=0.0)
+    lattice = cut_lattice(patterns.square(), domain, 0.13, sliver=0.0)
     assert lattice.point_volume.sum() == pytest.approx(domain.volume, rel=1e-12)
-    assert lattice.lost_fraction == pytest.approx(0, abs=1e-12)
-    if rule == "moment":  # the first moment too, which is what weight does
-        middle = shapely.centroid(outline(domain))
-        found = lattice.point_volume @ lattice.points / domain.volume
-        np.testing.assert_allclose(found, (middle.x, middle.y), rtol=1e-12)
+    middle = shapely.centroid(outline(domain))  # the first moment too, which is what weight does
+    found = lattice.point_volume @ lattice.points / domain.volume
+    np.testing.assert_allclose(found, (middle.x, middle.y), rtol=1e-12)
 
 
 # A lattice cut along its own lines is that lattice ------------------------------------------------
@@ -207,7 +204,7 @@ def test_loads_have_their_resultants_on_any_outline():
     places = np.array([2.0, 0.0]) + (s[:, None] + 1) / 2 * np.array([-0.3, 1.5])
     pull = np.stack([places[:, 0] + 2 * places[:, 1], 1 - places[:, 1]], axis=1)
     pull *= 0.3 * (w / 2 * np.hypot(0.3, 1.5))[:, None]
-    own = 0.3 * domain.volume * (1 - lattice.lost_fraction) * np.array([0.5, -9.81])
+    own = 0.3 * lattice.point_volume.sum() * np.array([0.5, -9.81])
     total = pull.sum(axis=0) + np.array([1.0, -2.0]) + own
     np.testing.assert_allclose(network.force.sum(axis=0), total, rtol=1e-12)
     moment = np.cross(np.pad(places, ((0, 0), (0, 1))), np.pad(pull, ((0, 0), (0, 1))))[:, 2].sum()
@@ -227,11 +224,10 @@ def test_a_linear_displacement_prescribed_all_round_is_exact():
         Support(Segment(a, b), tuple(lambda p, i=i: p @ slope[:, i] for i in (0, 1)))
         for a, b in pairwise(corners)
     )
-    for rule in ("moment", "fraction"):
-        lattice = cut_lattice(patterns.square(), domain, 0.1, rule=rule)
-        found = equilibrium(cut_network(Problem(domain, UNIT, parts), lattice)).displacement
-        # A direct solve of a few hundred unknowns.
-        np.testing.assert_allclose(found, lattice.points @ slope, rtol=0, atol=1e-13)
+    lattice = cut_lattice(patterns.square(), domain, 0.1)
+    found = equilibrium(cut_network(Problem(domain, UNIT, parts), lattice)).displacement
+    # A direct solve of a few hundred unknowns.
+    np.testing.assert_allclose(found, lattice.points @ slope, rtol=0, atol=1e-13)
 
 
 def test_symmetry_lines_hold_every_point_of_theirs_and_no_other(pressed_ring):
@@ -268,8 +264,6 @@ def test_bodies_and_lattices_that_do_not_fit_are_refused():
         cut_lattice(patterns.square(), solid, 0.1)
     with refused("cut lattice: sliver: 1"):
         cut_lattice(patterns.square(), box, 0.1, sliver=1.0)
-    with refused("cut lattice: rule: 'half'"):
-        cut_lattice(patterns.square(), box, 0.1, rule="half")
     with refused("no cell of 40 m has more than 0.01 of it inside the body"):
         cut_lattice(patterns.square(), box, 40.0)
     with refused("cut lattice: origin (0.0,); give two coordinates"):
@@ -278,14 +272,6 @@ def test_bodies_and_lattices_that_do_not_fit_are_refused():
         cut_lattice(patterns.cubic18(), solid, 0.1, origin=(0.0,))
     with refused("body: None; give a Box or a Polygon or a Mesh"):
         cut_lattice(patterns.square(), None, 0.1)
-    with refused("no cell of 2 m has half of it inside the body; choose a smaller spacing"):
-        cut_lattice(patterns.square(), box, 2.0, rule="whole")
-
-
-def test_whole_cells_say_what_they_lose():
-    # Of 0.9 m of the unit square's 1 m three cells of 0.3 m are whole, and a third of a fourth.
-    lattice = cut_lattice(patterns.square(), Box((1.0, 1.0)), 0.3, rule="whole")
-    assert lattice.lost_fraction == pytest.approx(1 - 0.9**2, abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.problem import Isotropic
 from msvalidate.simulators.gate import MOVING, PASSED, STOPPED, gate
 from msvalidate.simulators.gate_block import motion, pulled_block, turned
 from msvalidate.simulators.protocol import Answer, CannotRepresent, SimulatorError
@@ -174,7 +174,7 @@ def test_nothing_that_could_be_tried_is_no_pass():
 
 
 def test_the_block_and_its_turns():
-    block = pulled_block(Isotropic(1e5, 0.5, "solid"), {}, "hexahedron")
+    block = pulled_block(Isotropic(1e5, 0.5, "solid"), {})
     points = block.mesh.points
     assert np.array_equal(points, points.astype(np.float16))
     assert block.force.sum(axis=0) == pytest.approx([1e5 * 2**-10, 0, 0])
@@ -184,5 +184,3 @@ def test_the_block_and_its_turns():
     asked = motion(block, there, 3)
     assert math.log2(asked.dt).is_integer()
     assert not asked.held.any()
-    with pytest.raises(ProblemError, match="gate: shape"):
-        pulled_block(SOFT, {}, "tetra")
