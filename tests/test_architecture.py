@@ -506,7 +506,7 @@ WRITING = {
     "msvalidate_check.exchange": ("",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),
-    "msvalidate.simulators.program": ("tempfile.TemporaryDirectory(", "tempfile.TemporaryFile("),
+    "msvalidate.simulators.program": ("tempfile.TemporaryDirectory(",),
     "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.cli.program": ("os.open(os.devnull,",),
     "msvalidate.cli.terminal": ("open(os.devnull,",),

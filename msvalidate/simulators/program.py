@@ -1,7 +1,7 @@
 """A simulator that is a program of its own: run in a process of its own, with a time limit.
 
-Its whole process group is ended with it, and with us, however we end. What it says goes to files,
-so that it never waits for us, and is kept up to a size.
+Its whole process group is ended with it, and with us, however we end. What it says is kept up to a
+size, and read to the end whatever its size, so that it never waits for us.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
+from collections import deque
 from pathlib import Path
 from typing import IO
 
-from msvalidate.output.junit import printable
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
 from msvalidate.problem.records import dataclass
@@ -36,6 +37,10 @@ LIMIT = 300.0
 """Seconds that a program may take where nothing is said."""
 KEPT = 100_000
 """Bytes of each of its streams that are kept from the beginning, and as many from the end."""
+PIECE = 65_536
+PATIENCE = 2.0
+"""Seconds that streams may stay open after the program's end: a process that left its group may
+hold them for ever."""
 CASE, OUT, LOG = "case", "out", "log.txt"
 GUARDED = """\
 exec 3<&0 </dev/null
@@ -190,30 +195,31 @@ def run_limited(words: list[str], folder: Path, limit: float) -> tuple[int | Non
         Exit code, None if it had to be ended; what it said, shortened; its last line on stderr.
     """
     guarded = ["/bin/sh", "-c", GUARDED, words[0], *words] if os.name == "posix" else words
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        try:
-            process = subprocess.Popen(  # noqa: S603  the user's own command, no word of it a shell's
-                guarded,
-                cwd=folder,
-                stdin=subprocess.PIPE,
-                stdout=out,
-                stderr=err,
-                start_new_session=True,
-            )
-        except OSError as error:
-            raise ProblemError(
-                f"adapter {format_value(words[0])}: {error.strerror}; give one that can be run"
-            ) from error
-        code: int | None = None
-        try:
-            code = process.wait(limit)
-        except subprocess.TimeoutExpired:
-            pass
-        finally:  # also when we are interrupted; and what a program that ended has left running
-            _end_group(process)
-        said, complaint = _either_end(out), _either_end(err)
-    told = b"stdout:\n" + said + b"\nstderr:\n" + complaint + b"\n"
-    return code, told, _last_line(complaint)
+    try:
+        process = subprocess.Popen(  # noqa: S603  the user's own command, no word of it a shell's
+            guarded,
+            cwd=folder,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise ProblemError(
+            f"adapter {format_value(words[0])}: {error.strerror}; give a program that can be run"
+        ) from error
+    streams = [_Stream(each) for each in (process.stdout, process.stderr) if each is not None]
+    code: int | None = None
+    try:
+        code = process.wait(limit)
+    except subprocess.TimeoutExpired:
+        pass
+    finally:  # also when we are interrupted; and what a program that ended has left running
+        _end_group(process)
+    for stream in streams:
+        stream.finish()
+    told = [b"stdout:\n", streams[0].content, b"\nstderr:\n", streams[1].content, b"\n"]
+    return code, b"".join(told), streams[1].last_line
 
 
 def _end_group(process: subprocess.Popen[bytes]) -> None:
@@ -227,19 +233,47 @@ def _end_group(process: subprocess.Popen[bytes]) -> None:
         process.stdin.close()
 
 
-def _either_end(stream: IO[bytes]) -> bytes:
-    """What a program wrote, but for what lies between the first `KEPT` bytes and the last."""
-    left_out = stream.seek(0, os.SEEK_END) - 2 * KEPT
-    stream.seek(0)
-    if left_out <= 0:
-        return stream.read()
-    begin = stream.read(KEPT)
-    stream.seek(left_out, os.SEEK_CUR)
-    return begin + f"\n... {left_out} bytes left out ...\n".encode() + stream.read(KEPT)
+class _Stream:
+    """A stream read to its end by a thread of its own, its beginning and its end kept."""
 
+    def __init__(self, pipe: IO[bytes]) -> None:
+        self._pipe = pipe
+        self._head, self._tail = bytearray(), deque[bytes]()
+        self._held = self._lost = 0
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
 
-def _last_line(said: bytes) -> str:
-    """The last line that is not empty, in printable letters."""
-    text = said.decode("utf-8", "replace")
-    lines = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
-    return printable(lines[-1] if lines else "")[:500]
+    def _read(self) -> None:
+        with contextlib.suppress(OSError, ValueError):
+            while piece := os.read(self._pipe.fileno(), PIECE):
+                room = KEPT - len(self._head)
+                self._head += piece[:room]
+                self._keep(piece[room:] if room > 0 else piece)
+
+    def _keep(self, piece: bytes) -> None:
+        self._tail.append(piece)
+        self._held += len(piece)
+        while self._held - len(self._tail[0]) >= KEPT:
+            gone = self._tail.popleft()
+            self._held -= len(gone)
+            self._lost += len(gone)
+
+    def finish(self) -> None:
+        """Wait for its end, but not for ever."""
+        self._thread.join(PATIENCE)
+        if not self._thread.is_alive():
+            self._pipe.close()
+
+    @property
+    def content(self) -> bytes:
+        """What is kept of it."""
+        gap = f"\n... {self._lost} bytes left out ...\n".encode() if self._lost else b""
+        return bytes(self._head) + gap + b"".join(tuple(self._tail))
+
+    @property
+    def last_line(self) -> str:
+        """Its last line that is not empty, in printable letters."""
+        text = self.content.decode("utf-8", "replace")
+        lines = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
+        shown = lines[-1] if lines else ""
+        return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in shown)[:500]
