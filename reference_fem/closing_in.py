@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.problem import Array
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 SAFETY = 2.0
 """Factor on what the order seen leaves of a value's error. Where corners rule, orders fall on their
@@ -29,7 +29,7 @@ ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Converged:
+class Converged(ReadOnly):
     """A quantity on a sequence of meshes, and how far the last is from the limit.
 
     Parameters
@@ -48,10 +48,6 @@ class Converged:
     uncertainty: float
     order: float
     added: Array
-
-    def __post_init__(self) -> None:
-        self.value.setflags(write=False)
-        self.added.setflags(write=False)
 
     @property
     def extrapolated(self) -> Array:

@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, format_value, numbers, whole_number
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 NEAREST_ORDERS = 0.05
 """Orders closer than this cannot be told apart by three meshes."""
 
 
 @dataclass(frozen=True, eq=False)
-class Limit:
+class Limit(ReadOnly):
     """Values (q,) at vanishing spacing, and how far they may be off, in their unit.
 
     `cells`: cells per side of the finest mesh.
@@ -25,10 +25,6 @@ class Limit:
     value: Array
     uncertainty: Array
     cells: int
-
-    def __post_init__(self) -> None:
-        for array in (self.value, self.uncertainty):
-            array.setflags(write=False)
 
 
 def extrapolate(

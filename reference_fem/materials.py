@@ -18,12 +18,12 @@ from msvalidate.problem import (
     materials_of_cells,
 )
 from msvalidate.problem.checks import require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.mesh.discretisation import Discretisation
 
 
 @dataclass(frozen=True, eq=False)
-class CellMaterials:
+class CellMaterials(ReadOnly):
     """Several materials of one dimension, state and thickness, and which each cell is of.
 
     Parameters
@@ -36,9 +36,6 @@ class CellMaterials:
 
     materials: tuple[Material, ...]
     number: Index
-
-    def __post_init__(self) -> None:
-        self.number.setflags(write=False)
 
     @property
     def dim(self) -> int:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, positive_number, whole_number
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order [Roache1994]."""
@@ -30,7 +30,7 @@ HIGHEST_ORDER = 4.5
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class Estimate(ReadOnly):
     """Values on the finest mesh and how far they may be from the limit.
 
     Parameters
@@ -51,10 +51,6 @@ class Estimate:
     order: Array
     status: tuple[str, ...]
     cells: int
-
-    def __post_init__(self) -> None:
-        for array in (self.value, self.uncertainty, self.order):
-            array.setflags(write=False)
 
 
 def refine(

@@ -226,12 +226,6 @@ BAD = [
     ),
     ("points far away", lambda: spring_network([[0, 1e200]], [[0, 1]], 1.0), ProblemError, "unit"),
     (
-        "shear springs",
-        lambda: spring_network(*TRIANGLE, 1.0, shear=object()),
-        ProblemError,
-        "shear springs are gone; take a volume energy",
-    ),
-    (
         "position of a list",
         lambda: internal_force(NETWORK, [0.0]),
         ProblemError,

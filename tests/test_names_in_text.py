@@ -16,7 +16,8 @@ import pytest
 from tests.test_architecture import ROOT, SOURCES, tree, within
 
 TICKED = re.compile(r"(?<!`)`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\([^`]*\))?`(?!`)")
-FILES = {"csv", "json", "md", "bib", "html", "toml", "npz", "vtu", "msh", "inp", "txt"}
+FILES = {"bib", "csv", "html", "inp", "json", "md", "msh", "npz", "toml", "txt", "vtu"}
+FILES |= {"data", "dump", "in"}  # of LAMMPS
 """Ends of names of files, which look like dotted names."""
 LIBRARIES = {"concurrent", "llvmlite", "loky", "numba", "numpy", "pandas", "scipy"}
 DOCUMENTS = [ROOT / "ARCHITECTURE.md", *(ROOT / "docs").glob("*.md")]

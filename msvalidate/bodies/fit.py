@@ -24,7 +24,7 @@ from msvalidate.linear_algebra.factor import Factor, NoMemoryError
 from msvalidate.linear_algebra.refine import LARGEST_ERROR
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type
+from msvalidate.problem.checks import finite_coordinates, integers, require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import Cycles, NotConvergedError
@@ -58,7 +58,7 @@ class Fit:
     volume
         κ of the cells (N/m in the plane, Pa in space), 0 where they were not asked for.
     residual
-        Root mean square over the load cases of |u - wanted| over |wanted|, each a weighted norm.
+        Root mean square over the load cases of |u - wanted| over |wanted|.
     condition
         Largest over least singular value of the slopes by constants in units of the largest: how
         many times an error of the displacements may come back in some combination of constants.
@@ -89,16 +89,11 @@ class _Case:
     prescribed: Array
     force: Array
     wanted: Array
-    scale: Array
+    scale: float
 
 
 def fitted_constants(
-    networks: Sequence[Network],
-    wanted: Sequence[ArrayLike],
-    kind: ArrayLike,
-    *,
-    weights: Sequence[ArrayLike] | None = None,
-    start: Constants | None = None,
+    networks: Sequence[Network], wanted: Sequence[ArrayLike], kind: ArrayLike
 ) -> Fit:
     """Constants that fit given displacements of networks in least squares.
 
@@ -112,10 +107,6 @@ def fitted_constants(
         Displacements (n, d) in m, one array a network: held components do not count.
     kind
         (m,) class of each spring, 0 to the number of constants less one.
-    weights
-        (n,) of the points, 0 or more, one array a network; by default all are 1.
-    start
-        Constants (N/m) to start from, above 0; by default equal ones that come nearest.
 
     Raises
     ------
@@ -125,21 +116,21 @@ def fitted_constants(
         If no stable network is found, or none that comes nearer than no displacement at all.
     """
     number = _count_kinds(networks, kind)
-    cases = _load_cases(networks, wanted, np.asarray(kind), number, weights)
+    cases = _load_cases(networks, wanted, np.asarray(kind), number)
     with_volumes = len(cases[0].parts) > number
-    p = _starting_constants(cases, number, with_volumes, start)
+    p = _starting_constants(cases, number, with_volumes)
     unit = float(p.max())
     found = _least_squares(cases, p / unit, unit, number)
     if not found.success:
         raise SolverError(
             f"fitted constants: not found in {found.nfev} steps, a residual of "
-            f"{np.sqrt(2 * found.cost / len(cases)):.3g} is left; start from better ones"
+            f"{np.sqrt(2 * found.cost / len(cases)):.3g} is left; take load cases that tell more"
         )
     residual = float(np.sqrt(2 * found.cost / len(cases)))
     if residual > NOTHING:
         raise SolverError(
             f"fitted constants: a residual of {residual:.3g}, as of no displacement at all; look "
-            "at the signs of what is wanted, or start from better constants"
+            "at the signs of what is wanted"
         )
     condition = _check_determined(found.jac * found.x[:number].max(), number)
     constants, error = _correct_constants(
@@ -179,11 +170,11 @@ def _correct_constants(
                 raise
             return p, math.nan
         u = [one.displacement.ravel()[case.free] for one, case in zip(refined, cases, strict=True)]
-        plain = np.concatenate([_weighted_response(case, p)[0] for case in cases])
+        plain = np.concatenate([_scaled_response(case, p)[0] for case in cases])
         exact = np.concatenate([case.scale * each for case, each in zip(cases, u, strict=True)])
         off = np.concatenate(
             [
-                case.scale * max(one.error, EPS) * np.abs(each).max()
+                np.full(len(each), case.scale * max(one.error, EPS) * np.abs(each).max())
                 for case, one, each in zip(cases, refined, u, strict=True)
             ]
         )
@@ -230,33 +221,23 @@ def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
 
 
 def _load_cases(
-    networks: Sequence[Network],
-    wanted: Sequence[ArrayLike],
-    kind: Index,
-    number: int,
-    weights: Sequence[ArrayLike] | None,
+    networks: Sequence[Network], wanted: Sequence[ArrayLike], kind: Index, number: int
 ) -> list[_Case]:
-    weights = [np.ones(len(n.points)) for n in networks] if weights is None else weights
-    for name, given in (("displacements", wanted), ("weights", weights)):
-        count = len(given) if isinstance(given, Sequence | np.ndarray) else "no list of"
-        if count != len(networks):
-            raise ProblemError(
-                f"fitted constants: {len(networks)} networks, {count} {name}; give as many of each"
-            )
+    count = len(wanted) if isinstance(wanted, Sequence | np.ndarray) else "no list of"
+    if count != len(networks):
+        raise ProblemError(
+            f"fitted constants: {len(networks)} networks, {count} displacements; give as many of "
+            "each"
+        )
     cases = []
-    for network, target, weight in zip(networks, wanted, weights, strict=True):
+    for network, target in zip(networks, wanted, strict=True):
         u = finite_coordinates("wanted displacement", target, *network.points.shape)
-        w = finite("weights", weight, len(u))
-        if w.min() < 0:
-            raise ProblemError(f"weights: {w.min():g}; give one of 0 or more a point")
         free = np.flatnonzero(~network.held.ravel())
-        root = np.sqrt(np.repeat(w, network.dim))[free]
         largest = float(np.abs(u).max(initial=0.0)) or 1.0  # squares of small numbers are none
-        size = largest * float(np.linalg.norm(root * (u.ravel()[free] / largest)))
+        size = largest * float(np.linalg.norm(u.ravel()[free] / largest))
         if not size:
             raise ProblemError(
-                "wanted displacement: nothing that counts moves; give a load case that moves free "
-                "points of weight above 0"
+                "wanted displacement: no free point moves; give a load case that moves some"
             )
         plain = replace(network, volumes=None)
         single = [plain.scaled(1.0 * (kind == j)) for j in range(number)]
@@ -264,28 +245,17 @@ def _load_cases(
             single.append(network.scaled(0.0))
         parts = [Configuration(each).tangent() for each in single]
         prescribed, force = network.displacement.ravel(), network.force.ravel()
-        given = prescribed, force, u.ravel()[free], root / size
+        given = prescribed, force, u.ravel()[free], 1 / size
         cases.append(_Case(network, Solver(network), tuple(parts), free, *given))
     return cases
 
 
-def _starting_constants(
-    cases: list[_Case], number: int, volumes: bool, given: Constants | None
-) -> Array:
-    """Constants to start from: those given, or the equal ones that come nearest under forces."""
+def _starting_constants(cases: list[_Case], number: int, volumes: bool) -> Array:
+    """Constants to start from: the equal ones that come nearest under forces."""
     p = np.append(np.ones(number), np.zeros(int(volumes)))
-    if given is not None:
-        k = finite("start", given)
-        if k.shape != (number,) or k.min() <= 1 / LONGEST or k.max() > LONGEST:
-            raise ProblemError(
-                f"start: {k.tolist()}; give {number} constants above 0, of ordinary size"
-            )
-        p[:number] = k
-    answers = [_weighted_response(case, p)[0] for case in cases]
+    answers = [_scaled_response(case, p)[0] for case in cases]
     if not all(np.isfinite(answer).all() for answer in answers):
         raise ProblemError("fitted constants: the networks are loose; add springs, or hold more")
-    if given is not None:
-        return p
     wanted = np.concatenate([c.scale * c.wanted for c in cases])
     u = np.concatenate(answers)
     size = float(np.linalg.norm(u))
@@ -310,13 +280,13 @@ def _least_squares(cases: list[_Case], start: Array, unit: float, number: int) -
 
 
 def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:
-    """Weighted misfit (f,) and its slopes (f, p); infinite where the network is not stable."""
-    answer, slope = _weighted_response(case, p)
+    """Scaled misfit (f,) and its slopes (f, p); infinite where the network is not stable."""
+    answer, slope = _scaled_response(case, p)
     return answer - case.scale * case.wanted, slope
 
 
-def _weighted_response(case: _Case, p: Array) -> tuple[Array, Array]:
-    """Weighted displacement (f,) and its slopes (f, p); infinite as in `_misfit`."""
+def _scaled_response(case: _Case, p: Array) -> tuple[Array, Array]:
+    """Scaled displacement (f,) and its slopes (f, p); infinite as in `_misfit`."""
     free = case.free
     K = bsr_array(sum(part * value for part, value in zip(case.parts, p, strict=True)))
     nowhere = np.full(len(free), np.inf), np.full((len(free), len(p)), np.inf)
@@ -332,7 +302,7 @@ def _weighted_response(case: _Case, p: Array) -> tuple[Array, Array]:
             case.solver.give_way(error)
         except SolverError:
             return nowhere
-        return _weighted_response(case, p)
+        return _scaled_response(case, p)
     except RuntimeError:  # a pivot of zero
         return nowhere
 
@@ -340,7 +310,7 @@ def _weighted_response(case: _Case, p: Array) -> tuple[Array, Array]:
 def _response_by_inverse(
     case: _Case, K: bsr_array, inverse: Factor | Cycles
 ) -> tuple[Array, Array]:
-    """As `_weighted_response`, by the inverse of K."""
+    """As `_scaled_response`, by the inverse of K."""
     free = case.free
 
     def solve(right: Array) -> Array:
@@ -349,7 +319,7 @@ def _response_by_inverse(
     u = case.prescribed.copy()
     u[free] = solve(case.force[free] - (K @ case.prescribed)[free])
     slopes = [-solve((part @ u)[free]) for part in case.parts]
-    slope = case.scale[:, None] * np.column_stack(slopes)
+    slope = case.scale * np.column_stack(slopes)
     return case.scale * u[free], slope
 
 

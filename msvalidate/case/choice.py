@@ -153,13 +153,17 @@ def _laid(found: Comparison, wanted: float) -> Case | None:
     case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
     cuttable = joins_corners(all_patterns()[str(case.lattice)]())
     one = spacing_by_cells(replace(case, cells=1, spacing=None)) / wanted
-    near = []
-    for cells in sorted(range(1, math.ceil(2 * one) + 1), key=lambda n: abs(n - one))[:TRIED]:
+    numbers = sorted(range(1, math.ceil(2 * one) + 1), key=lambda n: abs(math.log(n / one)))
+    other = None
+    for cells in numbers[:TRIED]:
         laid = replace(case, cells=cells, spacing=None)
-        far, fills = abs(math.log(spacing_of(laid) / wanted)), is_filled(laid, spacing_of(laid))
-        if far <= ALIKE and (cuttable or fills):
-            near.append((fills != filled, far, cells, laid))
-    return min(near)[-1] if near else None
+        spacing = spacing_of(laid)
+        fills = is_filled(laid, spacing)
+        if abs(math.log(spacing / wanted)) <= ALIKE and (cuttable or fills):
+            if fills == filled:
+                return laid
+            other = other or laid
+    return other
 
 
 def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Need:

@@ -36,7 +36,7 @@ HABITS = {
         "whole springs in the sides, not half: 10² cells of square resist as 1.08 times E",
     ),
     3: (
-        "k = E h on the axes alone (cubic6): nu = 0 and 1 times E along the axes, no shear stiffness",
+        "k = E h on the axes alone (cubic6): nu = 0, 1 times E along the axes, no shear stiffness",
         "k = E h on every spring of cubic18: 2.5 times E, nu = 0.25",
         "k2 = 2 k1 of cubic18: nu = 0.2857 along the axes, not incompressible, Zener ratio 1.333",
         "whole springs in the sides, not half: 10³ cells of cubic18 resist as 1.15 times E",

@@ -40,7 +40,6 @@ from msvalidate.cli.terminal import (
     failure_lines,
     nowhere,
     print_lines,
-    suspect_line,
     tell,
     tell_error,
 )
@@ -316,10 +315,6 @@ def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
     """What a study missed, and how it ended, to stderr."""
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
         tell(line)
-    ours = "candidate" not in study.origin  # whose limits were those of the recorded faults
-    if args.form == "quick" and ours and not (study.held or study.error):
-        for line in suspect_line(study):
-            tell(line)
     if not args.quiet:
         tell(ending(study))
 

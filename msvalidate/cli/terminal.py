@@ -109,19 +109,6 @@ def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
     return lines
 
 
-def suspect_line(study: Stored | Outcome) -> list[str]:
-    """Which of the study's own faults a failure in the small form looks like, if one fits."""
-    from msvalidate.judging.suspects import find_suspect
-    from msvalidate.output.baseline import recorded_faults
-
-    recorded = recorded_faults(study.name)
-    found = None if recorded is None else find_suspect(study.verdict, recorded)
-    if found is None:
-        return []
-    size = "" if abs(found.size - 1) < 0.05 else f", {found.size:.2g} times as much"
-    return [f"{study.name}: like: {found.fault}{size}"]
-
-
 def missed_rows(study: Stored | Outcome) -> list[dict[str, Any]]:
     """Rows of a verdict that were missed, worst first; what is no number, and baseline, last."""
     from msvalidate.judging.evidence import is_missed

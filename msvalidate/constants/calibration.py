@@ -6,7 +6,7 @@ from typing import Literal
 
 from msvalidate.lattice import Constants
 from msvalidate.problem import Array
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 Verdict = Literal["exact", "first order", "unstable", "not known"]
 
@@ -48,7 +48,7 @@ class TensionCheck:
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(ReadOnly):
     """Constants of a lattice, and the isotropic material that they make.
 
     Parameters
@@ -85,9 +85,6 @@ class Calibration:
     spacing: float
     thickness: float
     body: TensionCheck | None = None
-
-    def __post_init__(self) -> None:
-        self.tensor.setflags(write=False)
 
     def __str__(self) -> str:
         end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)

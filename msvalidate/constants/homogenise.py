@@ -36,7 +36,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
-from msvalidate.problem.records import dataclass, replace
+from msvalidate.problem.records import ReadOnly, dataclass, replace
 from msvalidate.tangent.inverse import SOLVERS
 
 NO_SPRING = 1e-24
@@ -44,7 +44,7 @@ NO_SPRING = 1e-24
 
 
 @dataclass(frozen=True, eq=False)
-class Homogenised:
+class Homogenised(ReadOnly):
     """The solid that an endless lattice is.
 
     Parameters
@@ -67,10 +67,6 @@ class Homogenised:
     floppy: int | None
     error: float
     solver: str
-
-    def __post_init__(self) -> None:
-        for array in (self.affine, self.tensor):
-            array.setflags(write=False)
 
 
 def homogenise(

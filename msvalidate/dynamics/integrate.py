@@ -20,11 +20,7 @@ from msvalidate.dynamics.divergence import (
     refuse_long_step,
     warn_beyond_limit,
 )
-from msvalidate.dynamics.hidden import (
-    MotionRecord,
-    is_at_rest,
-    refuse_lost_digits,
-)
+from msvalidate.dynamics.hidden import is_at_rest, refuse_lost_digits
 from msvalidate.dynamics.implicit import NetworkAcceleration
 from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
 from msvalidate.dynamics.scheme import Integrator, MotionState
@@ -127,7 +123,7 @@ def motion(
                 watch(step, State(network.points + now.x, now.v))
     if steps and not at_rest:
         rounded = max_abs(network.beyond_rest)
-        refuse_lost_digits(network, MotionRecord(integrator.name, start, now, rounded))
+        refuse_lost_digits(network, integrator.name, start, now, rounded)
     end = network.points + now.x
     return State(end, now.v, count_folded(network.simplices, end))
 
@@ -251,7 +247,7 @@ def euler_cromer(
             now = MotionState(u, v, pushed)
             refuse_diverged(run, start, now, reach)
             longest = float(network.rest_length.max())
-            refuse_lost_digits(network, MotionRecord(EULER_CROMER.name, start, now, longest))
+            refuse_lost_digits(network, EULER_CROMER.name, start, now, longest)
     end = network.points + u
     return State(end, v, count_folded(network.simplices, end))
 

@@ -366,7 +366,7 @@ def require_integrator(name: str, value: object) -> None:
 
 
 def step_factors(scheme: Integrator) -> Factors:
-    """What `kernels.advance` needs of a scheme.
+    """What `kernels.Motion.advance` needs of a scheme.
 
     Raises
     ------

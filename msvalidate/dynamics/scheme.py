@@ -91,7 +91,7 @@ class Integrator:
     leading
         First term of its error, where it is told.
     factors
-        Of a scheme that moves with one new velocity: what `kernels.advance` needs of it.
+        Of a scheme that moves with one new velocity: what `kernels.Motion.advance` needs of it.
     """
 
     name: str

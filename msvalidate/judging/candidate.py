@@ -9,6 +9,7 @@ right shape, finite and in the right unit, or one line that says what it is inst
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
@@ -17,7 +18,6 @@ from msvalidate.dynamics.integrate import State
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, require_one_of, require_type
-from msvalidate.problem.records import dataclass
 from msvalidate.relaxation.relax import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 
@@ -57,55 +57,6 @@ def solve_springs(problem: Problem, network: Network, answer: Answer = "linear")
     return equilibrium(network, answer).displacement
 
 
-@dataclass(frozen=True)
-class CheckedDisplacements:
-    """A candidate whose every answer is looked at; see `check_displacement`."""
-
-    predict: DisplacementSolver
-
-    def __call__(self, problem: Problem, network: Network, answer: Answer = "linear") -> Array:
-        """The candidate's displacement (n, d) in m."""
-        return check_displacement(self.predict(problem, network, answer), network)
-
-
-@dataclass(frozen=True)
-class CheckedActuator:
-    """A way to move an actuator, (actuator, voltage), whose every answer is looked at."""
-
-    predict: Callable[[Any, float], Array]
-
-    def __call__(self, actuator: Any, voltage: float) -> Array:
-        """Displacement (n, d) in m of the actuator's points at a voltage (V)."""
-        return check_displacement(self.predict(actuator, voltage), actuator.network)
-
-
-@dataclass(frozen=True)
-class CheckedMotion:
-    """A motion, (network, state, dt, steps, damping), whose every state is looked at."""
-
-    move: Callable[..., State]
-
-    def __call__(
-        self, network: Network, state: State, dt: float, steps: int, damping: Any
-    ) -> State:
-        """State after some steps of dt (s) with a damping (1/s)."""
-        found = self.move(network, state, dt, steps, damping)
-        if not isinstance(found, State):
-            raise ProblemError(
-                f"candidate: {format_value(found)}; give a State, of position and velocity at the "
-                "network's points"
-            )
-        position = _check_array("positions", found.position, network, "m")
-        velocity = _check_array("velocities", found.velocity, network, "m/s")
-        start, held = np.asarray(state.position)[network.held], network.held
-        if _is_met_by(position[held] - start, position[held] + network.points[held] - start):
-            raise ProblemError(
-                f"candidate: positions {position.shape} whose held components are those of "
-                "displacements; add network.points"
-            )
-        return State(position, velocity)
-
-
 def check_displacements(candidate: DisplacementSolver) -> DisplacementSolver:
     """A candidate for displacements, with its answers looked at.
 
@@ -114,23 +65,50 @@ def check_displacements(candidate: DisplacementSolver) -> DisplacementSolver:
     ProblemError
         If it is no function. Its answers raise it too: see `check_displacement`.
     """
-    return CheckedDisplacements(
-        _check_callable(candidate, "(problem, network, answer) that predicts displacements")
-    )
+    predict = _check_callable(candidate, "(problem, network, answer) that predicts displacements")
+    return partial(_checked_displacement, predict)
+
+
+def _checked_displacement(
+    predict: DisplacementSolver, problem: Problem, network: Network, answer: Answer = "linear"
+) -> Array:
+    return check_displacement(predict(problem, network, answer), network)
 
 
 def check_actuator(candidate: Callable[[Any, float], Array]) -> Callable[[Any, float], Array]:
     """A candidate for an actuator's displacements, as `check_displacements`."""
-    return CheckedActuator(
-        _check_callable(candidate, "(actuator, voltage) that predicts displacements")
-    )
+    predict = _check_callable(candidate, "(actuator, voltage) that predicts displacements")
+    return partial(_checked_actuator, predict)
+
+
+def _checked_actuator(predict: Callable[[Any, float], Array], actuator: Any, volts: float) -> Array:
+    return check_displacement(predict(actuator, volts), actuator.network)
 
 
 def check_motion(candidate: Callable[..., State]) -> Callable[..., State]:
     """A candidate for a motion, as `check_displacements`."""
-    return CheckedMotion(
-        _check_callable(candidate, "(network, state, dt, steps, damping) that gives a State")
-    )
+    move = _check_callable(candidate, "(network, state, dt, steps, damping) that gives a State")
+    return partial(_checked_motion, move)
+
+
+def _checked_motion(
+    move: Callable[..., State], network: Network, state: State, *given: Any, **named: Any
+) -> State:
+    found = move(network, state, *given, **named)
+    if not isinstance(found, State):
+        raise ProblemError(
+            f"candidate: {format_value(found)}; give a State, of position and velocity at the "
+            "network's points"
+        )
+    position = _check_array("positions", found.position, network, "m")
+    velocity = _check_array("velocities", found.velocity, network, "m/s")
+    start, held = np.asarray(state.position)[network.held], network.held
+    if _is_met_by(position[held] - start, position[held] + network.points[held] - start):
+        raise ProblemError(
+            f"candidate: positions {position.shape} whose held components are those of "
+            "displacements; add network.points"
+        )
+    return State(position, velocity)
 
 
 def check_functions(candidate: object, kind: type[Kind]) -> Kind:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigvals, logm
 
 from msvalidate.problem import Anisotropic, Array, ProblemError, SolverError
-from msvalidate.problem.checks import finite, finite_angle, positive_number
+from msvalidate.problem.checks import finite, positive_number
 
 DISPLACEMENT, STRESS = slice(0, 2), slice(2, 4)
 """The halves of a state (u, φ)."""
@@ -39,8 +39,8 @@ CONDITION = 1e8
 """Largest condition number of a tensor; up to it the smallest exponents stay below `RESOLVED`."""
 
 
-def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: float = 0.0) -> float:
-    """Exponent of the displacement where a clamped side meets a free one.
+def clamped_free_exponent(tensor: Array, angle: float) -> float:
+    """Exponent of the displacement where a clamped side along x meets a free one.
 
     Clamping the other side of the same wedge instead gives the same exponent (reciprocity).
 
@@ -53,8 +53,6 @@ def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: flo
     angle
         Opening of the wedge in rad, in (0, 2π]: counter-clockwise from the clamped to the free
         side, through the material.
-    clamped_direction
-        Of the clamped side, seen from the corner: rad, counter-clockwise from x.
 
     Returns
     -------
@@ -65,45 +63,16 @@ def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: flo
     Raises
     ------
     ProblemError
-        If the tensor, the angle or the direction is not as described.
+        If the tensor or the angle is not as described.
     SolverError
         If the tensor is too close to singular, its condition number above 1e8, or the angle is
         below 1e-3.
     """
-    generator = _generator(tensor, angle, clamped_direction)
-    return float(_exponents(generator, DISPLACEMENT).real.min())
+    return float(_exponents(_generator(tensor, angle)).real.min())
 
 
-def free_free_exponent(tensor: Array, angle: float, *, side_direction: float = 0.0) -> float:
-    """Exponent of the displacement at a notch (angle > π) or corner whose sides are both free.
-
-    Source: [Williams1952] for isotropic wedges, [Ting1996] for any tensor.
-
-    Parameters
-    ----------
-    tensor, angle
-        As for `clamped_free_exponent`; a crack has angle 2π and exponent 1/2.
-    side_direction
-        Of the side from which the angle is counted: rad, counter-clockwise from x.
-
-    Returns
-    -------
-    float
-        In [1/2, 1); 1 if the angle is at most π: the rigid rotation, λ = 1, is then the first.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `clamped_free_exponent`.
-    """
-    generator = _generator(tensor, angle, side_direction)
-    if angle <= np.pi:
-        return 1.0
-    return float(_exponents(generator, STRESS).real.min())
-
-
-def _generator(tensor: Array, angle: float, start: float) -> Array:
-    """M = ∫ N dθ, (4, 4), over the wedge that opens by `angle` from the direction `start`."""
+def _generator(tensor: Array, angle: float) -> Array:
+    """M = ∫ N dθ, (4, 4), over the wedge that opens by `angle` from x."""
     C = _scaled_tensor(tensor)
     opening = positive_number("wedge angle", angle, "rad")
     if opening > 2 * np.pi:
@@ -112,10 +81,9 @@ def _generator(tensor: Array, angle: float, start: float) -> Array:
         raise SolverError(
             f"wedge angle: {opening:g} rad; below {NARROWEST:g} exponents are lost in rounding"
         )
-    finite_angle("side direction", start)
     # cos h + sin h N(θ) has the logarithm ∫ N from θ to θ + h, the principal one if h < π.
     h = opening / 3
-    parts = [np.cos(h) * np.eye(4) + np.sin(h) * _stroh_matrix(C, start + i * h) for i in range(3)]
+    parts = [np.cos(h) * np.eye(4) + np.sin(h) * _stroh_matrix(C, i * h) for i in range(3)]
     return np.asarray(sum(_logarithm(part) for part in parts))
 
 
@@ -170,11 +138,11 @@ def _stroh_matrix(C: Array, theta: float) -> Array:
     )
 
 
-def _exponents(generator: Array, vanishing: slice) -> NDArray[np.complex128]:
+def _exponents(generator: Array) -> NDArray[np.complex128]:
     """All resolved λ with real part > 0 for which a state survives both sides' conditions.
 
-    dw/ds = λ M w on 0 < s < 1 with `vanishing` components of w(0) zero and φ(1) = 0, by collocation
-    at Gauss points: linear in λ, so all exponents, real and complex, are eigenvalues of one pencil.
+    dw/ds = λ M w on 0 < s < 1 with u(0) = 0 and φ(1) = 0, by collocation at Gauss points: linear
+    in λ, so all exponents, real and complex, are eigenvalues of one pencil.
     """
     points, _ = legendre.leggauss(DEGREE)
     value = legendre.legvander(points, DEGREE)
@@ -182,12 +150,11 @@ def _exponents(generator: Array, vanishing: slice) -> NDArray[np.complex128]:
     slope = 2 * legendre.legvander(points, DEGREE - 1) @ legendre.legder(np.eye(DEGREE + 1))
     start, end = legendre.legvander(np.array([-1.0, 1.0]), DEGREE)
     one = np.eye(4)
-    sides = np.vstack([np.kron(start, one[vanishing]), np.kron(end, one[STRESS])])
+    sides = np.vstack([np.kron(start, one[DISPLACEMENT]), np.kron(end, one[STRESS])])
     derivative = np.vstack([np.kron(slope, one), sides])
     growth = np.vstack([np.kron(value, generator), np.zeros_like(sides)])
     exponents = eigvals(derivative, growth)
     radius = np.abs(np.linalg.eigvals(generator)).max()
-    # Translations of a free wedge have λ = 0, up to rounding.
     return np.asarray(exponents[(exponents.real > 1e-3) & (np.abs(exponents) * radius < RESOLVED)])
 
 

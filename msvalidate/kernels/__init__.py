@@ -92,7 +92,7 @@ class Motion:
         return self._sweep
 
     def force_and_energy(self, displacement: Array, out: Array) -> float:
-        """As `kernels.force_and_energy`."""
+        """Write the force (n, d) in N at a displacement into `out`; return the energy (J)."""
         self._refuse_shape(displacement=displacement, out=out)
         force = _written("out", out)
         stored = self._general.force(_flat(displacement), force)
@@ -129,7 +129,19 @@ class Motion:
         kinetic: float = 0.0,
         to_peak: bool = False,
     ) -> tuple[int, float, bool]:
-        """As `kernels.advance`."""
+        """Advance displacement (m) and velocity (m/s), both (n, d), in place; held components stay.
+
+        v = keep·v + push·(F_internal + F_external)/m, then u += dt·v, with `keep` (n,) and `push`
+        (n,) in s: every scheme with one velocity a step and viscosity. Returns the steps done, the
+        kinetic energy (J) of the last, and whether it ended there because that fell: `to_peak`
+        stops after the first such step, counted from `kinetic`, and is for one thread.
+
+        Raises
+        ------
+        ProblemError
+            If an array is of another shape, or displacement or velocity are none of float64 that
+            can be written to. Numbers are not looked at: a NaN comes out as one.
+        """
         self._refuse_shape(displacement=displacement, velocity=velocity, keep=keep, push=push)
         u, v = _written("displacement", displacement), _written("velocity", velocity)
         v.ravel()[self._held] = 0.0
@@ -189,51 +201,10 @@ def _put_back(*written: tuple[Array, Array]) -> None:
             given[...] = flat
 
 
-def force_and_energy(network: Network, displacement: Array, out: Array) -> float:
-    """Write the force (n, d) in N at a displacement into `out`; return the energy (J) stored.
-
-    `Motion` serves many calls for one network.
-    """
-    return Motion(network, path="general").force_and_energy(displacement, out)
-
-
 def curvature(network: Network, displacement: Array, direction: Array) -> float:
     """Second derivative (N·m) of the stored energy along `direction` d, (n, d) in m: dᵀ K d."""
     axes = tuple(range(network.dim))
     return float(bending.curvature(axes, displacement, direction, *_laws(network)))
-
-
-def advance(
-    network: Network,
-    displacement: Array,
-    velocity: Array,
-    keep: Array,
-    push: Array,
-    dt: float,
-    steps: int,
-    *,
-    kinetic: float = 0.0,
-    to_peak: bool = False,
-    threads: int = 1,
-    path: Path = "auto",
-) -> tuple[int, float, bool]:
-    """Advance displacement (m) and velocity (m/s), both (n, d), in place; held components stay.
-
-    v = keep·v + push·(F_internal + F_external)/m, then u += dt·v, with `keep` (n,) and `push` (n,)
-    in s: every scheme with one velocity a step and viscosity. Returns the steps done, the kinetic
-    energy (J) of the last, and whether it ended there because that fell: `to_peak` stops after the
-    first such step, counted from `kinetic`, and is for one thread. `threads` and `path` as in
-    `Motion`, which serves many calls for one network.
-
-    Raises
-    ------
-    ProblemError
-        As `Motion`, and if an array is of another shape, or displacement or velocity are none of
-        float64 that can be written to. Numbers are not looked at: a NaN comes out as one.
-    """
-    motion = Motion(network, path=path, threads=threads)
-    moving = displacement, velocity, keep, push
-    return motion.advance(*moving, dt, steps, kinetic=kinetic, to_peak=to_peak)
 
 
 def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:

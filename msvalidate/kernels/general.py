@@ -159,7 +159,7 @@ class Sweep:
         kinetic: float = 0.0,
         to_peak: bool = False,
     ) -> tuple[int, float, bool]:
-        """As `kernels.advance`, but that v must be 0 where points are held."""
+        """As `Motion.advance`, but that v must be 0 where points are held."""
         self.enter(u, v, keep, push)
         ended = self.run(dt, steps, kinetic, to_peak)
         self.leave(u, v)
@@ -205,7 +205,7 @@ class Threads:
     def advance(
         self, u: Array, v: Array, keep: Array, push: Array, dt: float, steps: int
     ) -> tuple[int, float, bool]:
-        """As `kernels.advance`, to no peak, of one step or more; v is 0 where points are held."""
+        """As `Motion.advance`, to no peak, of one step or more; v is 0 where points are held."""
         with ThreadPoolExecutor(len(self._parts)) as pool:
             list(pool.map(lambda part: part.enter(u, v, keep, push), self._parts))
             for done in range(0, steps, self.between):

@@ -55,7 +55,7 @@ def advance(
 ) -> tuple[int, float, bool]:
     """Advance u (m) and v (m/s), both (n, d) in the network's numbering, in place.
 
-    As `kernels.advance`, but that v must be 0 where points are held.
+    As `Motion.advance`, but that v must be 0 where points are held.
     """
     d, reach, pitch = u.shape[1], int(grid.ahead[-1]), grid.pitch
     places = grid.order, grid.shape[-1], pitch

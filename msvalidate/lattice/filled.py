@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from itertools import combinations, product
 from typing import TypeVar
 
@@ -22,7 +21,7 @@ from msvalidate.problem.checks import (
     require_one_of,
     require_type,
 )
-from msvalidate.problem.records import dataclass, field
+from msvalidate.problem.records import ReadOnly, dataclass, field
 
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
@@ -30,7 +29,7 @@ VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
 
 
 @dataclass(frozen=True, eq=False)
-class Lattice:
+class Lattice(ReadOnly):
     """Points, springs and cells of a lattice that fills a body.
 
     Parameters
@@ -80,10 +79,7 @@ class Lattice:
     def __post_init__(self) -> None:
         if not np.ndim(self.factor):
             object.__setattr__(self, "factor", np.full(len(self.springs), float(self.factor)))
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+        super().__post_init__()
 
     @property
     def vectors(self) -> Array:

@@ -154,13 +154,6 @@ class Pattern:
         return np.asarray(self.points[j] + self.image * np.array(self.size) - self.points[i])
 
     @property
-    def coordination(self) -> Index:
-        """Number (n, kinds) of springs of each kind at each point: its neighbours by shells."""
-        found = np.zeros((len(self.points), self.kinds), dtype=np.intp)
-        np.add.at(found, (self.springs, self.kind[:, None]), 1)
-        return found
-
-    @property
     def centred(self) -> bool:
         """Whether every point is a centre of symmetry: none moves from a uniform strain."""
         room = SAME_DISTANCE * float(np.linalg.norm(self.vectors, axis=1).max())

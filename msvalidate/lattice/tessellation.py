@@ -15,7 +15,6 @@ of cells.
 from __future__ import annotations
 
 import math
-from dataclasses import fields
 from itertools import product
 
 import numpy as np
@@ -34,7 +33,7 @@ from msvalidate.lattice.triangulation import (
 )
 from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, format_point
 from msvalidate.problem.checks import finite_coordinates, format_value, require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 NEGLIGIBLE = 1e-14
 """Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals.
@@ -51,7 +50,7 @@ negligible."""
 
 
 @dataclass(frozen=True, eq=False)
-class Tessellation:
+class Tessellation(ReadOnly):
     """Voronoi cells that fill a body, and the springs across their facets.
 
     Parameters
@@ -77,12 +76,6 @@ class Tessellation:
     image: Index
     area: Array
     volume: Array
-
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
 
     @property
     def vectors(self) -> Array:

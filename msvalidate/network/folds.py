@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.problem import Array, Index, Mask, format_point
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 FLATTEST = 0.25
 """Sine of a corner (of three edges: their determinant over their lengths), the largest of a
@@ -48,7 +48,7 @@ _CORNERS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Simplices:
+class Simplices(ReadOnly):
     """What is looked at for folds. Arrays are made read-only.
 
     Parameters
@@ -64,10 +64,6 @@ class Simplices:
     corners: Index
     cell: Index
     positive: Mask
-
-    def __post_init__(self) -> None:
-        for array in (self.corners, self.cell, self.positive):
-            array.setflags(write=False)
 
 
 def is_shape_of_cells(dim: int, corners: int) -> bool:

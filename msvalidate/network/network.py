@@ -232,7 +232,6 @@ def spring_network(
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
-    shear: None = None,
     cells: ArrayLike | None = None,
 ) -> Network:
     """Network from any list of points and springs.
@@ -242,8 +241,6 @@ def spring_network(
     points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
         distances in `points`, an unstressed network; the rest defaults to none.
-    shear
-        Of old; refused.
 
     Raises
     ------
@@ -251,8 +248,6 @@ def spring_network(
         If an array does not fit, a spring joins a point to itself, names a point that is not
         there or has no length, or a value is out of range.
     """
-    if shear is not None:
-        raise ProblemError("shear: shear springs are gone; take a volume energy, `volumes`")
     x = finite_coordinates("points", points, "n", (2, 3))
     pairs = check_springs(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)

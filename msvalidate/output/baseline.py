@@ -56,15 +56,6 @@ def check_home(home: Path) -> None:
         raise ProblemError(f"--baseline {home}: our own; leave --baseline out")
 
 
-def recorded_faults(study: str) -> pd.DataFrame | None:
-    """What a study's faults move in its small form, see `judging.suspects`; None if unknown."""
-    path = baseline_folder("faults") / f"{study}.csv"
-    try:
-        return pd.read_csv(path) if path.is_file() else None
-    except ValueError:  # damaged: nothing to go by
-        return None
-
-
 def unknown_folders(folder: Path, studies: list[str]) -> list[str]:
     """What is in a baseline's folder of a form and no study's: nothing is compared with it."""
     found = [path.name for path in folder.iterdir()] if folder.is_dir() else []

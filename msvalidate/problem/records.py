@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import field, fields, replace
-from reprlib import recursive_repr
+from reprlib import Repr, recursive_repr
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-__all__ = ["LONGEST_REPR", "dataclass", "field", "replace", "short_repr"]
+__all__ = ["LONGEST_REPR", "ReadOnly", "dataclass", "field", "replace", "short_repr"]
 
 LONGEST_REPR = 160
 """Letters of a repr: two lines of a terminal."""
 FEW = 12
-"""Numbers, items or keys that a repr shows one by one where there is room."""
-_PLAIN = (str, bool, int, float, complex, type(None))
+"""Numbers or items that a repr shows one by one."""
 
 
 if TYPE_CHECKING:
@@ -31,61 +30,56 @@ else:
         return dataclasses.dataclass(cls, **options)
 
 
+class ReadOnly:
+    """Base of records whose arrays are made read-only."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+
+class _Short(Repr):
+    """The standard short one, with arrays by shape and range, other things by kind and size."""
+
+    def __init__(self, levels: int) -> None:
+        super().__init__()
+        self.maxlevel, self.maxtuple, self.maxstring = levels, FEW, 40
+
+    def repr_ndarray(self, x: Any, _: int) -> str:
+        if 0 < x.size <= FEW:
+            return " ".join(np.array2string(x, separator=", ").split())
+        ends = f": {x.min():g} to {x.max():g}" if x.size and x.dtype.kind == "f" else ""
+        return f"<{'x'.join(map(str, x.shape))}{ends}>"
+
+    def repr_float(self, x: float, level: int) -> str:
+        return repr(x) if level > 1 else f"{x:.4g}"
+
+    def repr_instance(self, x: Any, level: int) -> str:
+        kind = getattr(x, "__qualname__", type(x).__name__)  # functions go by their own name
+        if hasattr(x, "__dataclass_fields__"):
+            return repr(x) if level > 1 else f"{kind}(...)"
+        if isinstance(x, np.generic | bool | complex | None):
+            return repr(x.item() if isinstance(x, np.generic) else x)
+        return f"<{'x'.join(map(str, x.shape))} {kind}>" if hasattr(x, "shape") else f"<{kind}>"
+
+
+_WHOLE, _BRIEF = _Short(6), _Short(1)
+
+
 @recursive_repr()  # "..." for a record that holds itself
 def short_repr(record: Any) -> str:
     """One line, ``Name(field=value, ...)``, of at most `LONGEST_REPR` letters.
 
-    The standard one where it has room. Else fields that are None are left out, arrays and
-    tables show their shape, lists their number of items, and records in it their names; as much as
-    there is room for, from the first field on, is whole, and real numbers show their range.
+    Where all is too much, records in it show their names, numbers four digits, and as many fields
+    are shown as there is room for.
     """
     named = {each.name: getattr(record, each.name, "?") for each in fields(record) if each.repr}
-    whole = {name: f"{name}={_whole(value)}" for name, value in named.items()}
     head = f"{type(record).__qualname__}("
-    if len(text := f"{head}{', '.join(whole.values())})") <= LONGEST_REPR:
+    whole = [f"{name}={_WHOLE.repr(of)}" for name, of in named.items()]
+    if len(text := f"{head}{', '.join(whole)})") <= LONGEST_REPR:
         return text
-    texts = {name: f"{name}={_brief(of)}" for name, of in named.items() if of is not None}
-    for name, brief in texts.items():
-        texts[name] = whole[name]
-        if len(f"{head}{', '.join(texts.values())})") > LONGEST_REPR:
-            texts[name] = brief
-    shown = list(texts.values())
+    shown = [f"{name}={_BRIEF.repr(of)}" for name, of in named.items()]
     while len(text := f"{head}{', '.join(shown)})") > LONGEST_REPR and len(shown) > 1:
         shown[-2:] = ["..."]
     return text
-
-
-def _brief(value: Any) -> str:
-    """A value in a few letters: the shape of an array, the length of a list, the name of a type."""
-    kind = type(value).__name__
-    if isinstance(value, _PLAIN):
-        text = f"{value:.4g}" if isinstance(value, float) else _whole(value)
-        return text if len(text) <= 40 else f"{text[:36]}...{text[:1]}"
-    if hasattr(value, "__dataclass_fields__"):
-        return f"{kind}(...)"
-    if hasattr(value, "shape"):
-        shape = "x".join(map(str, value.shape))
-        return f"<{shape}>" if isinstance(value, np.ndarray) else f"<{shape} {kind}>"
-    if hasattr(value, "__len__"):
-        kinds = {type(each).__name__ for each in value} if isinstance(value, tuple | list) else ()
-        if kinds == {"float"} and len(value) in {2, 3}:
-            return f"({', '.join(map(_brief, value))})"
-        return f"<{len(value)} {''.join(kinds) if len(kinds) == 1 else 'items'}>"
-    return f"<{getattr(value, '__qualname__', kind)}>"  # functions go by their own name
-
-
-def _whole(value: Any) -> str:
-    """A value as `repr` has it; of long arrays the shape and range, of long lists the length."""
-    if isinstance(value, np.ndarray) and value.size and value.dtype.kind in "biuf":
-        if value.size <= FEW:
-            return " ".join(np.array2string(value, separator=", ").split())
-        ends = f"{value.min():g} to {value.max():g}"
-        return f"{_brief(value)[:-1]}: {ends}>" if value.dtype.kind == "f" else _brief(value)
-    if isinstance(value, dict) and len(value) <= FEW:
-        return f"{{{', '.join(f'{_whole(key)}: {_whole(of)}' for key, of in value.items())}}}"
-    if type(value) in (tuple, list) and len(value) <= FEW:
-        first, last = ("(", ",)"[len(value) != 1 :]) if isinstance(value, tuple) else "[]"
-        return f"{first}{', '.join(map(_whole, value))}{last}"
-    if isinstance(value, (*_PLAIN, np.generic)) or hasattr(value, "__dataclass_fields__"):
-        return repr(value.item() if isinstance(value, np.generic) else value)
-    return _brief(value)

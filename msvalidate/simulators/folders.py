@@ -8,16 +8,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from msvalidate.output.vtu import mesh_bytes, vtu_bytes
-from msvalidate.problem import AXES, Array, Isotropic, Mesh, ProblemError
-from msvalidate.problem.checks import format_value, require_one_of
+from msvalidate.problem import AXES, ProblemError
+from msvalidate.problem.checks import format_value
 from msvalidate.simulators.answers import read_answer
-from msvalidate.simulators.protocol import FORMAT, Request, Springs
-from msvalidate.simulators.tables import read_table
+from msvalidate.simulators.protocol import FORMAT, Request
 from msvalidate_check import exchange
 
 REQUEST = "request.json"
@@ -134,61 +132,4 @@ def _table(names: Sequence[str], rows: np.ndarray, whole: Iterable[str] = ()) ->
     return ("\n".join(lines) + "\n").encode()
 
 
-def read_request(folder: str | Path) -> Request:
-    """The request that a folder holds, as it was written: the inverse of `write_request`.
-
-    Raises
-    ------
-    ProblemError
-        If a file is missing, or is no such file.
-    """
-    place = Path(folder)
-    about = _read_about(place / REQUEST)
-    try:
-        axes = list(AXES[: about["dimension"]])
-        points = read_table(place / "points.csv", axes)
-        corners = read_table(place / "cells.csv", None)
-        groups = [f"{what}{a}" for what in ("f", "held_", "value_") for a in axes]
-        nodal = read_table(place / "nodal.csv", ["mass", *groups])
-        force, held, value = np.split(nodal[:, 1:], 3, axis=1)
-        start = read_table(place / "start.csv", axes) if about["task"] == "motion" else None
-        return Request(
-            task=about["task"],
-            mesh=Mesh(points, corners.astype(np.intp), about["cells"]),
-            material=Isotropic(**about["material"]),
-            mass=np.ascontiguousarray(nodal[:, 0]),
-            gravity=np.array(about["gravity"], dtype=float),
-            force=np.ascontiguousarray(force),
-            held=held.astype(bool),
-            value=np.ascontiguousarray(value),
-            start=start,
-            dt=about["dt"],
-            steps=about["steps"],
-            settings=about["settings"],
-            springs=_read_springs(place),
-            name=about["name"],
-        )
-    except (KeyError, TypeError) as error:
-        raise ProblemError(f"request {place}: {REQUEST} lacks {error}; export it again") from error
-
-
-def _read_about(path: Path) -> dict[str, Any]:
-    try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-        require_one_of("format", str(about["format"]), (str(FORMAT),))
-    except OSError as error:
-        raise ProblemError(f"request {path}: {error.strerror}; name a folder of one") from error
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ProblemError(f"request {path}: no request ({error}); export it again") from error
-    return dict(about)
-
-
-def _read_springs(place: Path) -> Springs | None:
-    path = place / "springs.csv"
-    if not path.exists():
-        return None
-    found: Array = read_table(path, ["a", "b", "stiffness", "length"])
-    return Springs(found[:, :2].astype(np.intp), found[:, 2].copy(), found[:, 3].copy())
-
-
-__all__ = ["read_answer", "read_request", "refuse_foreign", "request_files", "write_request"]
+__all__ = ["read_answer", "refuse_foreign", "request_files", "write_request"]

@@ -14,8 +14,8 @@ import numpy as np
 from msvalidate.case.network_files import tension
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network, mode_energy
-from msvalidate.network.configuration import frequency_bound
-from msvalidate.problem import AXES, ProblemError
+from msvalidate.network.configuration import frequency_bound, tangent
+from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.statics.equilibrium import Equilibrium
 
 PART_OF_LIMIT = 0.9
@@ -29,7 +29,7 @@ MOST_ROUNDING = 1e-3
 """Of the largest tension, what the rounding of positions may make of it."""
 INPUT = """\
 # {said}
-# Run it in this folder: lmp -in in.springs (or straight to rest: lmp -in in.springs -var steps 0)
+# Run it in this folder: lmp -in springs.in (or straight to rest: lmp -in springs.in -var steps 0)
 # It leaves displacements in rest.dump; as a table for msvalidate case judge:
 # awk 'NR==9 {{print "id,ux,uy,uz"}} NR>9 {{print $1-1","$2","$3","$4}}' rest.dump > rest.csv
 units si
@@ -41,7 +41,7 @@ neighbor {longest!r} bin
 comm_modify cutoff {reach!r}
 special_bonds lj/coul 1 1 1
 bond_style harmonic
-fix point all property/atom rmass d_fx d_fy d_fz i_hx i_hy i_hz d_x0 d_y0 d_z0 ghost yes
+fix point all property/atom rmass d_fx d_fy d_fz i_hx i_hy i_hz d_x0 d_y0 d_z0 d_heavy ghost yes
 read_data springs.data fix point NULL Points
 
 # Loads, damping of every point by its mass, and what is held.
@@ -61,7 +61,9 @@ run ${{steps}}
 unfix motion
 unfix damping
 
-# What is left goes to rest.
+# What is left goes to rest, with masses that make each point's own limit this step.
+variable heavy atom d_heavy
+set group all mass v_heavy
 min_style fire
 min_modify norm max integrator verlet tmax 1.0
 minimize 0 {none!r} 100000 1000000
@@ -92,6 +94,8 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
     u = found.displacement
     square = mode_energy(network, network.points, u) / (network.mass[:, None] * u**2).sum()
     slowest, dt = float(np.sqrt(square)), PART_OF_LIMIT * 2 / frequency_bound(network)
+    rows = abs(tangent(network, network.points)).sum(axis=1).reshape(u.shape).max(axis=1)
+    heavy = rows * (dt / (2 * PART_OF_LIMIT)) ** 2  # their bounds of the frequency are one
     rounding = ROUNDING * float(network.stiffness.max()) * max_abs(network.start)
     largest = max_abs(tension(network, u))
     if rounding > MOST_ROUNDING * largest:
@@ -121,10 +125,10 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
         dt=float(dt),
         none=max(AT_REST * largest, rounding),
     )
-    return {"in.springs": script.encode(), "springs.data": _data(network, said)}
+    return {"springs.in": script.encode(), "springs.data": _data(network, said, heavy)}
 
 
-def _data(network: Network, said: str) -> bytes:
+def _data(network: Network, said: str, heavy: Array) -> bytes:
     """The data file: atoms where the supports hold them at the start, bonds, and what is theirs."""
     start, points, force, held = (
         np.pad(each, ((0, 0), (0, 3 - network.dim)))
@@ -134,7 +138,8 @@ def _data(network: Network, said: str) -> bytes:
     constants = np.column_stack([network.stiffness / 2, network.rest_length])
     kinds, kind = np.unique(constants, axis=0, return_inverse=True)
     bonds = np.column_stack([kind.ravel() + 1, network.springs + 1]).tolist()
-    own = zip(network.mass.tolist(), force.tolist(), held.tolist(), points.tolist(), strict=True)
+    columns = (network.mass, force, held, points, heavy)
+    own = zip(*(each.tolist() for each in columns), strict=True)
     walls = np.column_stack([start.min(axis=0) - room, start.max(axis=0) + room]).tolist()
     counts = {"atoms": len(start), "bonds": len(bonds), "atom types": 1, "bond types": len(kinds)}
     lines = [said, "", *(f"{count} {what}" for what, count in counts.items())]
@@ -144,7 +149,7 @@ def _data(network: Network, said: str) -> bytes:
         "Bond Coeffs": kinds.tolist(),
         "Atoms # bond": ([1, 1, *x] for x in start.tolist()),
         "Bonds": bonds,
-        "Points": ([mass, *f, *h, *x] for mass, f, h, x in own),
+        "Points": ([mass, *f, *h, *x, kg] for mass, f, h, x, kg in own),
     }
     for name, rows in sections.items():
         lines += ["", name, ""]

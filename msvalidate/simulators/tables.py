@@ -14,7 +14,7 @@ from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import format_value
 
 
-def read_table(path: Path, columns: Sequence[str] | None) -> Array:
+def read_table(path: Path, columns: Sequence[str]) -> Array:
     """Numbers (n, k) in a CSV file with a header, in the order of its column `id` if it has one.
 
     Parameters
@@ -22,7 +22,7 @@ def read_table(path: Path, columns: Sequence[str] | None) -> Array:
     path
         The file.
     columns
-        Those wanted, in this order; None takes all but `id`.
+        Those wanted, in this order.
 
     Raises
     ------
@@ -44,13 +44,12 @@ def read_table(path: Path, columns: Sequence[str] | None) -> Array:
         why = " ".join(str(error).split())
         raise ProblemError(f"{said}: not a table: {format_value(why)}; write it again") from error
     text.columns = [str(name).strip() for name in text.columns]
-    wanted = [name for name in text.columns if name != "id"] if columns is None else [*columns]
-    missing = [name for name in wanted if name not in text.columns]
+    missing = [name for name in columns if name not in text.columns]
     if missing:
         there = ", ".join(map(str, text.columns))
         raise ProblemError(f"{said}: no column {missing[0]}; it has {format_value(there)}")
-    found = np.empty((len(text), len(wanted)))
-    for place, name in enumerate(wanted):
+    found = np.empty((len(text), len(columns)))
+    for place, name in enumerate(columns):
         found[:, place] = _numbers(said, name, text[name].to_list())
     if "id" in text.columns:
         return _by_id(said, _numbers(said, "id", text["id"].to_list()), found)

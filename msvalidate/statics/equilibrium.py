@@ -18,9 +18,9 @@ from msvalidate.problem.records import dataclass
 from msvalidate.statics.following import PathResult, follow_path
 from msvalidate.statics.path import Path, load_path
 from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, refine_linear
-from msvalidate.statics.tangents import is_inertia_certain
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
+from msvalidate.tangent.mechanism import is_certain
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,4 +302,4 @@ def _explain_pivots(network: Network, solver: Solver) -> str:
         found = solver.regular(Configuration(network))
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
-    return "" if is_inertia_certain(found) else explain_rounding(network, found.softness)
+    return "" if is_certain(found.softness) else explain_rounding(network, found.softness)

@@ -25,15 +25,10 @@ from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, field
 from msvalidate.statics.path import LoadPath
-from msvalidate.statics.tangents import (
-    LARGEST_TURN,
-    Tangent,
-    is_inertia_certain,
-    is_positive_definite,
-    tangent_at,
-)
+from msvalidate.statics.tangents import LARGEST_TURN, Tangent, is_positive_definite, tangent_at
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Regular, Solver
+from msvalidate.tangent.mechanism import is_certain
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -137,7 +132,7 @@ def follow_path(path: LoadPath, solver: Solver) -> PathResult:
             here, increment = arrival.station, 2 * increment
             found.displacement, found.reached = here.displacement, here.t
             end = arrival.factor
-            found.factor = end if end is not None and is_inertia_certain(end) else None
+            found.factor = end if end is not None and is_certain(end.softness) else None
     found.passed_limit = _find_limit_point(path, solver, found)
     return found
 

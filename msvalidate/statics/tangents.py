@@ -6,14 +6,14 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import refuse_mechanism_motion
 from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.multigrid import Cycle, is_positive, make_cycle, restrained_tangent
+from msvalidate.tangent.mechanism import is_certain
+from msvalidate.tangent.multigrid import Cycle, restrained_tangent
 from msvalidate.tangent.stability import negative_modes
 
 LARGEST_TURN = 0.5
@@ -49,7 +49,7 @@ class Tangent:
             return True
         if self.found.negative == 0:
             return True
-        return not is_inertia_certain(self.found)
+        return not is_certain(self.found.softness)
 
     def move(self, load: Array, held: Array) -> Array:
         """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
@@ -95,21 +95,15 @@ def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
     """Whether the tangent of a configuration is positive definite: no negative mode.
 
     Where `inverse.Solver` takes a factor the signs of pivots decide. Elsewhere a random load
-    does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
-    of the same network close by, where there is one.
+    does: a yes is then very likely, as `Cycles.probed` says, and a no may be for want of a
+    factor. `cycle` is a multigrid cycle of the same network close by, where there is one.
     """
     require_type("configuration", at, Configuration)
     if at.network.held.all():
         return True
-    solver = Solver(at.network)
-    if not solver.is_direct:
-        A = restrained_tangent(at)
-        if cycle is not None and is_positive(A, at, cycle):
-            return True
-        return is_positive(A, at, make_cycle(A, at))  # a no needs its own cycle
     try:
-        return is_positive_definite(solver.regular(at))
-    except SolverError:  # a mechanism
+        return is_positive_definite(Solver(at.network, cycle=cycle).regular(at))
+    except SolverError:  # a mechanism, or nothing tells
         return False
 
 
@@ -118,12 +112,7 @@ def is_positive_definite(found: Regular) -> bool:
     return negative_modes(found) == 0
 
 
-def is_inertia_certain(found: Regular) -> bool:
-    """Whether the signs of a factor's pivots are those of the exact tangent."""
-    return contraction_bound(found.softness) <= DOUBTFUL
-
-
-def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
+def refuse_mechanism(network: Network) -> None:
     """Raise `SolverError` if some motion from the reference points meets no stiffness.
 
     Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
@@ -131,7 +120,7 @@ def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
     """
     if network.held.all():
         return
-    at, solver = Configuration(network), solver or Solver(network)
+    at, solver = Configuration(network), Solver(network)
     if solver.is_direct:
         solver.regular(at)
         return

@@ -17,13 +17,18 @@ from scipy.sparse import bsr_array, csr_array, diags_array
 
 from msvalidate.linear_algebra.dissection import Dissection, nested_dissection
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
+from msvalidate.linear_algebra.refine import contraction_bound
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
-from msvalidate.tangent.mechanism import NO_STIFFNESS, describe_motion, relative_stiffness
+from msvalidate.tangent.mechanism import (
+    NO_STIFFNESS,
+    describe_motion,
+    is_certain,
+    relative_stiffness,
+)
 from msvalidate.tangent.multigrid import (
     Cycle,
     make_cycle,
@@ -95,10 +100,6 @@ class Regular:
         """The motion (n·d,) that the tangent resists least."""
         return self._softest[1]
 
-    def refuse_mechanism(self) -> None:
-        """Raise `SolverError` where the softest motion meets no stiffness."""
-        _refuse_no_stiffness(self.at.network, *self._softest)
-
     @property
     def rate(self) -> float:
         """Part of an error that a correction leaves, at the most."""
@@ -127,7 +128,7 @@ class Regular:
         if 0 < soft < SOFT:
             way, told = found.softer(way)
             soft, mode = self._judged(way)
-        if contraction_bound(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
+        if not is_certain(soft):  # so little may be rounding: a purer motion tells
             purer = softest_motion(found.A, self.at)
             if purer.any():
                 soft, mode = self._judged(purer[~self.at.network.held.ravel()])
@@ -153,6 +154,8 @@ class Solver:
         Others with the same points, springs and supports may be asked about as well.
     wanted
         "direct", "multigrid", or "auto", which counts what a factor takes.
+    cycle
+        Of a place close by, for the first multigrid.
 
     Raises
     ------
@@ -160,12 +163,12 @@ class Solver:
         If there is no such solver.
     """
 
-    def __init__(self, network: Network, wanted: str = "auto") -> None:
+    def __init__(self, network: Network, wanted: str = "auto", cycle: Cycle | None = None) -> None:
         require_one_of("solver", wanted, SOLVERS)
         self.wanted, self._network = wanted, network
         self.met_negative = False
         """Whether multigrid met a tangent that is not positive, and did not go on."""
-        self._cycle: Cycle | None = None
+        self._cycle = cycle
         self._last: Cycles | None = None
         self._usual, self._looked = 0, False
         self._order: Index | None = None
@@ -277,7 +280,7 @@ class Solver:
             stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
             factor = self.inverse(at, stiffened)
         found = Regular(at, factor, diagonal)
-        found.refuse_mechanism()
+        _ = found.softness  # a mechanism is refused here
         return found
 
     def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
@@ -321,7 +324,7 @@ def _refuse_no_stiffness(network: Network, soft: float, mode: Array) -> None:
 
 
 def _refuse_rounding(softness: float) -> None:
-    if contraction_bound(softness) > DOUBTFUL:
+    if not is_certain(softness):
         raise NotConvergedError(
             f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
             "by one, too little to be told from rounding"

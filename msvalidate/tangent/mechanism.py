@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, format_point
 
@@ -33,6 +34,11 @@ def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> fl
     own = np.where(held, 0.0, np.abs(stiffness).reshape(held.shape)).sum(axis=1)
     apart = float((way**2).sum(axis=1) @ own)
     return at.mode_energy(way) / apart if apart > 0 else 0.0
+
+
+def is_certain(softness: float) -> bool:
+    """Whether signs of a factor's pivots are those of the exact tangent."""
+    return contraction_bound(softness) <= DOUBTFUL
 
 
 def describe_motion(network: Network, motion: Array) -> str:

@@ -17,12 +17,11 @@ from scipy.sparse import bsr_array, csr_array
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, rigid_motions
 from msvalidate.problem.records import dataclass
-from msvalidate.tangent.mechanism import is_mechanism
 
 MOST_CYCLES = 300
 """Bodies of good shape take 10 to 30; slender ones, or masses of soft springs, a few hundred."""
 UNSEEN = 1e-4
-"""Part of a mode's usual share of a random load below which `is_positive` overlooks the mode. A
+"""Part of a mode's usual share of a random load below which `Cycles` overlook the mode. A
 normal variable is smaller than that once in 12,500 times."""
 ROUNDING = 1e-12
 """Of the largest eigenvalue of the coarsest level: below it a motion has no stiffness, or rounding.
@@ -284,33 +283,6 @@ def _dot(a: Array, b: Array) -> float:
 
 def _norm(a: Array) -> float:
     return math.sqrt(_dot(a, a))
-
-
-def is_positive(A: bsr_array, at: Configuration, cycle: Cycle) -> bool:
-    """Whether a random load (the same every time) meets no motion without stiffness in A.
-
-    `A` is `restrained_tangent` there.
-
-    **Certain** is a no by a motion of negative energy, or of none in the springs: one was found.
-    **Very likely** is a yes: the part of a load along a motion of negative energy cannot fall in
-    the steps of conjugate gradients (their residual is the load times a polynomial that is 1 at 0
-    and more below), so once the residual is `UNSEEN` of what each mode has of the load on average,
-    no such mode has more than that; by chance it has less once in 12,500 times. A mechanism, whose
-    stiffness is rounding and may be positive, takes the whole displacement instead, and the springs
-    convict it. A no for want of convergence, in `MOST_CYCLES`, is caution.
-    """
-    if (
-        cycle.indefinite_motion is not None
-        and cycle.indefinite_motion @ (A @ cycle.indefinite_motion) <= 0
-    ):
-        return False
-    load = _random_load(at.network) * cycle.unit
-    part = UNSEEN / math.sqrt(max(int(np.count_nonzero(load)), 1))
-    outcome = conjugate_gradients(A, load, cycle, part)
-    if outcome.negative or not outcome.left <= part:
-        return False
-    size = float(np.abs(outcome.solution).max())
-    return not (size and is_mechanism(at, outcome.solution / size, A.diagonal()))
 
 
 def softest_motion(A: bsr_array, at: Configuration) -> Array:

@@ -13,12 +13,12 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import DOUBTFUL, FACTOR_ROUNDING, contraction_bound
+from msvalidate.linear_algebra.refine import FACTOR_ROUNDING
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Regular
-from msvalidate.tangent.mechanism import NO_STIFFNESS
+from msvalidate.tangent.mechanism import NO_STIFFNESS, is_certain
 from msvalidate.tangent.multigrid import force_against
 
 MODES = 8
@@ -38,7 +38,7 @@ def negative_modes(found: Regular) -> int:
         If more motions than can be looked at meet no more than rounding; `NotConvergedError` if one
         does, and there is no factor.
     """
-    if contraction_bound(found.softness) <= DOUBTFUL:
+    if is_certain(found.softness):
         return found.negative
     if not isinstance(found.inverse, Factor):
         raise NotConvergedError(

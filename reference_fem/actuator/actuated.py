@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite_number, require_one_of, require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.actuator.soft_slab import Electric, SoftSlab
 from reference_fem.actuator.staggered import fixed_point
 from reference_fem.large_strain.equilibrium import LargeStrainSolution, deform
@@ -31,7 +31,7 @@ LARGEST = 1e100
 
 
 @dataclass(frozen=True, eq=False)
-class ActuatedSlab:
+class ActuatedSlab(ReadOnly):
     """A slab at rest at a voltage.
 
     Parameters
@@ -62,9 +62,6 @@ class ActuatedSlab:
     electric: Electric
     iterations: int
     residual: float
-
-    def __post_init__(self) -> None:
-        self.charge.setflags(write=False)
 
     def at(self, points: ArrayLike) -> Array:
         """Displacement (p, 2) in m at points (p, 2) of the slab at rest.

@@ -21,7 +21,7 @@ from scipy.sparse.csgraph import connected_components
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, format_point
 from msvalidate.problem.checks import boolean_mask, finite, format_value, integers, require_type
-from msvalidate.problem.records import dataclass, field
+from msvalidate.problem.records import ReadOnly, dataclass, field
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points
@@ -235,7 +235,7 @@ class Dielectric:
 
 
 @dataclass(frozen=True, eq=False)
-class Potential:
+class Potential(ReadOnly):
     """A solution: potential at the nodes, and what follows from it.
 
     Source: forces by Maxwell's stress, [Maxwell1873].
@@ -259,10 +259,6 @@ class Potential:
     values: Array
     charge: Array
     error: float
-
-    def __post_init__(self) -> None:
-        for array in (self.values, self.charge):
-            array.setflags(write=False)
 
     @property
     def energy(self) -> float:

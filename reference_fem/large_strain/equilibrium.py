@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import positive_number, require_type, whole_number
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.large_strain.solid import Solid
 from reference_fem.locking import refuse_locked
@@ -45,7 +45,7 @@ far or turned back ([Crisfield1991], section 9.2)."""
 
 
 @dataclass(frozen=True, eq=False)
-class LargeStrainSolution:
+class LargeStrainSolution(ReadOnly):
     """A body at rest at large strain, in a stable equilibrium under its loads.
 
     Stable: the tangent was positive here, or where a last step of `NEAR` or less began.
@@ -75,10 +75,6 @@ class LargeStrainSolution:
     iterations: int
     parts: int
     error: float
-
-    def __post_init__(self) -> None:
-        self.displacement.setflags(write=False)
-        self.reaction.setflags(write=False)
 
     def at(self, points: ArrayLike) -> Array:
         """Displacement (p, d) in m at points (p, d) of the undeformed body.

@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite_coordinates, require_one_of
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.assembly import SparsityPattern, gradient_products, sparsity_pattern
 from reference_fem.mesh.checks import (
@@ -35,7 +35,7 @@ COINCIDENT = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class Discretisation:
+class Discretisation(ReadOnly):
     """Points and cells of one element, with the scalar basis that belongs to them.
 
     Parameters
@@ -60,10 +60,6 @@ class Discretisation:
     basis: Any
     node: Index
     curved: bool = False
-
-    def __post_init__(self) -> None:
-        for array in (self.points, self.cells, self.node):
-            array.setflags(write=False)
 
     @property
     def dim(self) -> int:

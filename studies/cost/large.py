@@ -152,7 +152,7 @@ def memory(method: Method, solve: Solve, nodes: int) -> pd.DataFrame:
     K = stiffness(given.body, given.material)
     weighing: dict[str, Callable[[], object]] = {
         "network": partial(stretched_body, nodes),
-        "steps of the network": partial(kernels.advance, net, u, v, keep, push, dt, 1),
+        "steps of the network": lambda: kernels.Motion(net).advance(u, v, keep, push, dt, 1),
         "tangent": partial(tangent, net, net.points),
         "Newton's method with multigrid": partial(relax, net, method, tolerance=AT_REST),
         "mesh of elements": partial(fem.block, 2, along),

@@ -34,7 +34,7 @@ for name, net in nets.items():
     for way in kernel.WAYS[name]:
         if way in kernel.OURS:
             kernel.stepping_function(kernels.Motion, way, net, 2, ExitStack())()
-    kernels.force_and_energy(net, *bodies.start(net))
+    kernels.Motion(net, path="general").force_and_energy(*bodies.start(net))
     kernels.curvature(net, *bodies.start(net))
 print(time.process_time() - start)
 """

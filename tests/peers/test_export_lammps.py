@@ -28,7 +28,7 @@ def test_lammps_comes_to_the_same_rest(tmp_path, monkeypatch, case, steps):
     lmp = opened()
     if steps is not None:
         lmp.command(f"variable steps index {steps}")
-    lmp.file("in.springs")
+    lmp.file("springs.in")
     lmp.close()
     moved = np.loadtxt(tmp_path / "rest.dump", skiprows=9)[:, 1 : 1 + found.network.dim]
     wanted = equilibrium(found.network, "nonlinear").displacement

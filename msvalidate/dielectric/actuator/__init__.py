@@ -11,19 +11,17 @@ say what charges do to it. `balance`, `equilibria` and `continuation` find its r
 `motion` moves it there, `modes` tell how near pull-in it is, and `uniform` has closed forms.
 """
 
-from msvalidate.dielectric.actuator.continuation import Sweep, sweep
+from msvalidate.dielectric.actuator.continuation import sweep
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.equilibria import ActuatorEquilibrium, PulledIn, at_voltage
 from msvalidate.dielectric.actuator.films import fix_near_tips, slab
 from msvalidate.dielectric.actuator.modes import lowest_modes
-from msvalidate.dielectric.actuator.motion import RelaxedActuator, relax_actuator
+from msvalidate.dielectric.actuator.motion import relax_actuator
 
 __all__ = [
     "Actuator",
     "ActuatorEquilibrium",
     "PulledIn",
-    "RelaxedActuator",
-    "Sweep",
     "at_voltage",
     "fix_near_tips",
     "lowest_modes",

@@ -8,11 +8,7 @@ surface, `report_model` the report's model with its switches, `patches` conducto
 capacitances are known.
 """
 
-from msvalidate.dielectric.charges.dielectric import (
-    ChargesInAir,
-    SlabInAir,
-    forces_in_air,
-)
+from msvalidate.dielectric.charges.dielectric import SlabInAir, forces_in_air
 from msvalidate.dielectric.charges.electrodes import (
     Electrodes,
     electrodes_of_chains,
@@ -24,41 +20,24 @@ from msvalidate.dielectric.charges.exact import (
     facing_strips_capacitance,
     square_capacitance,
 )
-from msvalidate.dielectric.charges.faces import Faces, faces_of, slab_faces
+from msvalidate.dielectric.charges.faces import faces_of
 from msvalidate.dielectric.charges.forces import forces, tangent
 from msvalidate.dielectric.charges.moments import Charges, Moments, capacitance
-from msvalidate.dielectric.charges.patches import (
-    PatchCharges,
-    Patches,
-    conductors,
-    patch_capacitance,
-    patch_charges,
-)
-from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.dielectric.charges.report_model import (
     ReportCharges,
     ReportModel,
-    consistent_forces,
     report_forces,
     report_tangent,
 )
-from msvalidate.dielectric.charges.tangent_in_air import tangent_in_air
 
 __all__ = [
     "Charges",
-    "ChargesInAir",
     "Electrodes",
-    "Faces",
     "Moments",
-    "PatchCharges",
-    "Patches",
     "ReportCharges",
     "ReportModel",
     "SlabInAir",
     "capacitance",
-    "conductors",
-    "consistent_forces",
-    "disc",
     "disc_capacitance",
     "electrodes_of_chains",
     "faces_of",
@@ -66,14 +45,9 @@ __all__ = [
     "facing_strips_capacitance",
     "forces",
     "forces_in_air",
-    "patch_capacitance",
-    "patch_charges",
-    "plate",
     "report_forces",
     "report_tangent",
-    "slab_faces",
     "square_capacitance",
     "strip_points",
     "tangent",
-    "tangent_in_air",
 ]

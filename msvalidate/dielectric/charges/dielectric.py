@@ -38,7 +38,7 @@ from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array
 from msvalidate.problem.checks import require_type
-from msvalidate.problem.records import dataclass, replace
+from msvalidate.problem.records import ReadOnly, dataclass, replace
 
 
 class SlabInAir:
@@ -116,7 +116,7 @@ class SlabInAir:
 
 
 @dataclass(frozen=True, eq=False)
-class ChargesInAir:
+class ChargesInAir(ReadOnly):
     """Charges at given voltages. Arrays are read-only.
 
     Parameters
@@ -140,9 +140,6 @@ class ChargesInAir:
     charge: Array
     floating: float
     error: float
-
-    def __post_init__(self) -> None:
-        self.charge.setflags(write=False)
 
     @property
     def free(self) -> Array:

@@ -35,7 +35,7 @@ from msvalidate.dielectric.charges.neutral import Neutral, factorise, subtract_m
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 Weighting = Literal["galerkin", "collocation"]
 WEIGHTINGS: tuple[Weighting, ...] = ("galerkin", "collocation")
@@ -59,7 +59,7 @@ def segment_lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
 
 
 @dataclass(frozen=True, eq=False)
-class Charges:
+class Charges(ReadOnly):
     """Charges at given voltages. Arrays are read-only.
 
     Parameters
@@ -83,10 +83,6 @@ class Charges:
     charge: Array
     floating: float
     error: float
-
-    def __post_init__(self) -> None:
-        self.voltages.setflags(write=False)
-        self.charge.setflags(write=False)
 
     @property
     def density(self) -> Array:

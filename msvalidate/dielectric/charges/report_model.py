@@ -36,7 +36,7 @@ from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
 from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
 from msvalidate.problem import Array, Index
 from msvalidate.problem.checks import length_in_metres, require_one_of, require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 
 class ReportModel:
@@ -140,7 +140,7 @@ class ReportModel:
 
 
 @dataclass(frozen=True, eq=False)
-class ReportCharges:
+class ReportCharges(ReadOnly):
     """Charges at given voltages. Arrays are read-only.
 
     Parameters
@@ -160,9 +160,6 @@ class ReportCharges:
     voltages: Array
     charge: Array
     error: float
-
-    def __post_init__(self) -> None:
-        self.charge.setflags(write=False)
 
     @property
     def places(self) -> Array:

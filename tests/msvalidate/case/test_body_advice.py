@@ -13,7 +13,17 @@ from msvalidate.case.case import Case
 from msvalidate.case.springs import solve_springs
 from msvalidate.dynamics.integrate import State, motion
 from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.problem import Box, Isotropic, Mesh, Problem, SolverError, Support, Traction
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    Mesh,
+    PointForce,
+    Problem,
+    Region,
+    SolverError,
+    Support,
+    Traction,
+)
 from msvalidate.problem.records import replace
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -87,7 +97,7 @@ def test_regions_and_edges_have_lines_of_their_own():
     assert body_lines((first, second))[-1].startswith("region 1: k1 = 750000 N/m")
     mesh = Mesh(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), np.array([[0, 1, 2, 3]]), "quad")
     law = Isotropic(1e6, 1 / 3, "plane_stress")
-    held, pull = Support(mesh.side("left"), (0.0, 0.0)), Traction(mesh.side("right"), (1.0, 0.0))
+    held, pull = Support(Region((0.0, None)), (0.0, 0.0)), PointForce((1.0, 1.0), (1.0, 0.0))
     case = Case(Problem(mesh, law, (held,), (pull,)), lattice="mesh edges")
     answer = solve_springs(case, 1.0)
     (found,) = advise_body(case, answer)

@@ -32,7 +32,7 @@ springs = [(i, j) for i in range(12) for j in range(i)]
 network = spring_network(points, springs, 3.0)
 move = 0.01 * np.sin(np.arange(24.0)).reshape(12, 2)
 out = np.zeros_like(points)
-kernels.force_and_energy(network, move, out)
+kernels.Motion(network).force_and_energy(move, out)
 plain = internal_force(network, points + move)
 found = "same" if np.allclose(out, plain, rtol=0, atol=1e-12 * abs(plain).max()) else "another"
 print(found, "compiled" if sum(sweep.force._cache_misses.values()) else "loaded")

@@ -44,7 +44,7 @@ CELLS = {
 def test_force_and_energy_are_those_of_the_plain_form(networks, data):
     network, position = data.draw(networks(stressed=True))
     force = np.full(position.shape, np.nan)  # what was there before must not matter
-    stored = kernels.force_and_energy(network, position - network.points, force)
+    stored = kernels.Motion(network).force_and_energy(position - network.points, force)
     # Only the order of summation differs, a hundred terms at most.
     scale = force_scale(configuration_at(network, position))
     np.testing.assert_allclose(force, internal_force(network, position), atol=1e-13 * scale)
@@ -86,7 +86,7 @@ def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):
         "import numpy as np; from msvalidate import kernels; "
         "from msvalidate.network import spring_network as s; "
         "n = s([[0, 0], [1, 0]], [[0, 1]], 1.0); "
-        "kernels.advance(n, np.zeros((2, 2)), np.zeros((2, 2)), np.ones(2), np.ones(2), 0.1, 1)"
+        "u = np.zeros((2, 2)); kernels.Motion(n).advance(u, u.copy(), u[0] + 1, u[0] + 1, 0.1, 1)"
     )
     kept = []
     for _ in range(2):
@@ -190,6 +190,6 @@ def test_a_body_far_away_moves_like_one_near(cells):
             force=[[0.1, -3.0]] * 3,
         )
         u, v = np.zeros((3, 2)), np.zeros((3, 2))
-        kernels.advance(network, u, v, np.full(3, 0.9995), np.full(3, 1e-3), 1e-3, 1000)
+        kernels.Motion(network).advance(u, v, np.full(3, 0.9995), np.full(3, 1e-3), 1e-3, 1000)
         moved.append(u)
     np.testing.assert_array_equal(*moved)

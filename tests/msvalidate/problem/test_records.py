@@ -60,8 +60,8 @@ def test_a_record_of_any_size_prints_in_a_line(n):
 
 def test_a_print_says_what_is_in_a_record():
     network = ms.lattice_network(PROBLEM, ms.square(BOX, 5))
-    assert "points=<36x2: 0 to 1>, springs=<110x2>, stiffness=<110>" in repr(network)
-    assert "material=Isotropic(...), supports=<1 Support>" in repr(PROBLEM)
+    assert "points=<36x2: 0 to 1>, springs=<110x2>, stiffness=<110: 1125 to 2250>" in repr(network)
+    assert "material=Isotropic(...), supports=(Support(...),)" in repr(PROBLEM)
     assert "constants=(2250, 1125)" in repr(ms.calibrate(3e3, 1 / 3, ms.patterns.square()))
 
 
@@ -87,10 +87,9 @@ class Held:
         (pd.DataFrame({"x": range(9)}), "<9x1 DataFrame>"),
         ((1.0,), "(1.0,)"),
         ({"a": [1, None, ()]}, "{'a': [1, None, ()]}"),
-        ((0,) * 13, "<13 int>"),
-        ((0, "a") * 9, "<18 items>"),
-        ("w" * 500, f"'{'w' * 35}...'"),
-        ((PROBLEM, PROBLEM), "<2 Problem>"),
+        ((0,) * 99, f"({'0, ' * 12}...)"),
+        ("w" * 500, f"'{'w' * 17}...{'w' * 18}'"),
+        ((PROBLEM, PROBLEM), "(Problem(...), Problem(...))"),
         (table, "<table>"),
     ],
 )

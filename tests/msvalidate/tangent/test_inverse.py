@@ -190,8 +190,8 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
 def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, monkeypatch):
     """The loaded tangent's softest motion may be rounding where that at the start is not."""
     monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
-    monkeypatch.setattr(f"msvalidate.{where}.DOUBTFUL", 0.0)
-    monkeypatch.setattr("msvalidate.tangent.stability.DOUBTFUL", 0.0)
+    monkeypatch.setattr(f"msvalidate.{where}.is_certain", lambda _: False)
+    monkeypatch.setattr("msvalidate.tangent.stability.is_certain", lambda _: False)
     network = BODIES["cube"]()
     assert equilibrium(network, "nonlinear").solver.name == "direct"
     with pytest.raises(SolverError, match=r"^multigrid: whether .*; take solver 'direct'$"):

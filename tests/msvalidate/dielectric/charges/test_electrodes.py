@@ -17,11 +17,11 @@ from msvalidate.dielectric.charges import (
     electrodes_of_chains,
     facing_strips,
     facing_strips_capacitance,
-    patch_charges,
-    plate,
-    slab_faces,
     strip_points,
 )
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.dielectric.charges.patches import patch_charges
+from msvalidate.dielectric.charges.plates import plate
 from msvalidate.problem import ProblemError
 
 FLAT = [[0.0, 0.0], [1.0, 0.0]]

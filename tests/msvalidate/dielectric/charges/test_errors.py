@@ -5,16 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.dielectric.charges import (
-    Moments,
-    ReportModel,
-    SlabInAir,
-    facing_strips,
-    patch_charges,
-    plate,
-    slab_faces,
-)
+from msvalidate.dielectric.charges import Moments, ReportModel, SlabInAir, facing_strips
 from msvalidate.dielectric.charges.checks import ROUNDED, check_error
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.dielectric.charges.patches import patch_charges
+from msvalidate.dielectric.charges.plates import plate
 from msvalidate.problem import SolverError
 from tests.table import table
 
