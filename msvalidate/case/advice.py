@@ -51,9 +51,9 @@ BOUNDARY = {
 }
 """How bodies are made -> what is less at their boundary: filled, by the rule "shared" of
 `lattice.WEIGHTS`; cut; or of a mesh's edges."""
-BLOCK = 2
-"""Cells along the edges of the block whose highest frequency stands for that of any body of whole
-cells, none of them one cell thin: larger blocks had no higher one, but for 0.8 %."""
+WHOSE, BLOCK = "bodies of whole cells, two or more across", 2
+"""Whose highest frequency is taken, and cells along the edges of the free block that stands for
+them: larger ones had no higher frequency, but for 0.8 %."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def advise(material: Isotropic, lattice: str, spacing: float, route: str | None 
         raise ProblemError(f"lattice: {lattice!r} is {where}; choose {able}, or another state")
     found = calibrate_by_route(material, pattern, spacing, route)
     omega = block_frequency(material, pattern, found.constants, found.volume, found.spacing)
-    return advice_of(material, lattice, found, omega, "bodies of whole cells, two or more across")
+    return advice_of(material, lattice, found, omega, WHOSE)
 
 
 def advice_of(

@@ -44,7 +44,7 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
         damping = quickest_damping(network)
     if case.lattice == MESH_EDGES:
         k, own = network.stiffness, case.constants is None
-        middle = int(np.argsort(k)[len(k) // 2])
+        middle = int(np.argsort(k, kind="stable")[len(k) // 2])
         edges = SpringKind(
             name=f"k, from {k.min():.6g} to {k.max():.6g} N/m, median",
             along="the mesh's edges",

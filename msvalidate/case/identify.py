@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.case.advice import block_frequency, step_limits
+from msvalidate.case.advice import WHOSE, block_frequency, step_limits
 from msvalidate.constants.directions import directional_modulus
 from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.constants.stiffness import (
@@ -110,7 +110,7 @@ def identify_lattice(
         omega = block_frequency(heavy, pattern, constants, kappa, h)
     except ProblemError as error:
         return replace(found, stable=f"endless stable, a body not: {error}")
-    return replace(found, omega=omega, whose="bodies of whole cells, two or more across")
+    return replace(found, omega=omega, whose=WHOSE)
 
 
 def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:

@@ -53,10 +53,7 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
         If a file is not there or holds something else, or the piece has no tensor of its own.
     """
     name, table = springs.name, _table(springs, ("i", "j", "stiffness"))
-    points, cells = (
-        _table(springs.with_name("points.csv"), ("x", "y")),
-        springs.with_name("cells.csv"),
-    )
+    points = _table(springs.with_name("points.csv"), ("x", "y"))
     axes = [axis for axis in AXES if axis in points and (axis != "z" or np.ptp(points["z"]) > 0)]
     x = finite_coordinates("points.csv: coordinates", points[axes].to_numpy())
     ids = pd.Index(points.get("id", pd.RangeIndex(len(x))))
@@ -73,6 +70,7 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
         remedy = "m is not the distance; give points at rest, and image_x .. of periodic springs"
         bad = np.abs(length - rest) > SAME * length
         refuse_first_bad(f"{name}: rest_length", rest, bad, remedy)
+    cells = springs.with_name("cells.csv")
     if period is not None:
         if cells.exists():
             raise ProblemError("cells.csv: a periodic sample is of springs alone; move it away")

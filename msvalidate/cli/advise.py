@@ -34,13 +34,11 @@ def _material(args: argparse.Namespace) -> tuple[Isotropic, str]:
     density = 1000.0 if args.density is None else args.density
     m = Isotropic(args.E, args.nu, state, density, 1.0 if t is None else t)
     thick = f", {m.thickness:g} m thick" if m.dim == 2 else ""
-    taken = [
-        f" (taken; another by --{name})" if getattr(args, name) is None else ""
-        for name in ("state", "density")
-    ]
-    return m, (
-        f"E = {m.E:g} Pa, nu = {m.nu:g} in {state}{taken[0]}{thick}, {m.density:g} kg/m³{taken[1]}"
+    names = ("state", "density")
+    first, then = (
+        " (taken; another by --" + n + ")" if not getattr(args, n) else "" for n in names
     )
+    return m, f"E = {m.E:g} Pa, nu = {m.nu:g} in {state}{first}{thick}, {density:g} kg/m³{then}"
 
 
 def _advise(args: argparse.Namespace) -> list[str]:
@@ -140,13 +138,12 @@ def _identify(args: argparse.Namespace) -> tuple[str, ...]:
     dim = all_patterns()[args.lattice]().dim
     if dim == 2 and args.density is not None and thickness is None:
         raise ProblemError("--density: a plane lattice's mass takes its --thickness too; give both")
+    if dim == 3 and thickness is not None:
+        raise ProblemError("--thickness: a solid has none; leave it out")
     kappa, given = args.kappa or (0.0, "")
     if ("Pa" if dim == 2 else "N/") in given:
         raise ProblemError(f"--kappa: {given}; give it in {UNIT[dim]}")
-    density = args.density
-    if density is not None and dim == 2:
-        density *= thickness
-    constants = [getattr(args, name) for name in CONSTANTS]
-    k = tuple(each for each in constants if each is not None)
+    density = args.density and args.density * (thickness or 1.0)
+    k = tuple(getattr(args, name) for name in CONSTANTS if getattr(args, name) is not None)
     found = identify_lattice(args.lattice, k, args.spacing, kappa, density)
     return identified_lines(found, thickness)

@@ -180,6 +180,11 @@ def test_every_program_has_its_number(capsys):
         ("--E 1e6 --nu .3", "--spacing is missing"),
         ("--E 1e6 --nu .3 --spacing 1 --k1 3", "--k1 goes with --identify"),
         ("--identify --lattice square --k1 1 --spacing 1", "square: constants 1; give k1, k2"),
+        (
+            "--identify --lattice square --spacing 1 --k1 1 --k2 1 --kappa 1Pa",
+            "1Pa; give it in N/m",
+        ),
+        ("--identify --lattice cubic6 --spacing 1 --k1 1 --thickness 1", "a solid has none"),
         ("--identify none.csv", "none.csv: No such file or directory; give a table"),
     ],
 )

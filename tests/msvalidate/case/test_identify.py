@@ -199,7 +199,7 @@ def test_other_classes_are_refused(tmp_path):
 
 
 def test_the_command_identifies(tmp_path, capsys):
-    words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa=-.5e3 --spacing 2mm"
+    words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa -.5e3 --spacing 2mm"
     assert main(words.split()) == 0
     assert "): 2500, 500, 0; 500, 2500, 0; 0, 0, 1000" in capsys.readouterr().out
     sample = repeat_cell(LATTICES["square"](), 3)
