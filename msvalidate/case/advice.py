@@ -13,21 +13,19 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import ROUTES, calibrate_by_route
 from msvalidate.constants.stiffness import ALIKE, CAUCHY, UNIT
-from msvalidate.constants.waves import highest_frequency
 from msvalidate.dynamics.damping import Damping
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
-from msvalidate.lattice import Constants, Pattern, boundary_weights, fill
+from msvalidate.lattice import Constants, Pattern, fill
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.network import spring_network
-from msvalidate.network.laws.volumes import Volumes
-from msvalidate.problem import Box, Isotropic, ProblemError, SolverError
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support
 from msvalidate.problem.checks import require_one_of, require_type
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
 
 FORMULAS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "square": (("the axes", "2μt"), ("the diagonals", "μt")),
@@ -44,8 +42,6 @@ FORMULAS: Mapping[str, tuple[tuple[str, str], ...]] = {
 }
 """Lattice -> where springs of each kind run, and their constant in N/m, {λ} by the state: what
 makes the tensor of `lattice.patterns` the material's. For cubic26 others do too; here k2 = k3."""
-SOURCES = {"triangular": "[OstojaStarzewski2002]"}
-"""Of the formulas of a lattice; of the others [BornHuang1954]."""
 VOLUME = {2: "({λ} - μ)t", 3: "λ - μ"}
 """Axes -> κ of a cell, N/m in the plane or Pa in space. Source: [Golec2020]."""
 BOUNDARY = {
@@ -55,10 +51,9 @@ BOUNDARY = {
 }
 """How bodies are made -> what is less at their boundary: filled, by the rule "shared" of
 `lattice.WEIGHTS`; cut; or of a mesh's edges."""
-SCHEMES = ("leapfrog", "euler_cromer")
-BLOCKS = (2, 3)
-"""Cells along the edges of blocks whose highest frequency is taken for any body's of whole cells:
-larger blocks had no higher one, but for 0.1 %."""
+WHOSE, BLOCK = "bodies of whole cells, two or more across", 2
+"""Whose highest frequency is taken, and cells along the edges of the free block that stands for
+them: larger ones had no higher frequency, but for 0.8 %."""
 
 
 @dataclass(frozen=True)
@@ -82,18 +77,18 @@ class Advice:
         What they stand for; a name in `lattice.patterns`; m; one of `constants.routes.ROUTES`.
     kinds
         The springs, one entry a kind.
-    volume, volume_formula
-        κ of a cell (N/m in the plane, Pa in space), 0 if cells resist nothing.
-    E, nu, zener
-        Of the lattice, as `Calibration` has them; NaN where they are not known.
     mass
         Of a point inside (kg).
     omega, whose
         Highest frequency (rad/s), and of what it is: it sets the steps.
-    damping
-        Of a body under its load; None where there is none.
     weights
         A key of `BOUNDARY`.
+    damping
+        Of a body under its load; None where there is none.
+    volume, volume_formula
+        κ of a cell (N/m in the plane, Pa in space), 0 if cells resist nothing.
+    E, nu, zener
+        Of the lattice, as `Calibration` has them; NaN where they are not known.
     """
 
     material: Isotropic
@@ -101,16 +96,16 @@ class Advice:
     spacing: float
     route: str
     kinds: tuple[SpringKind, ...]
-    volume: float
-    volume_formula: str
-    E: float
-    nu: float
-    zener: float
     mass: float
     omega: float
     whose: str
-    damping: Damping | None = None
     weights: str = "shared"
+    damping: Damping | None = None
+    volume: float = 0.0
+    volume_formula: str = ""
+    E: float = math.nan
+    nu: float = math.nan
+    zener: float = math.nan
 
     @property
     def limits(self) -> dict[str, float]:
@@ -132,25 +127,14 @@ class Advice:
     @property
     def source(self) -> str:
         """Keys of docs/references.bib."""
-        own = SOURCES.get(self.lattice, "[BornHuang1954]")
-        return f"{own}, κ [Golec2020]" if self.volume else own
+        own = "OstojaStarzewski2002" if self.lattice == "triangular" else "BornHuang1954"
+        return f"[{own}], κ [Golec2020]" if self.volume else f"[{own}]"
 
 
 def step_limits(omega: float, damping: float = 0.0) -> dict[str, float]:
     """Integrator -> largest stable step (s) up to a frequency (rad/s), damped at a rate (1/s)."""
-    return {name: stability_limit(INTEGRATORS[name], omega, omega, damping) for name in SCHEMES}
-
-
-def pattern_for(dim: int, lattice: str) -> Pattern:
-    """The lattice of a name; raise `ProblemError` if there is none, of so many axes."""
-    known = all_patterns()
-    require_one_of("lattice", lattice, known)
-    found = known[lattice]()
-    if found.dim != dim:
-        able = ", ".join(name for name, make in known.items() if make().dim == dim)
-        where = "in space, and the material is in the plane" if dim == 2 else "of the plane"
-        raise ProblemError(f"lattice: {lattice!r} is {where}; choose {able}, or another state")
-    return found
+    schemes = ("leapfrog", "euler_cromer")
+    return {name: stability_limit(INTEGRATORS[name], omega, omega, damping) for name in schemes}
 
 
 def advise(material: Isotropic, lattice: str, spacing: float, route: str | None = None) -> Advice:
@@ -162,11 +146,16 @@ def advise(material: Isotropic, lattice: str, spacing: float, route: str | None 
         With the reason, if the lattice cannot be the material by the route (None: by any).
     """
     require_type("material", material, Isotropic)
-    pattern = pattern_for(material.dim, lattice)
+    known, dim = all_patterns(), material.dim
+    require_one_of("lattice", lattice, known)
+    pattern = known[lattice]()
+    if pattern.dim != dim:
+        able = ", ".join(name for name, make in known.items() if make().dim == dim)
+        where = "in space, and the material is in the plane" if dim == 2 else "of the plane"
+        raise ProblemError(f"lattice: {lattice!r} is {where}; choose {able}, or another state")
     found = calibrate_by_route(material, pattern, spacing, route)
-    density = material.density * material.thickness
-    omega, whose = body_frequency(pattern, found.constants, found.volume, found.spacing, density)
-    return advice_of(material, lattice, found, omega, whose)
+    omega = block_frequency(material, pattern, found.constants, found.volume, found.spacing)
+    return advice_of(material, lattice, found, omega, WHOSE)
 
 
 def advice_of(
@@ -179,139 +168,120 @@ def advice_of(
     weights: str = "shared",
 ) -> Advice:
     """The same from a calibration, the highest frequency (rad/s) of what is named, and damping."""
-    pattern = pattern_for(material.dim, lattice)
+    pattern = all_patterns()[lattice]()
     lame = "λ′" if material.state == "plane_stress" else "λ"
-    length = found.spacing * np.linalg.norm(pattern.vectors, axis=1)
-    rest = [float(length[pattern.kind == kind].mean()) for kind in range(pattern.kinds)]
+    every = found.spacing * np.linalg.norm(pattern.vectors, axis=1)
+    rest = [float(every[pattern.kind == kind].mean()) for kind in range(pattern.kinds)]
+    space = float(pattern.volume.mean()) * found.spacing**pattern.dim  # of a point inside
     by_route = found.route in ROUTES  # constants that were given have no formula
-    springs = zip(FORMULAS[lattice], found.constants, rest, strict=True)
+    along = FORMULAS.get(lattice, (("the axes", ""),))
+    springs = zip(along, found.constants, rest, strict=True)
     return Advice(
         material=material,
         lattice=lattice,
         spacing=found.spacing,
         route=found.route,
         kinds=tuple(
-            SpringKind(f"k{number}", along, float(k), rest, by_route * formula.format(λ=lame))
-            for number, ((along, formula), k, rest) in enumerate(springs, 1)
+            SpringKind(f"k{number}", where, float(k), length, by_route * formula.format(λ=lame))
+            for number, ((where, formula), k, length) in enumerate(springs, 1)
         ),
+        mass=material.density * material.thickness * space,
+        omega=omega,
+        whose=whose,
+        weights=weights,
+        damping=damping,
         volume=found.volume,
         volume_formula=VOLUME[pattern.dim].format(λ=lame) if found.volume and by_route else "",
         E=found.E,
         nu=found.nu,
         zener=found.zener,
-        mass=material.density * material.thickness * _share(pattern, found.spacing),
-        omega=omega,
-        whose=whose,
-        damping=damping,
-        weights=weights,
     )
 
 
-def _share(pattern: Pattern, spacing: float) -> float:
-    """Area (m²) or volume (m³) of a point inside."""
-    return float(math.prod(pattern.size) / len(pattern.points) * spacing**pattern.dim)
+def block_frequency(
+    material: Isotropic, pattern: Pattern, constants: Constants, volume: float, spacing: float
+) -> float:
+    """Highest frequency (rad/s) of free blocks of whole cells, `BLOCK` or more across.
 
-
-def body_frequency(
-    pattern: Pattern, constants: Constants, volume: float, spacing: float, density: float
-) -> tuple[float, str]:
-    """Highest frequency (rad/s) of bodies of whole cells, two or more across; and of what it is.
-
-    At free sides points are lighter than springs are soft: a body's is up to a third above that of
-    the endless lattice.
+    At free sides points are lighter than springs are soft: it is up to a third above that of the
+    endless lattice, whose waves of phases 0 and pi are among a block's motions.
 
     Parameters
     ----------
+    material
+        Gives density (kg/m³) and thickness (m).
     pattern, constants, volume, spacing
-        What repeats, N/m, κ, and m.
-    density
-        kg/m³, in the plane times the thickness, kg/m².
+        What repeats, N/m, κ (N/m in the plane, Pa in space), and m.
 
     Raises
     ------
     ProblemError
         If a free block is unstable: its sides cut springs but no cells.
     """
-    square = highest_frequency(pattern, constants, volume * spacing ** (pattern.dim - 2))
-    inside = math.sqrt(square / (density * _share(pattern, spacing)))
-    most = inside
-    for cells in BLOCKS:
-        lattice = fill(pattern, Box(tuple(spacing * cells * edge for edge in pattern.size)), cells)
-        kappa = np.full(len(lattice.cells), volume)
-        weights = lattice.factor * boundary_weights(lattice, "shared")
-        network = spring_network(
-            lattice.points,
-            lattice.springs,
-            np.array(constants)[lattice.kind] * weights,
-            mass=density * lattice.point_volume,
-            volumes=Volumes(lattice.points, lattice.cells, kappa) if volume else None,
-        )
-        try:
-            most = max(most, natural_frequencies(network, 1, rigid=True)[1])
-        except SolverError as error:
-            raise ProblemError(
-                f"{pattern.name} lattice: a free block of {cells} cells an edge does not hold, for "
-                f"its sides cut springs ({error}); take another lattice, or a ratio nearer to "
-                f"{CAUCHY[pattern.dim]:.3g} along its axes"
-            ) from error
-    return most, f"bodies of whole cells, two or more across (endless lattice {inside:.6g})"
+    box = Box(tuple(spacing * BLOCK * edge for edge in pattern.size))
+    held = Problem(box, material, (Support(box.side("left"), (0.0,) * pattern.dim),))
+    network = lattice_network(held, fill(pattern, box, BLOCK), constants, volume=volume)
+    free = replace(network, held=np.zeros_like(network.held))
+    try:
+        return natural_frequencies(free, 1, rigid=True)[1]
+    except SolverError as error:
+        raise ProblemError(
+            f"{pattern.name} lattice: a free block of {BLOCK} cells an edge does not hold, for its "
+            f"sides cut springs ({error}); take another lattice, or a ratio nearer to "
+            f"{CAUCHY[pattern.dim]:.3g} along its axes"
+        ) from error
 
 
 def advice_lines(advice: Advice) -> tuple[str, ...]:
     """What to take, in five lines, with units."""
-    dim, a = advice.material.dim, advice
-    both = "k, κ" if a.volume else "k"
-    grows = f"{both} the same at any spacing" if dim == 2 else "k in proportion to the spacing"
-    grows += ", κ the same" if dim == 3 and a.volume else ""
+    a, dim = advice, advice.material.dim
+    grows = f"{'k, κ' if a.volume else 'k'} the same at any spacing"
+    if dim == 3:
+        grows = f"k in proportion to the spacing{', κ the same' if a.volume else ''}"
     schemes: dict[str, list[str]] = {}
     for name, limit in a.limits.items():
         shown = f"{SAFETY * limit:.4g} s ({SAFETY:g} of the limit {limit:.4g} s)"
         schemes.setdefault(shown, []).append(INTEGRATORS[name].title)
     steps = ", ".join(f"{' and '.join(names)} {shown}" for shown, names in schemes.items())
-    solid = f"E = {a.E:.6g} Pa, nu = {a.nu:.6g}" if math.isfinite(a.E) else "by direction unequal"
+    solid = f"E = {a.E:.6g} Pa, nu = {a.nu:.6g}" if math.isfinite(a.E) else "E and nu not known"
     if abs(a.zener - 1) > ALIKE:
         solid += f" along the axes, by direction unequal (Zener ratio {a.zener:.6g})"
-    waves = f"highest frequency {a.omega:.6g} rad/s of {a.whose}"
+    damping = "damping goes by body and load, not by E and nu"
+    if a.damping:
+        damping = (
+            f"damping {a.damping.rate:.3g} 1/s, by the slowest motion that this load excites "
+            f"({a.damping.omega:.3g} rad/s), not by E and nu: within {100 * a.damping.accuracy:g} "
+            f"% of rest after {a.damping.seconds:.3g} s, {a.steps_to_rest:,} steps of leapfrog"
+        )
     return (
         f"{a.lattice}, spacing {a.spacing:.6g} m, route {a.route}: {solid} {a.source}",
         f"  {springs_words(a)}",
         f"  {grows}; mass of a point inside {a.mass:.6g} kg; {a.boundary}",
-        f"  step of {steps}; {waves}",
-        f"  {_damping_words(a)}",
+        f"  step of {steps}; highest frequency {a.omega:.6g} rad/s of {a.whose}",
+        f"  {damping}",
     )
 
 
 def springs_words(advice: Advice) -> str:
     """The constants, with formulas and lengths."""
     springs = [
-        f"{kind.name} = {kind.constant:.6g} N/m{f' = {kind.formula}' if kind.formula else ''} "
+        f"{kind.name} = {kind.constant:.6g} N/m{' = ' * bool(kind.formula)}{kind.formula} "
         f"along {kind.along} ({kind.length:.6g} m)"
         for kind in advice.kinds
     ]
     if advice.volume:
-        formula = f" = {advice.volume_formula}" if advice.volume_formula else ""
+        formula = " = " * bool(advice.volume_formula) + advice.volume_formula
         springs.append(f"κ = {advice.volume:.6g} {UNIT[advice.material.dim]}{formula} of each cell")
     return "; ".join(springs)
 
 
-def _damping_words(advice: Advice) -> str:
-    damping = advice.damping
-    if damping is None:
-        return "damping goes by body and load, not by E and nu"
-    return (
-        f"damping {damping.rate:.3g} 1/s, by the slowest motion that this load excites "
-        f"({damping.omega:.3g} rad/s), not by E and nu: within {100 * damping.accuracy:g} % of "
-        f"rest after {damping.seconds:.3g} s, {advice.steps_to_rest:,} steps of leapfrog"
-    )
-
-
 def advice_record(advice: Advice) -> dict[str, Any]:
     """The same for JSON, all in SI units: m, kg, s, N/m, Pa."""
-    more: dict[str, Any] = {
+    return {
+        **asdict(advice),
         "source": advice.source,
         "boundary": advice.boundary,
         "step_limit": advice.limits,
+        "step": {name: SAFETY * limit for name, limit in advice.limits.items()},
+        **({"steps_to_rest": advice.steps_to_rest} if advice.damping else {}),
     }
-    if advice.damping:
-        more["steps_to_rest"] = advice.steps_to_rest
-    return {**asdict(advice), **more, "step": {k: SAFETY * v for k, v in advice.limits.items()}}

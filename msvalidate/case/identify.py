@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.case.advice import body_frequency, step_limits
+from msvalidate.case.advice import WHOSE, block_frequency, step_limits
 from msvalidate.constants.directions import directional_modulus
 from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.constants.stiffness import (
@@ -17,25 +17,32 @@ from msvalidate.constants.stiffness import (
     is_same_tensor,
     isotropic_moduli,
     isotropic_part,
-    moduli,
-    spring_tensor,
 )
 from msvalidate.constants.waves import least_stable_volume
 from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.lattice import Constants, fill
+from msvalidate.lattice import Constants
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.problem import Array, Box, ProblemError
-from msvalidate.problem.checks import (
-    finite_number,
-    length_in_metres,
-    positive_number,
-    require_one_of,
-)
+from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
 
 STABLE = "stable"
 ROUNDING = 1e-13
 """Of a tensor's largest entry, shown as 0."""
+HABITS = {
+    2: (
+        "k = E t on every spring of square: 1.5 times E, nu = 0.5 along the axes, Zener ratio 2",
+        "k2 = 2 k1 of square: nu = 0.6667 along the axes, not incompressible (1), Zener ratio 4",
+        "whole springs in the sides, not half: 10² cells of square resist as 1.08 times E",
+    ),
+    3: (
+        "k = E h on the axes alone (cubic6): nu = 0, 1 times E along the axes, no shear stiffness",
+        "k = E h on every spring of cubic18: 2.5 times E, nu = 0.25",
+        "k2 = 2 k1 of cubic18: nu = 0.2857 along the axes, not incompressible, Zener ratio 1.333",
+        "whole springs in the sides, not half: 10³ cells of cubic18 resist as 1.15 times E",
+    ),
+}
+"""What people do, by axes, and which solid that is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +95,8 @@ def identify_lattice(
     if len(constants) != pattern.kinds:
         names = ", ".join(f"k{number + 1}" for number in range(pattern.kinds))
         raise ProblemError(f"{lattice}: constants {k or 'missing'}; give {names}")
-    what = f"{lattice}, spacing {h:g} m, k = {k} N/m{f', κ = {kappa:g}' if kappa else ''}"
+    what = f"{lattice}, spacing {h:g} m, k = {k} N/m"
+    what += f", κ = {kappa:g} {UNIT[pattern.dim]}" if kappa else ""
     found = with_cells(what, homogenise(pattern, constants, h), kappa)
     if found.stable != STABLE:
         return found
@@ -97,12 +105,12 @@ def identify_lattice(
         return replace(found, stable=f"unstable: short waves ask for κ above {least:.6g}")
     if density is None:
         return found
-    heavy = positive_number("density", density, "kg/m³")
+    heavy = Isotropic(1.0, 0.0, "solid" if pattern.dim == 3 else "plane_strain", density)
     try:
-        omega, whose = body_frequency(pattern, constants, kappa, h, heavy)
+        omega = block_frequency(heavy, pattern, constants, kappa, h)
     except ProblemError as error:
         return replace(found, stable=f"endless stable, a body not: {error}")
-    return replace(found, omega=omega, whose=whose)
+    return replace(found, omega=omega, whose=WHOSE)
 
 
 def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
@@ -164,36 +172,4 @@ def identified_lines(found: Identified, thickness: float | None = None) -> tuple
             f"  highest frequency {found.omega:.6g} rad/s of {found.whose}; step of leapfrog and "
             f"Euler-Cromer {SAFETY * limit:.4g} s, {SAFETY:g} of the limit {limit:.4g} s"
         )
-    return tuple(lines)
-
-
-HABITS = {
-    2: (("k = E t on every spring", "square", (1.0, 1.0)), ("k2 = 2 k1", "square", (1.0, 2.0))),
-    3: (
-        ("k = E h on the axes alone", "cubic6", (1.0,)),
-        ("k = E h on every spring", "cubic18", (1.0, 1.0)),
-        ("k2 = 2 k1", "cubic18", (1.0, 2.0)),
-    ),
-}
-"""What people do, by axes: words, lattice and constants over E t or E h."""
-ACROSS = 10
-"""Cells along the edges of the block whose springs in the sides are whole."""
-
-
-def habits(dim: int) -> tuple[str, ...]:
-    """Which solid some usual choices of constants are, in so many axes."""
-    lines = []
-    for words, lattice, constants in HABITS[dim]:
-        solid = moduli(homogenise(all_patterns()[lattice](), constants).tensor)
-        size = f"{solid.E:.4g} times E" if "E" in words else "not incompressible"
-        loose = "" if solid.zener else ", no shear stiffness"
-        along = f"nu = {solid.nu:.4g} along the axes, Zener ratio {solid.zener:.4g}{loose}"
-        lines.append(f"{words} of {lattice}: {size}, {along}")
-    block = fill(all_patterns()[lattice](), Box((1.0,) * dim), ACROSS)
-    k = np.array(all_patterns()[lattice]().rules["isotropic"])[block.kind]
-    E = [moduli(spring_tensor(block.vectors, each, 1.0)).E for each in (k, k * block.share)]
-    lines.append(
-        f"whole springs in the sides, not half: a block of {lattice} with {ACROSS} cells an edge "
-        f"resists uniform strain as {E[0] / E[1]:.3g} times E"
-    )
     return tuple(lines)

@@ -1,4 +1,9 @@
-"""Which solid the network in a springs.csv and a points.csv is."""
+"""Which solid the network in a springs.csv and a points.csv is.
+
+What repeats in a finite piece is found from its points inside: those with the same springs around
+them are translations apart, and translations span the cell. At the boundary springs are missing or
+count in part: what repeats has all of them.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +15,24 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.case.identify import Identified, with_cells
-from msvalidate.case.repeating import SAME, repeating_cell
-from msvalidate.constants.homogenise import homogenise_network
+from msvalidate.constants.homogenise import Homogenised, homogenise_network
 from msvalidate.constants.stiffness import ALIKE
 from msvalidate.dynamics.spectrum import highest_frequency
+from msvalidate.lattice.ties import level_numbers
 from msvalidate.network import spring_network
 from msvalidate.network.checks import refuse_first_bad
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import AXES, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates
 from msvalidate.problem.records import replace
+
+SAME = 1e-4
+"""Of the shortest spring, and of the stiffest, by which places and stiffnesses are one: files of
+five digits will do."""
+IRREGULAR = (
+    "springs: nothing repeats between points inside, and an irregular finite piece has no tensor "
+    "of its own; give a larger piece, or a periodic sample and its --period"
+)
 
 
 def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Identified:
@@ -40,7 +53,7 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
         If a file is not there or holds something else, or the piece has no tensor of its own.
     """
     name, table = springs.name, _table(springs, ("i", "j", "stiffness"))
-    points = _table(springs.parent / "points.csv", ("x", "y"))
+    points = _table(springs.with_name("points.csv"), ("x", "y"))
     axes = [axis for axis in AXES if axis in points and (axis != "z" or np.ptp(points["z"]) > 0)]
     x = finite_coordinates("points.csv: coordinates", points[axes].to_numpy())
     ids = pd.Index(points.get("id", pd.RangeIndex(len(x))))
@@ -48,12 +61,19 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
     k = finite(f"{name}: stiffness", table["stiffness"].to_numpy())
     refuse_first_bad(f"{name}: stiffness", k, k < 0, "N/m; give 0 or more")
     mass = finite("points.csv: mass", points["mass"].to_numpy()) if "mass" in points else None
-    cells, vectors = _cells(springs.parent / "cells.csv", ids), x[pairs[:, 1]] - x[pairs[:, 0]]
+    vectors = x[pairs[:, 1]] - x[pairs[:, 0]]
     if period is not None:
-        if cells:
-            raise ProblemError("cells.csv: a periodic sample is of springs alone; move it away")
         vectors = _across(name, vectors, period, table)
-        _refuse_stressed(name, vectors, table)
+    if "rest_length" in table:
+        rest = finite(f"{name}: rest_length", table["rest_length"].to_numpy())
+        length = np.linalg.norm(vectors, axis=1)
+        remedy = "m is not the distance; give points at rest, and image_x .. of periodic springs"
+        bad = np.abs(length - rest) > SAME * length
+        refuse_first_bad(f"{name}: rest_length", rest, bad, remedy)
+    cells = springs.with_name("cells.csv")
+    if period is not None:
+        if cells.exists():
+            raise ProblemError("cells.csv: a periodic sample is of springs alone; move it away")
         solid = homogenise_network(len(x), pairs, vectors, k, math.prod(period))
         found = with_cells(f"{name}: a periodic sample of {len(x)} points", solid, 0.0)
         if mass is None:
@@ -61,15 +81,12 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
         # The sum of norms in a point's row of the dynamical matrix [Gershgorin1931].
         most = 2 * np.bincount(pairs.ravel(), np.repeat(k, 2), len(x)) / mass
         return replace(found, omega=math.sqrt(most.max()), whose="any wave at most")
-    _refuse_stressed(name, vectors, table)
-    cell = repeating_cell(x, pairs, k)
-    what = f"{name}: a cell of {cell.points} points repeats, inside are {cell.inside.sum()} of "
-    solid = homogenise_network(*cell[:-1])
-    kappa = _kappa_inside(*cells, cell.inside) if cells else 0.0
-    found = with_cells(f"{what}{len(x)} points", solid, kappa)
+    solid, sites, inside = _repeating_solid(x, pairs, k)
+    kappa, volumes = _cells(cells, ids, inside, x) if cells.exists() else (0.0, None)
+    what = f"{name}: a cell of {sites} points repeats, inside are {inside.sum()} of {len(x)} points"
+    found = with_cells(what, solid, kappa)
     if mass is None:
         return found
-    volumes = Volumes(x, *cells) if cells else None
     body = spring_network(x, pairs, k, mass=mass, volumes=volumes)
     return replace(found, omega=highest_frequency(body), whose="this body, nothing held")
 
@@ -100,22 +117,15 @@ def _rows_of(name: str, given: pd.DataFrame, ids: Any) -> Index:
     return np.asarray(found)
 
 
-def _cells(path: Path, ids: Any) -> tuple[Index, Array] | None:
-    """Corners (c, corners) and κ (c,) of cells, where there is a file of them."""
-    if not path.exists():
-        return None
+def _cells(path: Path, ids: Any, inside: Mask, x: Array) -> tuple[float, Volumes]:
+    """κ of all cells with points inside at all corners, and all cells."""
     table = _table(path, ("p0", "p1", "p2", "kappa"))
-    corners = [f"p{number}" for number in range(8) if f"p{number}" in table]
+    corners = _rows_of(path.name, table.filter(regex=r"^p\d$"), ids)
     kappa = finite("cells.csv: kappa", table["kappa"].to_numpy())
-    return _rows_of(path.name, table[corners], ids), kappa
-
-
-def _kappa_inside(corners: Index, kappa: Array, inside: Mask) -> float:
-    """κ of all cells with points inside at all corners."""
     own = kappa[inside[corners].all(axis=1)]
     if not len(own) or np.ptp(own) > ALIKE * np.abs(own).max():
         raise ProblemError("cells.csv: kappa is not one number inside; give one material")
-    return float(own[0])
+    return float(own[0]), Volumes(x, corners, kappa)
 
 
 def _across(name: str, vectors: Array, period: tuple[float, ...], table: pd.DataFrame) -> Array:
@@ -131,12 +141,55 @@ def _across(name: str, vectors: Array, period: tuple[float, ...], table: pd.Data
     return found
 
 
-def _refuse_stressed(name: str, vectors: Array, table: pd.DataFrame) -> None:
-    """Raise `ProblemError` where rest lengths are no distances."""
-    if "rest_length" in table:
-        rest = finite(f"{name}: rest_length", table["rest_length"].to_numpy())
-        length = np.linalg.norm(vectors, axis=1)
-        remedy = "m is not the distance; give points at rest, and image_x .. of periodic springs"
-        refuse_first_bad(
-            f"{name}: rest_length", rest, np.abs(length - rest) > SAME * length, remedy
-        )
+def _repeating_solid(x: Array, pairs: Index, stiffness: Array) -> tuple[Homogenised, int, Mask]:
+    """The solid of what repeats in a piece, how many points that has, and which (n,) are inside.
+
+    Of points (n, d) in m and springs (m, 2) of (m,) N/m. Inside are those with all their springs.
+
+    Raises
+    ------
+    ProblemError
+        If nothing repeats, the piece is too small to show it, or stiffness changes inside.
+    """
+    n, d = x.shape
+    start, end = np.concatenate([pairs, pairs[:, ::-1]]).T  # each spring from both ends
+    vectors, k = x[end] - x[start], np.tile(stiffness, 2)
+    room = SAME * float(np.linalg.norm(vectors, axis=1).min())
+    way = _classes(level_numbers(vectors, room))
+    kind = _classes(np.column_stack([way, level_numbers(k, SAME * k.max())]))
+    # Sets of kinds are told by sums of random numbers, exact, and alike by chance in 1 of 1e12.
+    lot = np.random.default_rng(0).integers(2**40, size=len(start))
+    star, shape = (_classes(np.bincount(start, lot[each], n)) for each in (kind, way))
+    alike = x[star == np.bincount(star).argmax()]
+    steps = alike - alike[np.linalg.norm(alike - alike.mean(axis=0), axis=1).argmin()]
+    basis: list[Array] = []
+    for step in steps[np.argsort(np.linalg.norm(steps, axis=1), kind="stable")]:
+        if len(basis) < d and np.linalg.matrix_rank(np.array([*basis, step]), tol=room) > len(
+            basis
+        ):
+            basis.append(step)
+    if len(basis) < d:
+        raise ProblemError(IRREGULAR)
+    part = (x - x[0]) @ np.linalg.inv(basis)
+    site = _classes(level_numbers((part - np.floor(part + SAME)) @ np.array(basis), room))
+    sites = int(site.max()) + 1
+    # Of each site, one of the points with the springs that most of its points have.
+    usual = np.array([np.bincount(star[site == each]).argmax() for each in range(sites)])
+    inside = star == usual[site]
+    chosen = np.array([np.flatnonzero(inside & (site == each))[0] for each in range(sites)])
+    own, back = np.isin(start, chosen), np.roll(np.arange(len(start)), len(pairs))
+    # All springs are among those of the sites, which have them from both ends alike.
+    ways, kinds = ((site[start] * sites + site[end]) * len(start) + each for each in (way, kind))
+    if not (np.isin(ways, ways[own]).all() and np.isin(kinds[back[own]], kinds[own]).all()):
+        raise ProblemError(IRREGULAR)
+    complete, by_side = shape == shape[chosen][site], np.zeros(n, dtype=bool)
+    by_side[start[~complete[end]]] = True
+    if (complete & ~inside & ~by_side).any():
+        raise ProblemError("springs: their stiffness changes inside; give those of one material")
+    springs, size = np.column_stack([site[start], site[end]])[own], abs(np.linalg.det(basis))
+    return homogenise_network(sites, springs, vectors[own], k[own] / 2, size), sites, inside
+
+
+def _classes(rows: Index) -> Index:
+    """Number of each row among those that differ."""
+    return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1].ravel())

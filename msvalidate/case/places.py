@@ -1,4 +1,4 @@
-"""Where: units of length, and parts of a body by name, coordinates or node of its mesh."""
+"""Where: parts of a body by name, coordinates or node of its mesh."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from msvalidate.case.reading import Source
 from msvalidate.case.schema import Interval, Load, Place, Support
+from msvalidate.case.units import LENGTH as UNITS
 from msvalidate.problem import (
     AXES,
     SIDES,
@@ -21,18 +22,6 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import format_value, positive_number
 
-UNITS = {
-    "m": 1.0,
-    "km": 1e3,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "nm": 1e-9,
-    "in": 0.0254,
-    "ft": 0.3048,
-}
-"""Names of units of length, in m."""
 EDGE = "edge "
 """How sides of a polygon are named: "edge 1" is from its first vertex to its second."""
 

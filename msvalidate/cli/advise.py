@@ -4,72 +4,46 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import tomllib
-from collections.abc import Mapping
 from pathlib import Path
 
 from msvalidate import case
 from msvalidate.case.advice import Advice, advice_lines, advice_record, advise
-from msvalidate.case.identify import habits, identified_lines, identify_lattice
-from msvalidate.case.places import UNITS
+from msvalidate.case.identify import HABITS, identified_lines, identify_lattice
 from msvalidate.cli.advise_arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
-from msvalidate.constants.stiffness import ALIKE, axes_moduli, lame
+from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.material import State
-
-PRESSURE = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
-DENSITY = {"kg/m3": 1.0, "kg/m³": 1.0, "g/cm3": 1e3}
-STIFFNESS = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3}
-NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
+from msvalidate.problem.records import replace
 
 
 def act(args: argparse.Namespace) -> int:
     """Do what the command line asks for; return the exit code."""
-    return _advise(args) if args.identify is None else _identify(args)
-
-
-def _value(
-    args: argparse.Namespace, name: str, units: Mapping[str, float], default: float = 0.0
-) -> float:
-    """An option's number in SI units."""
-    given = getattr(args, name)
-    return default if given is None else _number(f"--{name}", given, units)
-
-
-def _number(name: str, given: str, units: Mapping[str, float]) -> float:
-    match = NUMBER.fullmatch(given)
-    if not match or match[2] not in {"", *units}:
-        unit = f", or one with {', '.join(units)}" if units else ""
-        raise ProblemError(f"{name}: {given!r}; give a number in SI units{unit}")
-    return float(match[1]) * units.get(match[2], 1.0)
+    return print_lines(_advise(args) if args.identify is None else _identify(args))
 
 
 def _material(args: argparse.Namespace) -> tuple[Isotropic, str]:
     """The material, and what was taken for what is not given."""
-    state: State = args.state or ("plane_stress" if args.thickness else "solid")
-    if state == "solid" and args.thickness:
+    t = args.thickness
+    state: State = args.state or ("solid" if t is None else "plane_stress")
+    if state == "solid" and t is not None:
         raise ProblemError("--thickness: a solid has none; leave it out, or take a plane --state")
-    m = Isotropic(
-        E=_value(args, "E", PRESSURE),
-        nu=_value(args, "nu", {}),
-        state=state,
-        density=_value(args, "density", DENSITY, 1000.0),
-        thickness=_value(args, "thickness", UNITS, 1.0),
-    )
+    density = 1000.0 if args.density is None else args.density
+    m = Isotropic(args.E, args.nu, state, density, 1.0 if t is None else t)
     thick = f", {m.thickness:g} m thick" if m.dim == 2 else ""
-    taken = "" if args.state else " (taken; another by --state)"
-    density = f"{m.density:g} kg/m³{'' if args.density else ' (taken; another by --density)'}"
-    return m, f"E = {m.E:g} Pa, nu = {m.nu:g} in {state}{taken}{thick}, {density}"
+    names = ("state", "density")
+    first, then = (
+        " (taken; another by --" + n + ")" if not getattr(args, n) else "" for n in names
+    )
+    return m, f"E = {m.E:g} Pa, nu = {m.nu:g} in {state}{first}{thick}, {density:g} kg/m³{then}"
 
 
-def _advise(args: argparse.Namespace) -> int:
+def _advise(args: argparse.Namespace) -> list[str]:
     """Springs of every lattice that can, and why others can't."""
     material, head = _material(args)
-    spacing = _value(args, "spacing", UNITS)
     route = "springs" if args.engine == "springs" else args.route
     if args.route not in (None, route):
         raise ProblemError("--route: an engine of springs has no cells; leave one of them out")
@@ -80,39 +54,39 @@ def _advise(args: argparse.Namespace) -> int:
     for name in [args.lattice] if args.lattice else known:
         for each in materials:
             try:
-                found.append(advise(each, name, spacing, route))
-                break
+                found.append(advise(each, name, args.spacing, route))
             except ProblemError as error:
                 cannot.setdefault(name, str(error))
+            else:
+                cannot.pop(name, None)
+                break
     if not found:
         raise ProblemError(next(iter(cannot.values())))
-    for advice in found:
-        cannot.pop(advice.lattice, None)
     if args.json:
         records = [advice_record(advice) for advice in found]
         record = {"lattices": records, "cannot": cannot, "springs_alone": price}
-        return print_lines([json.dumps(record, ensure_ascii=False, indent=1)])
+        return [json.dumps(record, ensure_ascii=False, indent=1)]
     lines = [head, *([price] if price else []), _letters(found[0].material)]
     lines += [line for advice in found for line in advice_lines(advice)]
     lines += [f"not {name}: {why.split(' lattice: ')[-1]}" for name, why in cannot.items()]
     if not args.lattice:
-        lines += ["what people do:", *(f"  {line}" for line in habits(material.dim))]
-    return print_lines([*lines, *_engines(args.engine, found[0])])
+        lines += ["what people do:", *(f"  {line}" for line in HABITS[material.dim])]
+    return lines + _engines(args.engine, found[0])
 
 
 def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic], str]:
     """The material, and if springs alone are asked for the nearest they can be, and its price."""
     if engine != "springs":
         return [material], ""
-    from msvalidate.case.nearest_ratio import nearest_by_springs, price_of_ratio
+    from msvalidate.case.nearest_ratio import change_of_blocks, springs_ratio
 
-    nearest = nearest_by_springs(material)
-    if abs(nearest.nu - material.nu) <= ALIKE:
+    nu = springs_ratio(material)
+    if abs(nu - material.nu) <= ALIKE:
         return [material], ""
-    low, high = (100 * part for part in price_of_ratio(material, nearest))
+    low, high = (100 * part for part in change_of_blocks(material, nu))
     but = " (honeycomb: others too)" if material.dim == 2 else ""
-    return [material, nearest], (
-        f"springs alone have nu = {nearest.nu:.4g}{but}: displacements of clamped blocks change by "
+    return [material, replace(material, nu=nu)], (
+        f"springs alone have nu = {nu:.4g}{but}: displacements of clamped blocks change by "
         f"{low:.2g} to {high:.2g} % (pulled, sheared, bent or pressed, of the same E; by elements)"
     )
 
@@ -130,55 +104,46 @@ def _letters(m: Isotropic) -> str:
 
 
 def _engines(engine: str | None, advice: Advice) -> list[str]:
-    """How other programs take the numbers of a lattice."""
-    table, m = Path(case.__file__).with_name("engines.toml"), advice.material
-    if engine is None or not table.exists():
+    """How other programs take the numbers of a lattice, or of a material."""
+    if engine is None:
         return ["how other programs take these: --engine springs, --engine cells"]
-    names = {"mu": lame(3, m.E, m.nu)[1], "lam": lame(3, m.E, m.nu)[0], "E": m.E}
-    names |= {"rho": m.density, "t": m.thickness}
+    m, springs = advice.material, engine == "springs"
+    lam, mu = lame(3, m.E, m.nu)
+    names = {"mu": mu, "lam": lam, "E": m.E, "rho": m.density, "t": m.thickness}
     each = [names | {"k": kind.constant, "L": kind.length} for kind in advice.kinds]
-    lines = (
-        [f"how other programs take {advice.lattice}'s:"]
-        if engine == "springs"
-        else ["how programs of elements take the material:"]
-    )
-    for row in tomllib.loads(table.read_text(encoding="utf-8"))["engine"]:
-        if (row["takes"] == "elements") == (engine == "cells"):
-            values = dict.fromkeys(f"{_product(row['factor'], known):.6g}" for known in each)
-            number = f"{row['factor']} = {', '.join(values)} {row['unit']}; " * bool(row["factor"])
+    whose = f"programs take {advice.lattice}'s" if springs else "programs of elements take these"
+    lines = [f"how other {whose}:"]
+    table = Path(case.__file__).with_name("engines.toml").read_text(encoding="utf-8")
+    for row in tomllib.loads(table)["engine"]:
+        if (row["takes"] != "elements") == springs and row.get("axes", m.dim) == m.dim:
+            factor, number = row["factor"], ""
+            if factor:  # of our own table
+                values = dict.fromkeys(f"{eval(factor, known):.6g}" for known in each)  # noqa: S307
+                number = f"{factor} = {', '.join(values)} {row['unit']}; "
             lines.append(f"  {row['name']}: {number}{row['note']} {row['source']}")
     return lines
 
 
-def _product(factor: str, known: Mapping[str, float]) -> float:
-    """Value of a product of names and numbers, such as "k*L" or "E/rho"."""
-    value = 1.0
-    for sign, word in re.findall(r"([*/]?)(\w+)", factor):
-        part = known[word] if word in known else float(word)
-        value *= 1 / part if sign == "/" else part
-    return value
-
-
-def _identify(args: argparse.Namespace) -> int:
+def _identify(args: argparse.Namespace) -> tuple[str, ...]:
     """Which solid springs are."""
-    thickness = _value(args, "thickness", UNITS) if args.thickness else None
+    thickness = args.thickness
     if args.identify:
         from msvalidate.case.identify_files import identify_files
 
-        period = tuple(_number("--period", length, UNITS) for length in args.period or ())
-        found = identify_files(Path(args.identify), period or None)
-        return print_lines(identified_lines(found, thickness))
-    if not (args.lattice and args.spacing):
+        period = tuple(args.period) if args.period else None
+        return identified_lines(identify_files(Path(args.identify), period), thickness)
+    if args.lattice is None or args.spacing is None:
         raise ProblemError("--identify: give a springs.csv, or --lattice, --k1 .. and --spacing")
     require_one_of("--lattice", args.lattice, all_patterns())
-    plane = all_patterns()[args.lattice]().dim == 2
-    if plane and args.density and thickness is None:
+    dim = all_patterns()[args.lattice]().dim
+    if dim == 2 and args.density is not None and thickness is None:
         raise ProblemError("--density: a plane lattice's mass takes its --thickness too; give both")
-    found = identify_lattice(
-        args.lattice,
-        tuple(_value(args, name, STIFFNESS) for name in CONSTANTS if getattr(args, name)),
-        _value(args, "spacing", UNITS),
-        _value(args, "kappa", STIFFNESS if plane else PRESSURE),
-        _value(args, "density", DENSITY) * (thickness or 1.0) if args.density else None,
-    )
-    return print_lines(identified_lines(found, thickness))
+    if dim == 3 and thickness is not None:
+        raise ProblemError("--thickness: a solid has none; leave it out")
+    kappa, given = args.kappa or (0.0, "")
+    if ("Pa" if dim == 2 else "N/") in given:
+        raise ProblemError(f"--kappa: {given}; give it in {UNIT[dim]}")
+    density = args.density and args.density * (thickness or 1.0)
+    k = tuple(getattr(args, name) for name in CONSTANTS if getattr(args, name) is not None)
+    found = identify_lattice(args.lattice, k, args.spacing, kappa, density)
+    return identified_lines(found, thickness)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 
+from msvalidate.case.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
 from msvalidate.cli.arguments import PROGRAM, Parser
 
 CONSTANTS = ("k1", "k2", "k3")
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
 EPILOG = f"""\
 values may have units, else they are in SI: 6mm, 2.8GPa, 1.2g/cm3, 5kN/m
 
@@ -19,6 +22,19 @@ examples:
 """
 
 
+def in_si(units: Mapping[str, float]) -> Callable[[str], float]:
+    """What reads a number with one of some units as one in SI units."""
+
+    def read(given: str) -> float:
+        match = NUMBER.fullmatch(given)
+        if not match or match[2] not in {"", *units}:
+            unit = f", or one with {', '.join(units)}" if units else ""
+            raise argparse.ArgumentTypeError(f"{given!r}; give a number in SI units{unit}")
+        return float(match[1]) * units.get(match[2], 1.0)
+
+    return read
+
+
 def parse_advise(words: Sequence[str]) -> argparse.Namespace:
     """The words after ``advise``; wrong usage ends the program with one line and exit code 2."""
     parser = Parser(
@@ -26,37 +42,40 @@ def parse_advise(words: Sequence[str]) -> argparse.Namespace:
         description="Spring constants, masses and steps for a material, of every lattice that can.",
         epilog=EPILOG,
     )
-    add = parser.add_argument
-    add("--E", metavar="E", help="Young's modulus, 2.8GPa")
-    add("--nu", metavar="NU", help="Poisson's ratio")
-    add("--spacing", metavar="H", help="of the lattice, 2mm")
-    add("--thickness", metavar="T", help="of a plane body, 6mm")
-    add("--density", metavar="RHO", help="1000kg/m3 if none is given")
+    parser._negative_number_matcher = re.compile(r"-\.?\d")  # -.5e3, -1kPa are values
+    add, length = parser.add_argument, in_si(LENGTH)
+    add("--E", metavar="E", type=in_si(PRESSURE), help="Young's modulus, 2.8GPa")
+    add("--nu", metavar="NU", type=in_si({}), help="Poisson's ratio")
+    add("--spacing", metavar="H", type=length, help="of the lattice, 2mm")
+    add("--thickness", metavar="T", type=length, help="of a plane body, 6mm")
+    add("--density", metavar="RHO", type=in_si(DENSITY), help="1000kg/m3 if none is given")
     states = ("plane_stress", "plane_strain", "solid")
     add("--state", choices=states, help="plane_stress with a thickness, else solid")
     add("--lattice", metavar="NAME", help="this one alone")
     add("--route", metavar="ROUTE", help="springs, or 'volume energy' (cells beside them)")
     said = "springs: an engine without cells, at the nearest ratio it has; cells: with them"
     add("--engine", choices=("springs", "cells"), help=said)
-    add("--json", action="store_true", help="print JSON, in SI units")
+    add("--json", action="store_true", default=None, help="print JSON, in SI units")
     said = "which solid a network is: springs.csv with points.csv beside it, or --lattice"
     add("--identify", nargs="?", const="", metavar="FILE", help=said)
-    add("--period", nargs="+", metavar="L", help="edges of a periodic sample: --period 2cm 2cm")
-    for name in (*CONSTANTS, "kappa"):
-        add(f"--{name}", metavar="K", help="of a lattice to identify")
+    said = "edges of a periodic sample: --period 2cm 2cm"
+    add("--period", nargs="+", metavar="L", type=length, help=said)
+    for name in CONSTANTS:
+        add(f"--{name}", metavar="K", type=in_si(STIFFNESS), help="of a lattice to identify")
+    said = "of its cells: N/m in the plane, Pa in space"
+    add("--kappa", metavar="K", type=lambda k: (in_si(STIFFNESS | PRESSURE)(k), k), help=said)
     add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
     args, rest = parser.parse_known_args(list(words))
     if rest:
         parser.error(f"unrecognized: {' '.join(rest)}; write a value and its unit as one, 6mm")
-    used = {name for name in vars(args) if getattr(args, name) not in (None, False)}
-    of_material = {"E", "nu", "route", "engine", "json", "state"}
-    of_springs = {*CONSTANTS, "kappa", "period"}
-    if args.identify is None:
-        missing = [f"--{name}" for name in ("E", "nu", "spacing") if name not in used]
-        if missing:
-            parser.error(f"{missing[0]} is missing; give --E, --nu and --spacing")
-    for name in sorted(used & (of_springs if args.identify is None else of_material)):
-        where = "goes with" if args.identify is None else "does not go with"
+    advises = args.identify is None
+    given = {name for name, value in vars(args).items() if value is not None}
+    for name in ("E", "nu", "spacing"):
+        if advises and name not in given:
+            parser.error(f"--{name} is missing; give --E, --nu and --spacing")
+    of_material, of_springs = "E nu route engine json state", "k1 k2 k3 kappa period"
+    for name in sorted(given & set((of_springs if advises else of_material).split())):
+        where = "goes with" if advises else "does not go with"
         parser.error(f"--{name} {where} --identify; leave one of them out")
     args.jobs = 1
     return args

@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 from scipy.linalg import LinAlgError, eigvalsh
 from scipy.optimize import minimize
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 
 from msvalidate.constants.cell_at_rest import elongations
 from msvalidate.lattice import Constants, Pattern
@@ -66,30 +66,19 @@ def highest_frequency(pattern: Pattern, constants: Constants, volume: float = 0.
     k = pattern.stiffness(constants)
     kappa = finite_number("volume stiffness", volume)
     unit = max(float(k.max(initial=0.0)), abs(kappa)) or 1.0
-    n, d = pattern.points.shape
-    normal = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]
-    block = np.einsum("m,ma,mb->mab", k / unit, normal, normal)
-    i, j = pattern.springs.T[:, :, None, None]
-    row, column = np.arange(d)[:, None], np.arange(d)
-    own = np.zeros((n, d, n, d), dtype=complex)
-    for end in (i, j):
-        np.add.at(own, (end, row, end, column), block)
-    root = np.sqrt(np.repeat(pattern.volume / pattern.volume.mean(), d))
+    root = np.sqrt(np.repeat(pattern.volume / pattern.volume.mean(), pattern.dim))
 
     def square(phase: Array) -> float:
-        matrix = own.copy()
-        turned = np.exp(1j * (pattern.image @ phase))[:, None, None] * block
-        np.subtract.at(matrix, (i, row, j, column), turned)
-        np.subtract.at(matrix, (j, row, i, column), turned.conj())
-        matrix = matrix.reshape(n * d, n * d) / np.outer(root, root)
+        stretch = _wave_elongations(pattern, phase)
+        matrix = (stretch.conj().T @ diags_array(k / unit) @ stretch).toarray()
         if kappa:
-            slope = _volume_slope(pattern, phase) / root
+            slope = _volume_slope(pattern, phase)
             matrix += kappa / unit * np.outer(slope.conj(), slope)
-        return float(eigvalsh(matrix)[-1])
+        return float(eigvalsh(matrix / np.outer(root, root))[-1])
 
     steps = 2 * math.pi / PHASES * np.arange(PHASES)
     # A wave and its opposite are one: half of the phases of the last axis will do.
-    waves = product(*[steps] * (d - 1), steps[: PHASES // 2 + 1])
+    waves = product(*[steps] * (pattern.dim - 1), steps[: PHASES // 2 + 1])
     each = [(square(np.array(wave)), wave) for wave in waves]
     best = max(value for value, _ in each)
     # Of waves as high but for rounding, the first.

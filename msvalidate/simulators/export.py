@@ -17,13 +17,13 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.case.case import Case, spacing_of
+from msvalidate.case.nearest_ratio import change_by_ratio, springs_ratio
 from msvalidate.case.network_files import SHAPE_OF
 from msvalidate.case.springs import SpringAnswer, make_network, solve_springs
 from msvalidate.constants.homogenise import deforms_affinely
-from msvalidate.constants.stiffness import ALIKE, CAUCHY
+from msvalidate.constants.stiffness import ALIKE
 from msvalidate.lattice import Lattice
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.linear_algebra.norms import max_length
 from msvalidate.network import Network
 from msvalidate.problem import (
     SHAPES,
@@ -31,7 +31,6 @@ from msvalidate.problem import (
     Box,
     Index,
     Isotropic,
-    Material,
     Mesh,
     Polygon,
     Problem,
@@ -42,8 +41,8 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import format_value, require_one_of, whole_number
 from msvalidate.simulators.lammps import lammps_files
 from msvalidate.simulators.protocol import Request, Springs
-from reference_fem.body import nodal_forces, solve_problem
-from reference_fem.converged import NEARLY_INCOMPRESSIBLE, first_mesh, grid_lines, kept_places
+from reference_fem.body import nodal_forces
+from reference_fem.converged import first_mesh, grid_lines, kept_places
 from reference_fem.elasticity import solve
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
@@ -230,7 +229,7 @@ def nearest_case(case: Case) -> Case:
     free = case.constants is not None or (pattern and not deforms_affinely(pattern()))
     if free or case.problem.zones or not isinstance(law, Isotropic):
         return case
-    nu = _cauchy(law)
+    nu = springs_ratio(law)
     if abs(law.nu - nu) <= ALIKE:
         return replace(case, route="springs")
     problem = replace(case.problem, material=replace(law, nu=nu))
@@ -246,26 +245,19 @@ def ratio_words(case: Case) -> str:
     law = problem.material
     if other is problem or not isinstance(law, Isotropic):
         return ""
-    body, near = first_mesh(problem), getattr(other.material, "nu", math.nan)
-    mixed = law.state != "plane_stress" and law.nu >= NEARLY_INCOMPRESSIBLE
-    own, apart = (solve_problem(each, body, mixed=mixed).displacement for each in (problem, other))
+    near = springs_ratio(law)
+    part = 100 * change_by_ratio(problem, law, near, first_mesh(problem))
     where = law.state.replace("_", " ").replace("solid", "space")
-    part = 100 * max_length(apart - own) / (max_length(own) or 1.0)
     return (
         f"springs alone have ratio {near:.6g} in {where}, the case {law.nu:g}: that changes "
         f"elasticity's displacement here by {part:.2g} % of the largest"
     )
 
 
-def _cauchy(law: Material) -> float:
-    """The ratio of an isotropic solid of central springs: 1/3 in plane stress, else 1/4."""
-    return CAUCHY[2 if getattr(law, "state", "") == "plane_stress" else 3]
-
-
 def refuse_cells(case: Case, network: Network) -> None:
     """Raise `ProblemError` where a case's network at `nearest_case` is more than springs."""
     if network.volumes is not None:
-        nu = _cauchy(case.problem.material)
+        nu = springs_ratio(case.problem.material)
         what = "volume" if case.constants is not None else "a ratio in its regions"
         mend = "leave it out" if case.constants is not None else f"give each nu = {nu!r}"
         raise ProblemError(

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.case.identify import habits, identified_lines, identify_lattice
+from msvalidate.case.identify import HABITS, identified_lines, identify_lattice
 from msvalidate.case.identify_files import identify_files
 from msvalidate.cli.program import main
 from msvalidate.constants.routes import calibrate_by_route
+from msvalidate.constants.stiffness import moduli, spring_tensor
 from msvalidate.lattice import boundary_weights, fill, repeat_cell, voronoi
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Box, Isotropic, Problem, Support
-from tests.table import refused
+from tests.table import refused, table
 
 SPACING = 0.37 / 5
 LATTICES = all_patterns()
@@ -131,15 +134,36 @@ def test_random_periodic_networks(dim, tmp_path):
     assert np.abs(found.tensor - expected).max() <= 1e-9 * expected.max()
 
 
-def test_what_people_do():
-    every = identify_lattice("cubic18", (SPACING, SPACING), SPACING)  # k = E h with E = 1 Pa
-    assert "isotropic: E = 2.5 Pa, nu = 0.25" in identified_lines(every)[2]
-    assert "1.5 times E, nu = 0.5 along the axes, Zener ratio 2" in habits(2)[0]
-    assert "no shear stiffness" in habits(3)[0]
-    assert "nu = 0.6667 along the axes" in habits(2)[1]
-    # k1 along the sides is there twice as often as it counts: C11 grows by k1/n, nothing else does.
-    E = [c - 1 / c for c in (3 + 2 / 10, 3)]
-    assert habits(2)[-1].endswith(f"as {E[0] / E[1]:.3g} times E")
+@table(
+    "words, name, k",
+    [
+        (HABITS[2][0], "square", (1.0, 1.0)),
+        (HABITS[2][1], "square", (1.0, 2.0)),
+        (HABITS[3][0], "cubic6", (1.0,)),
+        (HABITS[3][1], "cubic18", (1.0, 1.0)),
+        (HABITS[3][2], "cubic18", (1.0, 2.0)),
+    ],
+)
+def test_what_people_do(words, name, k):
+    solid = moduli(LATTICES[name]().tensor(k))  # E t or E h is 1 N/m
+    for said, number in (("nu = {}", "nu"), ("{} times E", "E"), ("Zener ratio {}", "zener")):
+        before, _, after = said.partition("{}")
+        if (found := re.search(f"{before}([0-9.]+){after}", words)) is not None:
+            assert found[1] == f"{getattr(solid, number):.4g}"
+    assert name in words
+    assert ("no shear" in words) == (solid.zener == 0)
+
+
+@table("name, dim", [("square", 2), ("cubic18", 3)])
+def test_whole_springs_in_the_sides(name, dim):
+    pattern = LATTICES[name]()
+    body = fill(pattern, Box((1.0,) * dim), 10)
+    k = np.array(pattern.rules["isotropic"])[body.kind]
+    E = [moduli(spring_tensor(body.vectors, each, 1.0)).E for each in (k, k * body.share)]
+    assert f"cells of {name} resist as {E[0] / E[1]:.3g} times E" in HABITS[dim][-1]
+
+
+def test_how_stable_it_is():
     sides = identify_lattice("fcc", (1.0, 0.25), 1.0, volume=-1.0, density=1.0)  # nu = 0
     assert sides.stable.startswith("endless stable, a body not: FCC lattice: a free block")
     held = identify_lattice("triangular", (1.0,), 1.0, volume=-0.75)  # -5/3 μ, μ = √3/4
@@ -175,7 +199,7 @@ def test_other_classes_are_refused(tmp_path):
 
 
 def test_the_command_identifies(tmp_path, capsys):
-    words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa=-.5e3 --spacing 2mm"
+    words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa -.5e3 --spacing 2mm"
     assert main(words.split()) == 0
     assert "): 2500, 500, 0; 500, 2500, 0; 0, 0, 1000" in capsys.readouterr().out
     sample = repeat_cell(LATTICES["square"](), 3)
