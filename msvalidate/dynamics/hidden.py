@@ -43,15 +43,16 @@ def refuse_lost_digits(
 ) -> None:
     """Raise `SolverError` for a motion with fewer digits than `DIGITS` asks for.
 
-    `rounded` (m) is the largest length that is rounded whenever forces are computed: that of one
-    spring comes back in the displacements of as many as the body is long. What nothing loads may
-    come to rest, in many calls: positions tell its end as they tell its start, and from there a few
+    `rounded` (m) is the largest length that is rounded whenever forces are computed: it comes back
+    in the displacements of as many springs as the body is long. What nothing loads may come to
+    rest, in many calls: positions tell its end as they tell its start, and from there a few
     roundings of a velocity are no motion.
     """
     moved = max(max_abs(start.x), max_abs(end.x))
     ends = [np.abs(network.points + one.x) for one in (start, end)]
     at = 0.5 * EPS * max_abs(np.where(network.held, 0.0, np.maximum(*ends)))
-    lost = max(at, EPS * rounded * max(network.size / float(network.rest_length.min()), 1.0))
+    along = network.size / float(network.rest_length.max())
+    lost = max(at, 0.5 * EPS * rounded * along)
     if moved * DIGITS >= lost:
         return
     moved = max(moved, _expected_displacement(network, start, end))
@@ -62,7 +63,7 @@ def refuse_lost_digits(
         raise SolverError(
             f"{scheme}: displacements of about {moved:.1g} m where rounding of positions and "
             f"lengths is {lost:.1g} m; move the body to the origin, or raise loads and "
-            f"velocities {lost / DIGITS / moved:.1g} times"
+            f"velocities {2 * lost / DIGITS / moved:.1g} times"
         )
 
 

@@ -60,6 +60,28 @@ def test_a_point_at_the_origin_on_a_long_spring_is_refused_by_the_compiled_form(
         euler_cromer(network, still(network), DT, STEPS)
 
 
+@every_form
+def test_loads_raised_as_told_are_answered(form):
+    with pytest.raises(SolverError) as told:
+        FORMS[form](loaded(4e-15), still(loaded(0.0)), DT, STEPS)
+    times = float(str(told.value).split()[-2])
+    FORMS[form](loaded(times * 4e-15), still(loaded(0.0)), DT, STEPS)
+
+
+def test_uneven_springs_do_not_make_a_motion_too_small():
+    """Displacements of 3e-14 m have two digits beside 1 m, however short a spring is."""
+    held = [[True, True], [False, True], [False, True]]
+    network = spring_network(
+        [[0, 0], [1e-3, 0], [1, 0]],
+        [[0, 1], [1, 2]],
+        1.0,
+        held=held,
+        force=[[0, 0]] * 2 + [[3e-14, 0]],
+    )
+    end = euler_cromer(network, still(network), DT, 1)
+    assert end.velocity[2, 0] == pytest.approx(3e-16, rel=1e-9)
+
+
 # What is not refused -------------------------------------------------------------------------
 
 
