@@ -65,7 +65,7 @@ def solve(folder, move):
     scale = sparse.diags_array(1 / inner.diagonal())
     u[free], _ = sparse.linalg.cg(inner, (load.ravel() - K @ u)[free], rtol=1e-13, M=scale)
     if move:  # at .9 of the limit (Gershgorin's circles), damped as suits what the load moves
-        dt = 1.8 / np.sqrt((abs(K).sum(1) / mass).max())
+        dt, at_rest = 1.8 / np.sqrt((abs(K).sum(1) / mass).max()), u
         loss = dt * np.sqrt(u @ (K @ u) / (u @ (mass * u)))
         u, v = start.ravel().copy(), np.zeros(x.size)
         for _ in range(int(20 / loss)):
@@ -73,11 +73,16 @@ def solve(folder, move):
             pull = load.ravel() + sum(slope.T @ (k * (rest - size)) for size, slope, k, rest in now)
             v = ((1 - loss) * v + dt * free * pull / mass) / (1 + loss)
             u += dt * v
+        off = np.abs(u - at_rest).max() / np.abs(u).max()
+        print(f"{int(20 / loss)} steps of {dt:.4g} s; {off:.2g} of the largest from first order")
     return u.reshape(x.shape)
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
     u = solve(Path(sys.argv[1]), "--move" in sys.argv)
     rows = np.column_stack([np.arange(len(u)), u])
     header = "id,ux,uy,uz"[: 2 + 3 * u.shape[1]]
     np.savetxt(sys.argv[2], rows, "%.17g", ",", header=header, comments="")
+    print(f"{len(u)} points, largest displacement {np.abs(u).max():.6g} m; {sys.argv[2]} written")

@@ -249,8 +249,9 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     damping = "damping goes by body and load, not by E and nu"
     if a.damping:
         damping = (
-            f"damping {a.damping.rate:.3g} 1/s, by the slowest motion that this load excites "
-            f"({a.damping.omega:.3g} rad/s), not by E and nu: within {100 * a.damping.accuracy:g} "
+            f"damping force -c·m·v on each point, c = {a.damping.rate:.3g} 1/s, by the slowest "
+            f"motion that this load excites ({a.damping.omega:.3g} rad/s), not by E and nu: within "
+            f"{100 * a.damping.accuracy:g} "
             f"% of rest after {a.damping.seconds:.3g} s, {a.steps_to_rest:,} steps of leapfrog"
         )
     return (

@@ -268,7 +268,7 @@ def choice_sentences(chosen: Choice) -> tuple[str, ...]:
     said = []
     for kind, needs in {"Springs": chosen.springs, "Elements": chosen.elements}.items():
         each = [f"for {100 * need.target:g} %: {_need_words(need)}" for need in needs]
-        said += [f"{kind} {'; '.join(each)}."] if each else []
+        said += [f"{kind}' displacement {'; '.join(each)}."] if each else []
     if chosen.use_elements:
         why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
         said.append(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from msvalidate.constants.stiffness import AXES_OF, UNIT
 from msvalidate.lattice import Constants
 from msvalidate.problem import Array
 from msvalidate.problem.records import ReadOnly, dataclass
@@ -88,4 +89,7 @@ class Calibration(ReadOnly):
 
     def __str__(self) -> str:
         end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)
-        return f"{self.lattice} lattice by {self.route}: E = {self.E:g} Pa, nu = {self.nu:g}; {end}"
+        k = ", ".join(f"{each:.6g}" for each in self.constants)
+        kappa = f", κ = {self.volume:.6g} {UNIT[AXES_OF[len(self.tensor)]]}" if self.volume else ""
+        made = f"k = {k} N/m{kappa}: E = {self.E:g} Pa, nu = {self.nu:g}"
+        return f"{self.lattice} lattice by {self.route}: {made}; {end}"

@@ -12,16 +12,17 @@ from collections.abc import Iterable
 import numpy as np
 
 from msvalidate.case.network_files import tension
+from msvalidate.dynamics.damping import quickest_damping
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.network import Network, mode_energy
+from msvalidate.network import Network
 from msvalidate.network.configuration import frequency_bound, tangent
 from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.statics.equilibrium import Equilibrium
 
 PART_OF_LIMIT = 0.9
 """Of the largest stable step, by Gershgorin's bound of the highest frequency."""
-MOVED = 20.0
-"""Of the slowest motion that the load excites, its frequency times the time that it is followed."""
+MOVED = 2.0
+"""Of the time in which the load's motion comes to rest to first order, what it is followed for."""
 AT_REST, ROUNDING = 1e-13, 2.0**-50
 """Force that is none: of the largest tension; of the largest stiffness times coordinate, which is
 the rounding of positions."""
@@ -82,7 +83,7 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
     network
         Without cells that resist a change of volume.
     found
-        At rest to first order: damping and duration are of its motion, by Rayleigh's quotient.
+        At rest to first order.
     said
         What the network is, in a line.
 
@@ -92,8 +93,7 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
         If LAMMPS's positions, in double precision, have no digits of the displacement.
     """
     u = found.displacement
-    square = mode_energy(network, network.points, u) / (network.mass[:, None] * u**2).sum()
-    slowest, dt = float(np.sqrt(square)), PART_OF_LIMIT * 2 / frequency_bound(network)
+    damping, dt = quickest_damping(network), PART_OF_LIMIT * 2 / frequency_bound(network)
     rows = abs(tangent(network, network.points)).sum(axis=1).reshape(u.shape).max(axis=1)
     heavy = rows * (dt / (2 * PART_OF_LIMIT)) ** 2  # their bounds of the frequency are one
     rounding = ROUNDING * float(network.stiffness.max()) * max_abs(network.start)
@@ -103,7 +103,7 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
             f"lammps: the displacement is {max_abs(u):.2g} m in a body of {network.size:.2g} m, of "
             "which positions in double precision have no digits; multiply loads and displacements"
         )
-    axes, steps = AXES[: network.dim], int(np.ceil(MOVED / (slowest * dt)))
+    axes, steps = AXES[: network.dim], int(np.ceil(MOVED * damping.seconds / dt))
     held = [
         f"variable h{axis} atom i_h{axis}\ngroup held_{axis} variable h{axis}\n"
         f"fix held_{axis} held_{axis} setforce "
@@ -117,7 +117,7 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
         wall="s" if network.dim == 3 else "p",
         longest=longest,
         reach=3 * longest,
-        damp=1 / (2 * slowest),
+        damp=1 / damping.rate,
         held="\n".join([*held, *(["fix flat all enforce2d"] if network.dim == 2 else [])]),
         part=PART_OF_LIMIT,
         steps=steps,

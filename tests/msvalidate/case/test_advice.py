@@ -124,7 +124,7 @@ def test_damping_is_told_and_shortens_euler_cromer():
     assert advice.limits == pytest.approx({"leapfrog": 2 / omega, "euler_cromer": closed})
     lines = advice_lines(advice)
     assert len(lines) == 5
-    assert "damping 600 1/s, by the slowest motion that this load excites (300 rad/s)" in lines[-1]
+    assert "c = 600 1/s, by the slowest motion that this load excites (300 rad/s)" in lines[-1]
     assert (
         "not by E and nu: within 0.1 % of rest after 0.01 s, 6 steps" in lines[-1]
     )  # of 0.9 · 2/ω
