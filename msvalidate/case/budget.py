@@ -60,7 +60,7 @@ def budget(found: Comparison) -> pd.DataFrame:
         if found.support.any():
             values["spacing"] = (part(found.displacement - limit - found.support), error + known)
             values["support"] = (part(found.support), known)
-        if math.isfinite(material_off(found)):
+        if math.isfinite(material_off(found)) or math.isinf(known):
             values["boundary"] = (part(limit - own), error + known)
             values["material"] = (part(own - target), known)
         else:
