@@ -193,7 +193,7 @@ def advice_of(
         volume=found.volume,
         volume_formula=VOLUME[pattern.dim].format(λ=lame) if found.volume and by_route else "",
         E=found.E,
-        nu=found.nu,
+        nu=found.nu if abs(found.nu) > ALIKE else 0.0,
         zener=found.zener,
     )
 

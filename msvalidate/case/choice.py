@@ -15,6 +15,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+import shapely
 from scipy.spatial import KDTree
 
 from msvalidate.case.budget import lattice_row, mesh_rows
@@ -31,9 +32,10 @@ from msvalidate.case.comparison import Comparison
 from msvalidate.case.springs import ROUNDING, SpringAnswer, solve_springs
 from msvalidate.lattice import PatternLattice
 from msvalidate.lattice.cut import joins_corners
+from msvalidate.lattice.outline import outline
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem import Array, Box, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.words import DIFFERS
 
@@ -201,13 +203,11 @@ def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need
     if laid is None or found.case.problem.domain.volume / spacing_of(laid) ** dim > MOST_ASKED[dim]:
         return wanted
     h, cells = spacing_of(laid), laid.cells or 0
-    # The lattice asked for was solved first: its seconds are of loading and compiling too.
-    timed = [row for row in rows if row["seconds"] != found.springs[0].seconds] or rows
-    near, clock = (
-        min(each, key=lambda r: abs(math.log(r["spacing"] / h))) for each in (rows, timed)
-    )
+    near = min(rows, key=lambda row: abs(math.log(row["spacing"] / h)))
     count = round(near["springs"] * (near["spacing"] / h) ** dim)
-    seconds = clock["seconds"] * (count / clock["springs"]) ** GROWTH
+    # The finest takes the least part of its time for loading and compiling, which all have.
+    scaled = rows[-1]["seconds"] * (count / rows[-1]["springs"]) ** GROWTH
+    seconds = max(scaled, min(row["seconds"] for row in rows))
     return replace(wanted, count=count, seconds=seconds, cells=cells, spacing=h)
 
 
@@ -236,16 +236,16 @@ def _equal_cost(
 
 def _reasons(found: Comparison) -> tuple[str, ...]:
     """What in a case elements do better than springs."""
-    lattice, away = found.springs[0].lattice, found.displacement
+    domain, away = found.case.problem.domain, found.displacement
     away = away - found.reference.displacement.value
     worst = int(np.linalg.norm(away, axis=1).argmax())
     own, total = away[worst] @ found.support[worst], away[worst] @ away[worst]
     walls = _thickest(found.springs[0])
     fits = {
         "a support that no line of the lattice runs along": own >= MAIN * total,
-        f"walls at most {walls:.0f} cells thick": walls <= THIN,
-        "a corner that points inwards": len(getattr(lattice.domain, "reentrant", ())) > 0,
-        "stress is asked for": any(
+        f"{walls:.2g} cells across where the body is thickest": walls <= THIN,
+        "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
+        "stress at points differs": any(
             row.verdict == DIFFERS and row.quantity.startswith("stress at") for row in found.rows
         ),
     }
@@ -253,22 +253,28 @@ def _reasons(found: Comparison) -> tuple[str, ...]:
 
 
 def _thickest(answer: SpringAnswer) -> float:
-    """Cells across a body where it is thickest; infinite where cells are no squares or cubes."""
+    """Cells across a body where it is thickest; of a mesh in space to about a cell."""
     lattice, inner = answer.lattice, answer.surrounded
-    if not isinstance(lattice, PatternLattice) or not joins_corners(lattice.pattern):
-        return math.inf
-    if not inner.any():
-        return 1.0
+    domain, h = lattice.domain, answer.spacing
+    if isinstance(domain, Box):
+        return min(domain.size) / h
+    if domain.dim == 2:
+        return 2 * float(shapely.maximum_inscribed_circle(outline(domain)).length) / h
+    if not isinstance(lattice, PatternLattice) or not inner.any():
+        return math.inf if inner.any() else 1.0
     depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
-    return 2 * float(depth) / lattice.spacing
+    return 2 * float(depth) / h + 1
 
 
 def choice_sentences(chosen: Choice) -> tuple[str, ...]:
     """What to take, in words."""
     said = []
     for kind, needs in {"Springs": chosen.springs, "Elements": chosen.elements}.items():
-        each = [f"for {100 * need.target:g} %: {_need_words(need)}" for need in needs]
-        said += [f"{kind}' displacement {'; '.join(each)}."] if each else []
+        each = [
+            f"for about {100 * need.target:g} % in displacement: {_need_words(need)}"
+            for need in needs
+        ]
+        said += [f"{kind} {'; '.join(each)}."] if each else []
     if chosen.use_elements:
         why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
         said.append(
@@ -288,7 +294,9 @@ def _need_words(need: Need) -> str:
         at_most = "at most " if need.where == COARSEST else ""
         return f"{at_most}{need.count:,} nodes, {need.seconds:.2g} s"
     between = "" if math.isnan(need.least) else f", from {need.least:.2g} to {need.most:.2g} m"
-    coarser = {COARSEST: ", or coarser", BEYOND: ", finer than was solved"}.get(need.where, "")
+    coarser = {COARSEST: ", or coarser" * (need.cells > 1), BEYOND: ", finer than was solved"}.get(
+        need.where, ""
+    )
     said = f"cells = {need.cells} ({need.spacing:.3g} m{between}), {need.count:,} springs"
     doubt = "uncertain, perhaps " if need.uncertain else ""
     return f"{doubt}{said}, {need.seconds:.2g} s{coarser}"

@@ -166,6 +166,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     progress("springs")
     answers = solve_finer(case)
     points = compared_points(case, answers[0].lattice)
+    answers = _at_points(answers, points)
     progress("elements")
     reference = converge(case.problem, points, case.accuracy)
     if not max_length(reference.displacement.value):
@@ -221,6 +222,17 @@ def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> 
             less = replace(answer, rest=equilibrium(other)).at(body.points)
             found.append(answer.at(body.points) - less)
     return found
+
+
+def _at_points(answers: tuple[SpringAnswer, ...], points: Array) -> tuple[SpringAnswer, ...]:
+    """The answers up to one, after the first, that has no displacement at the points."""
+    answers[0].at(points)
+    for number, answer in enumerate(answers[1:], 1):
+        try:  # of cells that are no squares or cubes finer ones may have no point there
+            answer.at(points)
+        except ProblemError:
+            return answers[:number]
+    return answers
 
 
 def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Row:

@@ -61,9 +61,13 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
     k = finite(f"{name}: stiffness", table["stiffness"].to_numpy())
     refuse_first_bad(f"{name}: stiffness", k, k < 0, "N/m; give 0 or more")
     mass = finite("points.csv: mass", points["mass"].to_numpy()) if "mass" in points else None
+    alone = pairs[:, 0] == pairs[:, 1]
+    if alone.any() and period is None:
+        row = int(alone.argmax()) + 1
+        raise ProblemError(f"{name}: row {row} joins a point to itself; leave it out")
     vectors = x[pairs[:, 1]] - x[pairs[:, 0]]
     if period is not None:
-        vectors = _across(name, vectors, period, table)
+        vectors = _across(name, vectors, period, np.ptp(x, axis=0), table)
     if "rest_length" in table:
         rest = finite(f"{name}: rest_length", table["rest_length"].to_numpy())
         length = np.linalg.norm(vectors, axis=1)
@@ -128,10 +132,18 @@ def _cells(path: Path, ids: Any, inside: Mask, x: Array) -> tuple[float, Volumes
     return float(own[0]), Volumes(x, corners, kappa)
 
 
-def _across(name: str, vectors: Array, period: tuple[float, ...], table: pd.DataFrame) -> Array:
+def _across(
+    name: str, vectors: Array, period: tuple[float, ...], span: Array, table: pd.DataFrame
+) -> Array:
     """Vectors (m, d) of springs to the image that is meant."""
     d = vectors.shape[1]
-    edges = finite("period", period, d, need=f"the points have {d} axes, give as many lengths")
+    edges = finite("--period", period, d, need=f"the points have {d} axes, give as many lengths")
+    for edge, wide in zip(edges.tolist(), span.tolist(), strict=True):
+        if edge <= wide * (1 + SAME):
+            raise ProblemError(
+                f"--period: {edge:g} m where points span {wide:g} m; give more, and each point of "
+                "the sample once (of two opposite sides one)"
+            )
     columns = [f"image_{axis}" for axis in AXES[:d]]
     if set(columns) <= set(table):
         return np.asarray(vectors + finite(f"{name}: image", table[columns].to_numpy()) * edges)

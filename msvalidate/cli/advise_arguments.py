@@ -56,7 +56,7 @@ def parse_advise(words: Sequence[str]) -> argparse.Namespace:
     said = "springs: an engine without cells, at the nearest ratio it has; cells: with them"
     add("--engine", choices=("springs", "cells"), help=said)
     add("--json", action="store_true", default=None, help="print JSON, in SI units")
-    said = "which solid a network is: springs.csv with points.csv beside it, or --lattice"
+    said = "which solid a network is: springs.csv (points.csv, cells.csv beside it), or --lattice"
     add("--identify", nargs="?", const="", metavar="FILE", help=said)
     said = "edges of a periodic sample: --period 2cm 2cm"
     add("--period", nargs="+", metavar="L", type=length, help=said)
@@ -77,5 +77,11 @@ def parse_advise(words: Sequence[str]) -> argparse.Namespace:
     for name in sorted(given & set((of_springs if advises else of_material).split())):
         where = "goes with" if advises else "does not go with"
         parser.error(f"--{name} {where} --identify; leave one of them out")
+    for name in ("lattice", "spacing", "density", *CONSTANTS, "kappa") if args.identify else ():
+        if name in given:
+            parser.error(f"--{name} is of a lattice, and {args.identify!r} a file; leave it out")
+    own = [name in given for name in CONSTANTS]
+    if own != sorted(own, reverse=True):
+        parser.error(f"--{CONSTANTS[own.index(False)]} is missing; give the kinds before it too")
     args.jobs = 1
     return args

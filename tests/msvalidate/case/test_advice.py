@@ -185,6 +185,8 @@ def test_every_program_has_its_number(capsys):
             "1Pa; give it in N/m",
         ),
         ("--identify --lattice cubic6 --spacing 1 --k1 1 --thickness 1", "a solid has none"),
+        ("--identify --lattice square --k1 1 --k3 1 --spacing 1", "--k2 is missing"),
+        ("--identify none.csv --spacing 1", "--spacing is of a lattice, and 'none.csv' a file"),
         ("--identify none.csv", "none.csv: No such file or directory; give a table"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from msvalidate.case.body_advice import advise_body, body_lines
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case
+from msvalidate.case.comparison import compare_case
 from msvalidate.case.springs import solve_springs
 from msvalidate.dynamics.integrate import State, motion
 from msvalidate.dynamics.integrators import INTEGRATORS
@@ -88,6 +90,17 @@ def test_constants_of_a_case_are_what_they_make_and_have_no_formula():
     assert (found.nu, found.zener) == pytest.approx((2 / 3, 4.0))
     assert [kind.formula for kind in found.kinds] == ["", ""]
     assert "by direction unequal (Zener ratio 4)" in body_lines((found,))[0]
+
+
+def test_a_honeycomb_is_compared_on_its_own_lattice_alone():
+    box = Box((7 * math.sqrt(3), 12.0))
+    pull, held = Traction(box.side("right"), (1e3, 0.0)), Support(box.side("left"), (0.0, 0.0))
+    law = Isotropic(1e7, 0.4, "plane_stress")
+    case = Case(Problem(box, law, (held,), (pull,)), lattice="honeycomb", spacing=1.0)
+    found = compare_case(case)
+    assert np.isfinite(found.rows[0].difference)
+    assert len(found.springs) == 1
+    assert found.advice[0].lattice == "honeycomb"
 
 
 def test_regions_and_edges_have_lines_of_their_own():

@@ -75,7 +75,7 @@ def test_elements_are_as_much_nearer_at_equal_cost_as_is_said(bent):
 def test_another_material_has_no_spacing():
     chosen = choose(compare_case(beam(cells=6, constants=(1e5, 2e5))))
     assert [need.where for need in chosen.springs] == ["none", "none"]
-    assert "for 5 %: no spacing does" in choice_sentences(chosen)[0]
+    assert "for about 5 % in displacement: no spacing does" in choice_sentences(chosen)[0]
 
 
 def test_what_every_lattice_meets_takes_the_coarsest():
@@ -120,10 +120,11 @@ def test_words_are_of_the_record():
     fine = Need(0.05, "coarsest", 340, 0.1)
     assert choice_sentences(Choice((known, vague), (fine,), 680, 4.2, ("walls",))) == (
         (
-            "Springs for 5 %: cells = 14 (0.0007 m, from 0.0005 to 0.001 m), 12,400 springs, 2 s; "
-            "for 1 %: uncertain, perhaps cells = 52 (0.0002 m, from 4e-05 to 0.0003 m), "
+            "Springs for about 5 % in displacement: cells = 14 (0.0007 m, from 0.0005 to 0.001 m), "
+            "12,400 springs, 2 s; for about 1 % in displacement: uncertain, perhaps cells = 52 "
+            "(0.0002 m, from 4e-05 to 0.0003 m), "
             "150,000 springs, 30 s, finer than was solved."
         ),
-        "Elements for 5 %: at most 340 nodes, 0.1 s.",
+        "Elements for about 5 % in displacement: at most 340 nodes, 0.1 s.",
         "Use elements: at 680 unknowns they are 4.2 times nearer than springs: walls.",
     )
