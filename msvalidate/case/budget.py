@@ -228,18 +228,18 @@ COLUMNS = {
     **dict.fromkeys(AXES, "place (m)"),
     **{f"u{axis}": "displacement of the springs, or of the result (m)" for axis in AXES},
     **{f"elastic_u{axis}": "the same of elasticity (m)" for axis in AXES},
+    "material": "0, the body's own, or the number of a region",
+    "along": "where springs of the kind run",
+    "constant": "stiffness of a spring inside the body, or of a cell",
+    "length": "of a spring at rest (m)",
+    "formula": "in μ, λ (λ′ in plane stress), the thickness t and the spacing h",
     "name": "of the cause",
     "said": "what the field would be",
     "left": "largest difference that it leaves, over elasticity's largest displacement (1)",
 }
 OWN = {
     "constants": {
-        "material": "0, the body's own, or the number of a region",
         "name": "of the kind of spring, or κ: what resists a cell's change of volume",
-        "along": "where its springs run",
-        "constant": "stiffness of a spring inside the body, of a cell",
-        "length": "of a spring at rest (m)",
-        "formula": "in μ, λ (λ′ in plane stress), the thickness t and the spacing h",
     },
     "lattices": {"springs": "of the lattice"},
     "meshes": {"difference": "of this mesh and the finest, over the largest displacement (1)"},
