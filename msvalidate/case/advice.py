@@ -83,8 +83,8 @@ class Advice:
         Highest frequency (rad/s), and of what it is: it sets the steps.
     weights
         A key of `BOUNDARY`.
-    damping
-        Of a body under its load; None where there is none.
+    damping, undamped
+        Of a body under its load; None where there is none, and why.
     volume, volume_formula
         κ of a cell (N/m in the plane, Pa in space), 0 if cells resist nothing.
     E, nu, zener
@@ -101,6 +101,7 @@ class Advice:
     whose: str
     weights: str = "shared"
     damping: Damping | None = None
+    undamped: str = "damping goes by body and load, not by E and nu"
     volume: float = 0.0
     volume_formula: str = ""
     E: float = math.nan
@@ -246,7 +247,7 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     solid = f"E = {a.E:.6g} Pa, nu = {a.nu:.6g}" if math.isfinite(a.E) else "E and nu not known"
     if abs(a.zener - 1) > ALIKE:
         solid += f" along the axes, by direction unequal (Zener ratio {a.zener:.6g})"
-    damping = "damping goes by body and load, not by E and nu"
+    damping = a.undamped
     if a.damping:
         damping = (
             f"damping force -c·m·v on each point, c = {a.damping.rate:.3g} 1/s, by the slowest "

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from msvalidate.constants.zones import calibrate_zones
 from msvalidate.dynamics.damping import quickest_damping
 from msvalidate.dynamics.spectrum import highest_frequency
 from msvalidate.problem import Isotropic, ProblemError, SolverError
+from msvalidate.problem.records import replace
 
 FREQUENCY = 1e-4
 """Relative error of the highest frequency's square: a step has a tenth of its limit in hand."""
@@ -40,9 +40,11 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
     if not isinstance(law, Isotropic):
         return ()
     omega, whose = highest_frequency(network, tolerance=FREQUENCY), "this body"
-    damping = None
-    with suppress(ProblemError, SolverError):
+    damping, why = None, ""
+    try:
         damping = quickest_damping(network)
+    except (ProblemError, SolverError) as error:
+        why = f"no damping: {error}"
     if case.lattice == MESH_EDGES:
         k, own = network.stiffness, case.constants is None
         middle = int(np.argsort(k, kind="stable")[len(k) // 2])
@@ -55,7 +57,7 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
         )
         rule, mass = "the rule 'area'", float(np.median(network.mass))
         body = (law, MESH_EDGES, answer.spacing, rule, (edges,), mass, omega, whose)
-        return (Advice(*body, damping=damping, weights="edges"),)
+        return (Advice(*body, damping=damping, undamped=why, weights="edges"),)
     found: tuple[Calibration, ...]
     if problem.zones:
         found = calibrate_zones(problem, answer.lattice, route=case.route)
@@ -63,7 +65,9 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
         found = (answer.calibration or _given(case, answer, law),)
     weights = "cut" if hasattr(answer.lattice, "fraction") else "shared"
     return tuple(
-        advice_of(law, str(case.lattice), each, omega, whose, damping, weights)
+        replace(
+            advice_of(law, str(case.lattice), each, omega, whose, damping, weights), undamped=why
+        )
         for law, each in zip(problem.materials, found, strict=True)
         if isinstance(law, Isotropic)
     )

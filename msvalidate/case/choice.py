@@ -254,14 +254,16 @@ def _reasons(found: Comparison) -> tuple[str, ...]:
 
 def _thickest(answer: SpringAnswer) -> float:
     """Cells across a body where it is thickest; of a mesh in space to about a cell."""
-    lattice, inner = answer.lattice, answer.surrounded
-    domain, h = lattice.domain, answer.spacing
+    lattice, domain, h = answer.lattice, answer.lattice.domain, answer.spacing
     if isinstance(domain, Box):
         return min(domain.size) / h
     if domain.dim == 2:
         return 2 * float(shapely.maximum_inscribed_circle(outline(domain)).length) / h
-    if not isinstance(lattice, PatternLattice) or not inner.any():
-        return math.inf if inner.any() else 1.0
+    if not isinstance(lattice, PatternLattice):
+        return math.inf
+    inner = answer.surrounded
+    if not inner.any():
+        return 1.0
     depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
     return 2 * float(depth) / h + 1
 

@@ -13,7 +13,14 @@ from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
-from msvalidate.case.springs import ROUNDING, SpringAnswer, SpringLimit, limit_of, solve_finer
+from msvalidate.case.springs import (
+    ROUNDING,
+    SpringAnswer,
+    SpringLimit,
+    displacements_at,
+    limit_of,
+    solve_finer,
+)
 from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
@@ -166,14 +173,14 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     progress("springs")
     answers = solve_finer(case)
     points = compared_points(case, answers[0].lattice)
-    answers = _at_points(answers, points)
+    values = displacements_at(answers, points)
+    answers = answers[: len(values)]
     progress("elements")
     reference = converge(case.problem, points, case.accuracy)
     if not max_length(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
     homogenised, notes = _homogenised(case, answers[0], points)
     support = _support(case, answers, homogenised or reference)
-    values = [answer.at(points) for answer in answers]
     limit = limit_of(answers, [u - part for u, part in zip(values, support, strict=True)])
     rows = []
     if "displacement" in case.quantities:
@@ -195,18 +202,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
                 rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
     bridged = say_bridged(answers[0].lattice)
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
-    return Comparison(
-        case,
-        points,
-        answers,
-        support[0],
-        limit,
-        reference,
-        homogenised,
-        tuple(rows),
-        kind,
-        tuple(notes),
-    )
+    given = (answers, support[0], limit, reference, homogenised, tuple(rows), kind, tuple(notes))
+    return Comparison(case, points, *given)
 
 
 def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:
@@ -222,17 +219,6 @@ def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> 
             less = replace(answer, rest=equilibrium(other)).at(body.points)
             found.append(answer.at(body.points) - less)
     return found
-
-
-def _at_points(answers: tuple[SpringAnswer, ...], points: Array) -> tuple[SpringAnswer, ...]:
-    """The answers up to one, after the first, that has no displacement at the points."""
-    answers[0].at(points)
-    for number, answer in enumerate(answers[1:], 1):
-        try:  # of cells that are no squares or cubes finer ones may have no point there
-            answer.at(points)
-        except ProblemError:
-            return answers[:number]
-    return answers
 
 
 def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Row:

@@ -250,6 +250,15 @@ def _offer_cells(case: Case) -> str:
     return ""
 
 
+def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> list[Array]:
+    """Displacement (p, d) in m at places of each lattice, up to a finer one that has none there."""
+    found = [answers[0].at(places)]
+    with suppress(ProblemError):  # of cells that are no squares or cubes: no point there
+        for answer in answers[1:]:
+            found.append(answer.at(places))
+    return found
+
+
 def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLimit:
     """What springs close in on, from their displacement (p, d) in m on one to three lattices."""
     fine = values[-1]

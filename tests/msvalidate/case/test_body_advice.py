@@ -92,6 +92,14 @@ def test_constants_of_a_case_are_what_they_make_and_have_no_formula():
     assert "by direction unequal (Zener ratio 4)" in body_lines((found,))[0]
 
 
+def test_why_there_is_no_damping():
+    plain = sheet(1 / 3, cells=4)
+    case = replace(plain, problem=replace(plain.problem, loads=()))
+    (found,) = advise_body(case, solve_springs(case, 0.037))
+    assert found.damping is None
+    assert "no damping: quickest damping: no load" in body_lines((found,))[-1]
+
+
 def test_a_honeycomb_is_compared_on_its_own_lattice_alone():
     box = Box((7 * math.sqrt(3), 12.0))
     pull, held = Traction(box.side("right"), (1e3, 0.0)), Support(box.side("left"), (0.0, 0.0))
