@@ -3,8 +3,8 @@
     python -m msvalidate.study all        # in the full form, results in reports/latest
     python docs/write_studies.py          # from there; another folder may be named
 
-Each page says what the study finds and asks, what it holds itself to, and what every column of its
-tables means. Its pictures are drawn by `docs/draw_pictures.py`.
+Each page says what the study finds and asks, and what it holds itself to; tables are named, with
+where their columns are explained. Its pictures are drawn by `docs/draw_pictures.py`.
 """
 
 from __future__ import annotations
@@ -24,6 +24,9 @@ HERE = Path(__file__).resolve().parent
 PICTURED = """## Pictures
 
 Drawn from the committed baseline, which leaves out what depends on the machine."""
+EXPLAINED = """Columns are explained in [{0}](../../studies/{0}) and in
+[that of all studies](../../msvalidate/judging/columns.toml), and under each table of the report's
+page; reasons of limits stand beside them on the page and in `verdict.json`."""
 
 
 def main(results: Path) -> None:
@@ -50,32 +53,26 @@ def page(study: Stored) -> str:
         "## What it is held to",
         tolerances(study),
         "## Tables",
-        *(table(study, name) for name in study.tables),
+        ", ".join(table_link(study.name, name) for name in study.tables) + ".",
+        EXPLAINED.format(source(study.name)),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def sentences(study: Stored) -> list[str]:
-    """The ledger in four columns, and below it the rest, folded."""
+    """The ledger in four columns."""
     if SENTENCES not in study.tables:
         return []
-    ledger = study.tables[SENTENCES]
     rows = [
         (
             entry.sentence,
             entry.verdict,
             entry.number,
-            entry.number and f"[{entry.study}/{entry.table}]({entry.study}.md#{entry.table})",
+            entry.number and table_link(entry.study, entry.table, f"{entry.study}/{entry.table}"),
         )
-        for entry in front.ledger(ledger)
+        for entry in front.ledger(study.tables[SENTENCES])
     ]
-    rest = ledger[["sentence", "place", "theory", "because"]].itertuples(index=False)
-    folded = "<details><summary>where each stands, and why that verdict and that bound</summary>"
-    return [
-        "## The ledger",
-        grid(("sentence", "verdict", "number", "link"), rows),
-        f"{folded}\n\n{grid(('sentence', 'place', 'theory', 'bound'), rest)}\n\n</details>",
-    ]
+    return ["## The ledger", grid(("sentence", "verdict", "number", "table"), rows)]
 
 
 def grid(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -90,34 +87,28 @@ def grid(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
 def pictures(study: Stored) -> list[str]:
     """The pictures that `pictures.toml` names, each above what it shows."""
     names = tomllib.loads((HERE / "pictures.toml").read_text("utf-8")).get(study.name, [])
-    captions = [(name, study.pictures[name][0]) for name in names]
-    shown = [f"![{said}]({study.name}/{name}.svg)\n\n*{said}*" for name, said in captions]
+    shown = [f"![{n}]({study.name}/{n}.svg)\n\n*{study.pictures[n][0]}*" for n in names]
     return [PICTURED, *shown] if shown else []
 
 
 def tolerances(study: Stored) -> str:
-    """The tolerances of a study, a row each."""
+    """The rules of a study, a row each."""
     rows = study.verdict[study.verdict["layer"] != "baseline"].to_dict("records")
     return grid(
-        ("layer", "quantity", "limit", "because"),
-        (
-            (
-                row["layer"],
-                row["quantity"],
-                f"{row['limit']:.3g}{unit(row['unit'])}",
-                row["because"],
-            )
-            for row in rows
-        ),
+        ("quantity", "at most", "layer"),
+        ((r["quantity"], f"{r['limit']:.3g}{unit(r['unit'])}", r["layer"]) for r in rows),
     )
 
 
-def table(study: Stored, name: str) -> str:
-    """A table's columns and what they mean."""
-    columns = [str(column) for column in study.tables[name]]
-    said = [f"- `{column}`: {study.columns.get(column, '')}" for column in columns]
-    folded = f"<details><summary>{len(said)} columns</summary>"
-    return "\n".join([f"### {name}", "", folded, "", *said, "", "</details>"])
+def source(study: str) -> str:
+    """Where a study's own columns are explained."""
+    name = f"{study}/columns.toml"
+    return name if (HERE.parent / "studies" / name).is_file() else study
+
+
+def table_link(study: str, name: str, shown: str = "") -> str:
+    """A link to the committed rows of a table."""
+    return f"[{shown or name}](../../reports/baseline/full/{study}/{name}.csv)"
 
 
 def unit(text: str) -> str:

@@ -55,7 +55,7 @@ class Converged(ReadOnly):
         return self.value + self.added
 
     @property
-    def doubt(self) -> float:
+    def extrapolated_uncertainty(self) -> float:
         """Of every component of the extrapolated value: all that was added, or as of the last."""
         return float(np.abs(self.added).max(initial=0.0)) or self.uncertainty
 

@@ -160,8 +160,8 @@ def richardson(
     monotone = (medium - coarse) * (fine - medium) > 0
     plausible = ~exact & monotone & (order >= LOWEST_ORDER) & (order <= highest_order)
     slow = monotone & (order < LOWEST_ORDER)
-    doubt = np.where(slow, last / (2**CRAWLING_ORDER - 1), np.maximum(CAUTION * last, first))
-    uncertainty = np.where(plausible, np.maximum(remaining, first / 3), doubt)
+    otherwise = np.where(slow, last / (2**CRAWLING_ORDER - 1), np.maximum(CAUTION * last, first))
+    uncertainty = np.where(plausible, np.maximum(remaining, first / 3), otherwise)
     words = np.where(exact, "exact", np.where(plausible, "asymptotic", "not asymptotic"))
     return Estimate(
         value=fine,

@@ -22,7 +22,7 @@ from msvalidate.simulators.laws import LAWS, lame
 from msvalidate.simulators.masses import patterns
 from msvalidate.simulators.probe_mesh import Block
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.rest import stated_residual_motion
 from msvalidate.simulators.tetrahedra import at_rest, tetrahedra_of
 
 OWN_SHARE = "each node's own share"
@@ -89,7 +89,7 @@ def rest_states(
             answers[turn, at] = answer
             row |= {"precision": answer.about["precision"], "seconds": answer.about.get("seconds")}
             row["error"] = _largest(_moved(answer) - wanted) / size
-            row["rest"] = _known(stated_unrest(block, answer))
+            row["rest"] = _known(stated_residual_motion(block, answer))
             row["by_iterations"] = _change(answer, answers.get((turn - 1, at)), size)
             row["by_dt"] = _change(answer, answers.get((turn, at - 1)), size)
     return rows

@@ -48,7 +48,7 @@ def test_a_study_writes_its_files(finished):
     assert done.returncode == 0, done.stderr
     written = {p.relative_to(folder / "results").as_posix() for p in folder.rglob("*.*")}
     tables = {"summary", "finite_size", "modulus", "reference", "direction", "incompressible"}
-    tables |= {"drift", "algorithm1", "rest", "block", "resolution", "verdict"}
+    tables |= {"drift", "algorithm1", "block", "resolution", "verdict"}
     tables |= {"rotated", "rotated_order"}
     tables |= {"cube", "cube_cell", "cube_clamped", "cube_modulus", "cube_shape"}
     pictures = {"finite_size", "direction", "drift", "rest", "block", "rotated"}
@@ -276,20 +276,16 @@ BAD_COMMANDS = [
     (["check", "--seed", "1"], "check has its own form and seed; leave --quick and --seed out"),
     (["check", "--junit", ""], "argument --junit: '' is no name; name a place"),
     (["poisson", "--out", "a\u202eb"], "is no name; name a place"),
-    (
-        ["list", "--seed", "1"],
-        "list solves nothing; leave --quick, --seed, --jobs and --no-plots out",
-    ),
+    (["list", "--seed", "1"],
+        "list solves nothing; leave --quick, --seed, --jobs and --no-plots out"),
     (["check", "--table", "x"], "check prints no tables; leave --table out"),
     (["list", "--table", "x"], "list prints no tables; leave --table out"),
-    (
-        ["report", "--quick"],
-        "report solves nothing; leave --quick, --seed, --jobs and --no-plots out",
-    ),
+    (["report", "--quick"],
+        "report solves nothing; leave --quick, --seed, --jobs and --no-plots out"),
     (["poisson", "--out", "/"], "--out /: the root of all folders; name one in it"),
     (["report", "--out", "none"], "--out none: no results there; run a study first"),
     (["report", "--out", "taken"], "--out taken: no results there; run a study first"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD_COMMANDS)
@@ -338,11 +334,8 @@ def run(setting): raise ProblemError("spring constants: -1; give 0 or more")""",
 from msvalidate.problem import SolverError
 def run(setting): raise SolverError("diverged by step 7")""",
     ),
-    "ended by a library": (
-        3,
-        "study poisson: crashed: SystemExit: 0",
-        "def run(setting): sys.exit(0)",
-    ),
+    "ended by a library": (3, "study poisson: crashed: SystemExit: 0",
+        "def run(setting): sys.exit(0)"),
     "a figure that cannot be drawn": (
         3,
         "study poisson: crashed: ZeroDivisionError: ",
@@ -354,12 +347,9 @@ def run(setting):
                     (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: 1 / 0},
                     columns={"x": "place (m)"})""",
     ),
-    "crash": (
-        3,
-        "study poisson: crashed: FileNotFoundError: /home/someone/secret",
-        "def run(setting): raise FileNotFoundError('/home/someone/secret')",
-    ),
-}
+    "crash": (3, "study poisson: crashed: FileNotFoundError: /home/someone/secret",
+        "def run(setting): raise FileNotFoundError('/home/someone/secret')"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
@@ -537,17 +527,11 @@ def test_read_only_folder(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        ("r/poisson", "is a file; name another folder"),
-        ("r/report.html/x", "is a folder; name another"),
-        (
-            "r/poisson/notes.txt",
-            "no run wrote poisson/notes.txt, which would be lost; move it",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("made", "message"), [
+    ("r/poisson", "is a file; name another folder"),
+    ("r/report.html/x", "is a folder; name another"),
+    ("r/poisson/notes.txt", "no run wrote poisson/notes.txt, which would be lost; move it"),
+])  # fmt: skip
 def test_places_that_are_taken_are_found_before_the_work(made, message, tmp_path):
     (tmp_path / made).parent.mkdir(parents=True)
     (tmp_path / made).write_text("mine", encoding="utf-8")

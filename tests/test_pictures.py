@@ -34,13 +34,11 @@ def test_pages_have_two_to_four():
 @pytest.mark.parametrize("study", PICTURES)
 def test_pictures_are_drawn_by_the_study_and_shown_with_what_they_show(study):
     offered = dict(DRAWING["drawings"](study))
-    said = [
-        (caption, f"{study}/{name}.svg", caption)
-        for name in PICTURES[study]
-        for caption in [DRAWING["caption"](offered[name])]
+    shown = [
+        (name, f"{study}/{name}.svg", DRAWING["caption"](offered[name])) for name in PICTURES[study]
     ]
     page = (STUDIES / f"{study}.md").read_text(encoding="utf-8")
-    assert re.findall(r"^!\[(.*)\]\((.*)\)\n\n\*(.*)\*$", page, re.MULTILINE) == said
+    assert re.findall(r"^!\[(.*)\]\((.*)\)\n\n\*(.*)\*$", page, re.MULTILINE) == shown
 
 
 def test_they_are_small():

@@ -34,13 +34,13 @@ def closed_form(statement: Statement, nu: float) -> Answer | None:
 
 def _answer(u: Array, by_ratio: Array, quantities: dict[str, Array], floors: list[float]) -> Answer:
     """Quantities with what rounding leaves of each, over the sizes (floors) of their kinds."""
-    doubt = {
+    uncertainty = {
         name: ROUNDING * max(float(np.abs(value).max()), floor)
         for (name, value), floor in zip(quantities.items(), floors, strict=True)
     }
-    doubt |= {"displacement": ROUNDING * float(np.abs(u).max())}
-    doubt |= {"by_ratio": ROUNDING * float(np.abs(by_ratio).max())}
-    return Answer(u, -u, by_ratio, quantities, doubt, np.nan, 0, exact=True)
+    uncertainty |= {"displacement": ROUNDING * float(np.abs(u).max())}
+    uncertainty |= {"by_ratio": ROUNDING * float(np.abs(by_ratio).max())}
+    return Answer(u, -u, by_ratio, quantities, uncertainty, np.nan, 0, exact=True)
 
 
 def _uniform(statement: Statement, load: str, sides: Array, nu: float) -> Answer:

@@ -186,9 +186,9 @@ def quantities_csv(statement: Statement, answers: dict[float, Answer]) -> bytes:
         for name, values in answer.quantities.items():
             labels = _labels(name, statement.dim, len(values))
             unit = UNITS[name.split()[0]]
-            doubt = f"{answer.uncertainty[name]:.3g}"
+            uncertainty = f"{answer.uncertainty[name]:.3g}"
             rows += [
-                [f"{nu:g}", name, label, number(value, exact=answer.exact), unit, doubt]
+                [f"{nu:g}", name, label, number(value, exact=answer.exact), unit, uncertainty]
                 for label, value in zip(labels, without_rounding(values), strict=True)
             ]
     return _csv(["nu", "quantity", "component", "value", "unit", "uncertainty"], rows)

@@ -74,14 +74,14 @@ def answer_of(statement: Statement, nu: float) -> Answer:
     coarse = _solve(statement, given, nu, LOW[statement.dim])
     fine = _solve(statement, given, nu, HIGH[statement.dim])
     size = fine.uncertainty
-    doubt = {"displacement": _away(fine.displacement, coarse.displacement)}
-    doubt |= {"by_ratio": _away(fine.by_ratio, coarse.by_ratio)}
-    doubt |= {
+    uncertainty = {"displacement": _away(fine.displacement, coarse.displacement)}
+    uncertainty |= {"by_ratio": _away(fine.by_ratio, coarse.by_ratio)}
+    uncertainty |= {
         name: max(_away(value, coarse.quantities[name]), size[name.split()[0]])
         for name, value in fine.quantities.items()
     }
     return Answer(
-        fine.displacement, fine.by_modulus, fine.by_ratio, fine.quantities, doubt, np.nan,
+        fine.displacement, fine.by_modulus, fine.by_ratio, fine.quantities, uncertainty, np.nan,
         fine.nodes,
     )  # fmt: skip
 

@@ -38,11 +38,11 @@ def packed_case(
     name = statement.name
     u = np.array([answer.displacement for answer in answers.values()])
     size = np.linalg.norm(u, axis=2).max(axis=1)
-    doubt = np.array([answer.uncertainty["displacement"] for answer in answers.values()])
+    uncertainty = np.array([answer.uncertainty["displacement"] for answer in answers.values()])
     arrays = {
         f"{name}/displacement": u,
         f"{name}/by_ratio": np.array([a.by_ratio for a in answers.values()], dtype=np.float32),
-        f"{name}/uncertainty": doubt / size,
+        f"{name}/uncertainty": uncertainty / size,
     }
     meshes = nodal_meshes(statement)
     for mesh in meshes:

@@ -161,20 +161,22 @@ def answer_of(statement: Statement, nu: float) -> Answer:
     u = reference.displacement
     found = np.array(u.extrapolated)
     floors = _floors(reference)
-    doubt = {
-        name: max(each.doubt, floors.get(name.split()[0], 0.0)) for name, each in values.items()
+    uncertainty = {
+        name: max(each.extrapolated_uncertainty, floors.get(name.split()[0], 0.0))
+        for name, each in values.items()
     }
-    doubt["displacement"] = u.doubt
+    uncertainty["displacement"] = u.extrapolated_uncertainty
     if statement.sides is not None:
         values["displacement"] = u
-        doubt = {k: v + ON_CURVES * float(np.abs(values[k].value).max()) for k, v in doubt.items()}
+        for name in uncertainty:
+            uncertainty[name] += ON_CURVES * float(np.abs(values[name].value).max())
         del values["displacement"]
     return Answer(
         found,
         -found if reference.problem.loads else np.zeros_like(found),
         slope_by_ratio(reference, nu),
         {name: np.array(each.extrapolated) for name, each in values.items()},
-        doubt,
+        uncertainty,
         u.order,
         len(reference.finest.body.points),
     )

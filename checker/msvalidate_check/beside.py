@@ -46,18 +46,19 @@ class Explanation:
 class Field:
     """Displacements (n, d) of a candidate and of elasticity at places (n, d), all in m.
 
-    `doubt` is how far elasticity and the numbers themselves may be off, over the largest; `driven`
-    what moves the body; `span` its ends (m) along each axis; `ratio` its Poisson's ratio, NaN if it
-    has none; `by_ratio` gives elasticity (n, d) of another of `ratios`, None if of no other;
-    `elsewhere` gives it at other places (n, d) in m, None where one lies outside the body; `known`
-    are fields (n, d), by ratio, of solvers that are known not to be converged, by what they are of;
-    `other_state` gives it in the other plane state, with that state's name.
+    `uncertainty` is how far elasticity and the numbers themselves may be off, over the largest;
+    `driven` what moves the body; `span` its ends (m) along each axis; `ratio` its Poisson's
+    ratio, NaN if it has none; `by_ratio` gives elasticity (n, d) of another of `ratios`, None
+    if of no other; `elsewhere` gives it at other places (n, d) in m, None where one lies
+    outside the body; `known` are fields (n, d), by ratio, of solvers that are known not to be
+    converged, by what they are of; `other_state` gives it in the other plane state, with that
+    state's name.
     """
 
     places: Array
     found: Array
     wanted: Array
-    doubt: float
+    uncertainty: float
     driven: Driven
     span: tuple[tuple[float, float], ...]
     ratio: float = math.nan

@@ -115,7 +115,7 @@ class ElasticCase:
         grid = _facts(VERSION)[self.name]["ratios"]
         return _cubic(np.array(grid), u, slope.astype(float), nu)
 
-    def doubt_at_ratio(self, nu: float) -> float:
+    def uncertainty_at_ratio(self, nu: float) -> float:
         """How far `at_ratio` may be off, over the largest displacement: most between two ratios."""
         grid = np.array(_facts(VERSION)[self.name]["ratios"])
         known = float(np.interp(nu, grid, _data(VERSION)[f"{self.name}/uncertainty"]))
@@ -253,8 +253,8 @@ def _number_of(ratios: list[float], nu: float, name: str = "the case") -> int:
 
 def _quantities(known: dict[str, Any], row: int) -> dict[str, tuple[Array, float]]:
     return {
-        name: (np.array(values[row]), float(doubts[row]))
-        for name, (values, doubts) in known["quantities"].items()
+        name: (np.array(values[row]), float(uncertainties[row]))
+        for name, (values, uncertainties) in known["quantities"].items()
     }
 
 

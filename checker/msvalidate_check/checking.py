@@ -39,7 +39,7 @@ class Row:
 
     Parameters
     ----------
-    name, error, doubt
+    name, error, uncertainty
         The difference over the size of elasticity's, and what is not known of it.
     word
         As of a `Verdict`.
@@ -47,7 +47,7 @@ class Row:
 
     name: str
     error: float
-    doubt: float
+    uncertainty: float
     word: str
 
 
@@ -63,7 +63,7 @@ class Verdict:
         "agrees", "differs", "not resolved" or "not at rest".
     error
         Largest difference over the largest displacement.
-    doubt
+    uncertainty
         How far elasticity and the rounding of the numbers leave it open.
     band
         Largest difference that agrees.
@@ -87,7 +87,7 @@ class Verdict:
     nu: float
     word: str
     error: float
-    doubt: float
+    uncertainty: float
     band: float
     parts: Mapping[str, float]
     causes: tuple[Explanation, ...]
@@ -162,9 +162,9 @@ def check(
     return Verdict(
         case.name,
         case.nu,
-        agreement(error, given.field.doubt, band, 0.0 if math.isnan(rest) else rest),
+        agreement(error, given.field.uncertainty, band, 0.0 if math.isnan(rest) else rest),
         error,
-        given.field.doubt,
+        given.field.uncertainty,
         band,
         {name: longest(part) / given.field.size for name, part in split(given.field).items()},
         causes,
@@ -234,15 +234,15 @@ def _matched(
     if not size:
         raise CheckError(f"{case}: elasticity does not move at these points; give others too")
     precision = positive("accuracy", accuracy)
-    doubt = case.uncertainty * longest(case.wanted) / size + precision
-    field_ = _field(case, order, case.points[order], found, wanted, doubt)
+    uncertainty = case.uncertainty * longest(case.wanted) / size + precision
+    field_ = _field(case, order, case.points[order], found, wanted, uncertainty)
     return _Matched(order, field_, precision, notes)
 
 
 def _causes(given: _Matched, error: float, rest: float) -> tuple[Explanation, ...]:
     """All that explain the difference; that it is not at rest comes first, where that may do."""
     causes = explain(given.field)
-    if rest >= error > NOTICED * given.field.doubt:
+    if rest >= error > NOTICED * given.field.uncertainty:
         still = Explanation("rest", "not at rest: it may still change by as much", 0.0, rest)
         return (still, *causes)
     return causes
@@ -254,13 +254,15 @@ def _material(
     """The material that is nearest; NaN where there is a difference that is of no material."""
     rounding = given.precision * given.field.size
     near = nearest_material(case, given.order, given.field.found, rounding)
-    if error > NOTICED * given.field.doubt and not any(each.name in OF_MATERIAL for each in causes):
+    if error > NOTICED * given.field.uncertainty and not any(
+        each.name in OF_MATERIAL for each in causes
+    ):
         return Material(left=near.left)
     return near
 
 
 def _field(
-    case: ElasticCase, order: Array, at: Array, found: Array, wanted: Array, doubt: float
+    case: ElasticCase, order: Array, at: Array, found: Array, wanted: Array, uncertainty: float
 ) -> Field:
     """The field with what it takes to ask for other ratios, places and meshes."""
     named = case.points[case.named]
@@ -278,7 +280,7 @@ def _field(
         at,
         found,
         wanted,
-        doubt,
+        uncertainty,
         case.driven,
         tuple((float(a), float(b)) for a, b in zip(named.min(0), named.max(0), strict=True)),
         case.nu,
@@ -332,8 +334,8 @@ def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
     if size <= uncertainty:
         raise CheckError(f"{name}: it is 0 in {case.name}, and no error is relative to that")
     error = float(np.linalg.norm(given - wanted)) / size
-    doubt = uncertainty / size
-    return Row(name, error, doubt, agreement(error, doubt, band))
+    uncertainty /= size
+    return Row(name, error, uncertainty, agreement(error, uncertainty, band))
 
 
 # Words --------------------------------------------------------------------------------------------
@@ -344,7 +346,7 @@ def _lines(verdict: Verdict) -> list[str]:
     v = verdict
     beyond = "within" if v.error <= v.band else "beyond"
     parts = ", ".join(f"{name} {_percent(part)}" for name, part in v.parts.items())
-    known = f"known to {_percent(v.doubt)}, rounding of the numbers {_percent(v.precision)}"
+    known = f"known to {_percent(v.uncertainty)}, rounding of the numbers {_percent(v.precision)}"
     of = "" if v.error >= MANY else "of "
     off = f"{_percent(v.error)} {of}the largest displacement"
     found = [
@@ -353,23 +355,23 @@ def _lines(verdict: Verdict) -> list[str]:
         f"  {known}; {_rest(v.rest)}",
         f"  parts: {parts}",
     ]
-    if v.error > NOTICED * v.doubt:
+    if v.error > NOTICED * v.uncertainty:
         found += [f"  cause: {each.said}" for each in v.causes] or ["  cause: none of those known"]
         found += _effective(v.material)
     found += [
-        f"  {row.name}: {row.word}, {_percent(row.error)} off, known to {_percent(row.doubt)}"
+        f"  {row.name}: {row.word}, {_percent(row.error)} off, known to {_percent(row.uncertainty)}"
         for row in v.quantities
     ]
     return found + [f"  {note}" for note in v.notes]
 
 
 def _effective(material: Material) -> list[str]:
-    """Each number with its doubt."""
+    """Each number with its uncertainty."""
     words = []
     for name, unit in (("E", " Pa"), ("G", " Pa"), ("K", " Pa"), ("nu", "")):
-        value, doubt = getattr(material, name), getattr(material, f"{name}_doubt")
+        value, uncertainty = getattr(material, name), getattr(material, f"{name}_uncertainty")
         if math.isfinite(value):
-            words.append(f"{name} = {value:.4g} ± {doubt:.1g}{unit}")
+            words.append(f"{name} = {value:.4g} ± {uncertainty:.1g}{unit}")
     if not words:
         return []
     return [f"  nearest elasticity: {', '.join(words)}, which leaves {_percent(material.left)}"]

@@ -53,34 +53,34 @@ SAME_LENGTH = 1e-3
 
 def explain(field: Field) -> tuple[Explanation, ...]:
     """All explanations of a field that fit, the best first; none where it needs none."""
-    if field.left(field.found) <= NOTICED * field.doubt:
+    if field.left(field.found) <= NOTICED * field.uncertainty:
         return ()
     if not field.found.any():
         return (Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0),)
     before = min(1.0, field.difference)
     every = images(field)
     alone = list(_one_fault(field, every))
-    one = [each for each in alone if _is_little(each, FITS * before, field.doubt)]
-    one = _best(one, before, field.doubt)
+    one = [each for each in alone if _is_little(each, FITS * before, field.uncertainty)]
+    one = _best(one, before, field.uncertainty)
     left = min(before, *(each.left for each in alone))
     if left <= AS_GOOD * before:
         return tuple(one)
     most = FITS * left
     pairs = _two_faults(field, every, most)
-    two = _plainest([each for each in pairs if _is_little(each, most, field.doubt)])
-    if two and left > NOTICED * field.doubt:
+    two = _plainest([each for each in pairs if _is_little(each, most, field.uncertainty)])
+    if two and left > NOTICED * field.uncertainty:
         one = []
     return (*two, *one)
 
 
-def _is_little(found: Explanation, most: float, doubt: float) -> bool:
+def _is_little(found: Explanation, most: float, uncertainty: float) -> bool:
     """Whether an explanation leaves little: less where it fits a number, which fits any field."""
     faults = set(found.name.split(" and "))
     if "coarse mesh" in faults and len(faults) > 1:
         return found.left <= min(most, COARSE_KNOWN)
     if faults <= WHOLE:
         return found.left <= most
-    return found.left <= min(most, max(RIGHT, NOTICED * doubt))
+    return found.left <= min(most, max(RIGHT, NOTICED * uncertainty))
 
 
 def _one_fault(field: Field, every: list[Image]) -> Iterator[Explanation]:
@@ -100,12 +100,12 @@ def _two_faults(field: Field, every: list[Image], most: float) -> Iterator[Expla
     yield from _node_order_in_units(field)
 
 
-def _best(good: list[Explanation], before: float, doubt: float) -> list[Explanation]:
+def _best(good: list[Explanation], before: float, uncertainty: float) -> list[Explanation]:
     """Of those that leave little those that leave about as little as the best."""
     if not good:
         return []
     least = min(each.left for each in good)
-    room = max(AS_WELL * least, NOTICED * doubt, AS_GOOD * before)
+    room = max(AS_WELL * least, NOTICED * uncertainty, AS_GOOD * before)
     return sorted((each for each in good if each.left <= room), key=lambda each: each.left)
 
 
@@ -150,7 +150,7 @@ def _points(field: Field) -> Iterator[Explanation]:
     found = _few_wrong(field, field.found, field.wanted)
     if found is not None:
         count, first, left = found
-        rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
+        rest = f"to {left:.1g} of the largest" if left > field.uncertainty else "to what is known"
         said = f"{_few(field, count, first)}; all others are right {rest}"
         yield Explanation("one point", said, left, float(count))
 
@@ -160,7 +160,7 @@ def _points_besides(field: Field) -> Iterator[Explanation]:
 
     The number is the median over the points, which a few do not move.
     """
-    exact = max(AS_GOOD, NOTICED * field.doubt)
+    exact = max(AS_GOOD, NOTICED * field.uncertainty)
     length = (field.wanted**2).sum(axis=1)
     large = length > length.max() / 100
     many = np.median((field.found * field.wanted).sum(axis=1)[large] / length[large])
@@ -214,7 +214,7 @@ def _node_order_in_units(field: Field) -> Iterator[Explanation]:
     """Nodes in another order, in a unit that the mean length of displacements shows."""
     scale = float(np.linalg.norm(field.found) / (np.linalg.norm(field.wanted) or 1.0))
     for unit, many in UNITS.items():
-        if abs(scale / many - 1) <= max(SAME_LENGTH, field.doubt):
+        if abs(scale / many - 1) <= max(SAME_LENGTH, field.uncertainty):
             yield from _node_order(field, field.found / many, many, f", in {unit}")
 
 

@@ -14,7 +14,7 @@ Array = np.ndarray
 STEPS, SETTLED = 30, 1e-12
 """Of the fit of modulus and ratio."""
 SHOWS = 0.1
-"""Doubt of a ratio, and of a modulus over it, from which they do not show in the field."""
+"""Uncertainty of a ratio, and of a modulus over it, from which they do not show in the field."""
 RATIO_STEP = 1e-4
 """Half the step of differences by the ratio, over the range that the set knows."""
 PARALLEL = 1e-5
@@ -34,11 +34,11 @@ class Material:
     ----------
     E, nu
         In Pa, and 1; NaN where it does not show.
-    E_doubt, nu_doubt
+    E_uncertainty, nu_uncertainty
         How far they may be off for what the field, the fit and the set leave open.
     left
         Largest difference that is left, over the largest displacement.
-    G, K, G_doubt, K_doubt
+    G, K, G_uncertainty, K_uncertainty
         In Pa, where they show and E does not: shear modulus, and pressure over change of volume,
         in the plane of area: E/(3(1 - 2nu)), in plane stress E/(2(1 - nu)), in plane strain
         E/(2(1 + nu)(1 - 2nu)).
@@ -46,16 +46,16 @@ class Material:
 
     E: float = math.nan
     nu: float = math.nan
-    E_doubt: float = math.nan
-    nu_doubt: float = math.nan
+    E_uncertainty: float = math.nan
+    nu_uncertainty: float = math.nan
     left: float = math.nan
     G: float = math.nan
     K: float = math.nan
-    G_doubt: float = math.nan
-    K_doubt: float = math.nan
+    G_uncertainty: float = math.nan
+    K_uncertainty: float = math.nan
 
 
-def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float) -> Material:
+def nearest_material(case: ElasticCase, order: Array, found: Array, uncertainty: float) -> Material:
     """Modulus and ratio of the elasticity that is nearest to a field, by Gauss and Newton's steps.
 
     u = s·u(nu), and the modulus is E/s. Each step of nu is along what no scale explains, and the
@@ -69,7 +69,7 @@ def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float
         And the numbers (m,) of the set's points.
     found
         (m, d) displacements there, in m.
-    doubt
+    uncertainty
         How far each component may be off besides what the set leaves open, in m.
     """
     low, high = case.ratios
@@ -83,7 +83,7 @@ def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float
         before, nu = nu, float(np.clip(nu + change, low, high))
         if abs(nu - before) < SETTLED:
             break
-    return _described(case, order, found, doubt, nu)
+    return _described(case, order, found, uncertainty, nu)
 
 
 def _parts(case: ElasticCase, order: Array, found: Array, nu: float) -> tuple[Array, float, Array]:
@@ -99,28 +99,30 @@ def _parts(case: ElasticCase, order: Array, found: Array, nu: float) -> tuple[Ar
     return own, best_scale(found, own), alone if shows else np.zeros_like(alone)
 
 
-def _described(case: ElasticCase, order: Array, found: Array, doubt: float, nu: float) -> Material:
+def _described(
+    case: ElasticCase, order: Array, found: Array, uncertainty: float, nu: float
+) -> Material:
     """What a fit found, without what does not show."""
     own, scale, alone = _parts(case, order, found, nu)
     rest = found - scale * own
     left = longest(rest) / longest(case.wanted)
     if scale <= 0:
         return Material(left=left)
-    away = doubt + float(np.abs(rest).max())
-    away += scale * longest(own) * (ROUNDING + case.doubt_at_ratio(nu))
+    away = uncertainty + float(np.abs(rest).max())
+    away += scale * longest(own) * (ROUNDING + case.uncertainty_at_ratio(nu))
     by_nu = alone / (scale * (alone**2).sum()) if alone.any() else None
-    nu_doubt = math.inf if by_nu is None else float(np.abs(by_nu).sum()) * away
-    shown = {"nu": (nu, nu_doubt)} if nu_doubt < SHOWS else {}
+    nu_uncertainty = math.inf if by_nu is None else float(np.abs(by_nu).sum()) * away
+    shown = {"nu": (nu, nu_uncertainty)} if nu_uncertainty < SHOWS else {}
     if case.driven != "supports":
         shown |= _moduli(case, order, found, nu, by_nu if shown else None, away)
-    more = {f"{name}_doubt": each for name, (_, each) in shown.items()}
+    more = {f"{name}_uncertainty": each for name, (_, each) in shown.items()}
     return Material(left=left, **{name: value for name, (value, _) in shown.items()}, **more)
 
 
 def _moduli(
     case: ElasticCase, order: Array, found: Array, nu: float, by_nu: Array | None, away: float
 ) -> dict[str, tuple[float, float]]:
-    """Name -> modulus and its doubt: E if it shows, else G and K if they do.
+    """Name -> modulus and its uncertainty: E if it shows, else G and K if they do.
 
     `by_nu` (m, d) is how the ratio follows the field; None where it may be any that the set knows.
     """

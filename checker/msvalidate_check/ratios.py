@@ -52,7 +52,7 @@ def _with_scale(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Ex
         if abs(times.scale - 1) <= NO_SCALE:
             said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
             yield Explanation("ratio", said, times.left, nu)
-        elif abs(times.scale - 1) > NOTICED * field.doubt:
+        elif abs(times.scale - 1) > NOTICED * field.uncertainty:
             end = f": {times.said}?" if times.said else "?"
             said = f"{times.scale:.4g} times {given}{end}"
             yield Explanation(f"{times.name} and ratio", said, times.left, nu)

@@ -11,7 +11,7 @@ from msvalidate_check.beside import Array, Explanation, Field, best_scale
 AS_WELL = 2.0
 """Times what the best explanation leaves, up to which another fits as well."""
 NOTICED = 3.0
-"""Times the doubt of elasticity and of the numbers, from which a difference is one to explain."""
+"""Times the uncertainty of elasticity and of the numbers, from which a difference is explained."""
 UNITS = {
     "millimetres": 1e3,
     "centimetres": 1e2,
@@ -63,7 +63,7 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
         if apart > (FAR_UNIT if powers >= 3 else NEAR_UNIT):
             continue
         exact = field.left(found / many, wanted)
-        if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.doubt):
+        if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.uncertainty):
             yield Times("unit", many, many, unit, exact)
         elif powers >= 1:  # any number is near some unit that is close to 1
             besides = f"{unit}, and {scale / many:.4g} times as large besides"

@@ -39,9 +39,9 @@ PARTS = {
 def budget(found: Comparison) -> pd.DataFrame:
     """Parts of the difference where it is largest, along it, over the largest displacement.
 
-    Columns: part, value (1), doubt (1), meaning. The first ones add up to the total; what stands
-    below it is no part of it: large displacements, which linear answers leave out, and how far rest
-    and reference may be off.
+    Columns: part, value (1), uncertainty (1), meaning. The first ones add up to the total; what
+    stands below it is no part of it: large displacements, which linear answers leave out, and how
+    far rest and reference may be off.
     """
     total = found.displacement - found.reference.displacement.value
     at = int(np.linalg.norm(total, axis=1).argmax())
@@ -78,7 +78,7 @@ def budget(found: Comparison) -> pd.DataFrame:
         rows.append(("the same of elements", part(elements), 0.0, said))
     rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
-    return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
+    return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
 
 
 def material_off(found: Comparison) -> float:
@@ -215,8 +215,8 @@ COLUMNS = {
     "springs": "largest of the springs, or of the result (or root mean square, where said)",
     "elasticity": "the same of converged elasticity",
     "difference": "of springs, or of the result, and elasticity, over elasticity's (1)",
-    "doubt": "how far it may be off (1)",
-    "verdict": "agrees or differs within the band, whatever the doubt; else not resolved",
+    "uncertainty": "how far it may be off (1)",
+    "verdict": "agrees or differs within the band, whatever the uncertainty; else not resolved",
     "part": "of the difference, where it is largest",
     "value": "along the difference there, over the largest displacement (1)",
     "meaning": "what the part is",

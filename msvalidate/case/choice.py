@@ -192,8 +192,8 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
         ends, where = [best, *(s[-1] + (t - e[-1]) / slow_fast)], BEYOND
     else:
         ends, where = [best, s[e > t].min(), s[e <= t].max()], BETWEEN
-    doubt = math.log1p(found.reference.error / target) / order
-    best, least, most = np.exp([best, min(ends) - doubt, max(ends) + doubt]).tolist()
+    uncertainty = math.log1p(found.reference.error / target) / order
+    best, least, most = np.exp([best, min(ends) - uncertainty, max(ends) + uncertainty]).tolist()
     return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most))
 
 
@@ -300,5 +300,5 @@ def _need_words(need: Need) -> str:
         need.where, ""
     )
     said = f"cells = {need.cells} ({need.spacing:.3g} m{between}), {need.count:,} springs"
-    doubt = "uncertain, perhaps " if need.uncertain else ""
-    return f"{doubt}{said}, {need.seconds:.2g} s{coarser}"
+    uncertainty = "uncertain, perhaps " if need.uncertain else ""
+    return f"{uncertainty}{said}, {need.seconds:.2g} s{coarser}"

@@ -75,7 +75,7 @@ class Row:
         Sizes, in the unit.
     difference
         Of the two, over the size of elasticity's.
-    doubt
+    uncertainty
         How far elasticity's own value may be off, on the same scale.
     verdict
         A word of `judging.compare`.
@@ -86,7 +86,7 @@ class Row:
     springs: float
     elasticity: float
     difference: float
-    doubt: float
+    uncertainty: float
     verdict: str
 
 
@@ -243,10 +243,12 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
         left &= ~on
         found = springs.reaction(on)
         difference = float(np.linalg.norm(found - each.value)) / size if size else math.nan
-        doubt = each.uncertainty / size if size else math.nan
+        uncertainty = each.uncertainty / size if size else math.nan
         sizes = float(np.linalg.norm(found)), float(np.linalg.norm(each.value))
         name = f"reaction of support {number + 1}" if len(wanted) > 1 else "reaction"
-        rows.append(Row(name, "N", *sizes, difference, doubt, _word(case, difference, doubt)))
+        rows.append(
+            Row(name, "N", *sizes, difference, uncertainty, _word(case, difference, uncertainty))
+        )
     return rows
 
 
@@ -273,9 +275,17 @@ def _refuse_unstrained(case: Case, reference: Reference) -> None:
 
 def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
     found, wanted = springs.energy, float(reference.energy.value[0])
-    difference, doubt = abs(found - wanted) / wanted, reference.energy.uncertainty / wanted
+    difference, uncertainty = abs(found - wanted) / wanted, reference.energy.uncertainty / wanted
     return [
-        Row("strain energy", "J", found, wanted, difference, doubt, _word(case, difference, doubt))
+        Row(
+            "strain energy",
+            "J",
+            found,
+            wanted,
+            difference,
+            uncertainty,
+            _word(case, difference, uncertainty),
+        )
     ]
 
 
@@ -283,9 +293,21 @@ def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> lis
     found = springs.mean_stress(case.problem.material.thickness)
     wanted = reference.mean_stress
     size = float(np.abs(wanted.value).max())
-    difference, doubt = float(np.abs(found - wanted.value).max()) / size, wanted.uncertainty / size
+    difference, uncertainty = (
+        float(np.abs(found - wanted.value).max()) / size,
+        wanted.uncertainty / size,
+    )
     sizes = float(np.abs(found).max()), size
-    return [Row("mean stress", "Pa", *sizes, difference, doubt, _word(case, difference, doubt))]
+    return [
+        Row(
+            "mean stress",
+            "Pa",
+            *sizes,
+            difference,
+            uncertainty,
+            _word(case, difference, uncertainty),
+        )
+    ]
 
 
 def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
@@ -296,19 +318,19 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
     if case.problem.zones:
         raise ProblemError("the body is of several materials, whose stresses jump between them")
     at, found = _stress_inside(case, springs)
-    wanted, doubts = reference.stress(at)
+    wanted, uncertainties = reference.stress(at)
     size = float(np.sqrt((wanted**2).sum(axis=1).mean()))
-    known = doubts <= KNOWN_STRESS * case.band * size
+    known = uncertainties <= KNOWN_STRESS * case.band * size
     if known.mean() >= LEAST_KNOWN:
-        found, wanted, doubts = found[known], wanted[known], doubts[known]
+        found, wanted, uncertainties = found[known], wanted[known], uncertainties[known]
 
     def mean(values: Array) -> float:
         return float(np.sqrt((values**2).sum(axis=-1).mean()))
 
-    difference, doubt = mean(found - wanted) / size, mean(doubts[:, None]) / size
+    difference, uncertainty = mean(found - wanted) / size, mean(uncertainties[:, None]) / size
     name = f"stress at {len(found)} of {len(known)} points"
-    word = _word(case, difference, doubt, STRESS_BAND)
-    return [Row(name, "Pa", mean(found), mean(wanted), difference, doubt, word)]
+    word = _word(case, difference, uncertainty, STRESS_BAND)
+    return [Row(name, "Pa", mean(found), mean(wanted), difference, uncertainty, word)]
 
 
 def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:
@@ -342,9 +364,11 @@ def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:
     return at, found
 
 
-def _word(case: Case, difference: float, doubt: float, times: float = 1.0) -> str:
+def _word(case: Case, difference: float, uncertainty: float, times: float = 1.0) -> str:
     return (
-        agreement(difference, doubt, times * case.band) if math.isfinite(difference) else NOT_ASKED
+        agreement(difference, uncertainty, times * case.band)
+        if math.isfinite(difference)
+        else NOT_ASKED
     )
 
 
@@ -390,6 +414,6 @@ def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
     if not size:
         return ""
     left = max_length(limit.displacement - wanted) / size
-    doubt = limit.uncertainty / size + reference.error
-    word = agreement(left, doubt, case.band) if math.isfinite(doubt) else ""
+    uncertainty = limit.uncertainty / size + reference.error
+    word = agreement(left, uncertainty, case.band) if math.isfinite(uncertainty) else ""
     return {AGREES: COARSE, DIFFERS: OTHER_MATERIAL}.get(word, NOT_TOLD)

@@ -236,13 +236,15 @@ def draw_spacing(found: Comparison, lattices: pd.DataFrame) -> Figure:
 
 
 def draw_budget(budget: pd.DataFrame, band: float) -> Figure:
-    """Bars of the parts, with their doubts, and the band."""
+    """Bars of the parts, with their uncertainties, and the band."""
     figure, (axis,) = new_figure(size=(6.0, 3.0))
     known = budget[np.isfinite(budget["value"].to_numpy(dtype=float))]
     place = np.arange(len(known))[::-1]
-    value, doubt = 100 * known["value"], 100 * known["doubt"]
+    value, uncertainty = 100 * known["value"], 100 * known["uncertainty"]
     colour = [COLOURS[1] if part == "total" else COLOURS[0] for part in known["part"]]
-    axis.barh(place, value, xerr=doubt, color=colour, height=0.6, error_kw={"capsize": 3, "lw": 1})
+    axis.barh(
+        place, value, xerr=uncertainty, color=colour, height=0.6, error_kw={"capsize": 3, "lw": 1}
+    )
     axis.set_yticks(place, list(known["part"]))
     axis.axvline(0, color="black", lw=0.8)
     for sign in (-1, 1):

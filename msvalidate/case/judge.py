@@ -48,7 +48,7 @@ class Judgement:
         The verdict on the displacements.
     explanations
         What the field would have to be, where it is not elasticity's.
-    unrest
+    residual_motion
         How much it may still change, over the largest; NaN where nobody says.
     """
 
@@ -58,7 +58,7 @@ class Judgement:
     reference: Reference
     row: Row
     explanations: tuple[Explanation, ...]
-    unrest: float
+    residual_motion: float
 
     @property
     def size(self) -> float:
@@ -77,7 +77,7 @@ def judge_result(
     result: Result,
     *,
     unit: float = 1.0,
-    unrest: float | None = None,
+    residual_motion: float | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Judgement:
     """Compare displacements with the elasticity that a case asks for.
@@ -88,7 +88,7 @@ def judge_result(
         What was asked, and what `read_result` found.
     unit
         What the file's lengths are multiples of, in m.
-    unrest
+    residual_motion
         How much they may still change, over the largest, if the file does not say.
     progress
         Told what is being done.
@@ -112,19 +112,21 @@ def judge_result(
     size = max_length(wanted)
     if not size:
         raise ProblemError("case: elasticity does not move at these points; load the body")
-    rest = result.rest if unrest is None else unrest
+    rest = result.rest if residual_motion is None else residual_motion
     difference = max_length(matched.displacement - wanted) / size
-    doubt = reference.error + result.accuracy + matched.contradiction / size
-    word = agreement(difference, doubt, case.band, 0.0 if math.isnan(rest) else rest)
-    row = Row("displacement", "m", max_length(matched.displacement), size, difference, doubt, word)
+    uncertainty = reference.error + result.accuracy + matched.contradiction / size
+    word = agreement(difference, uncertainty, case.band, 0.0 if math.isnan(rest) else rest)
+    row = Row(
+        "displacement", "m", max_length(matched.displacement), size, difference, uncertainty, word
+    )
     progress("causes")
-    field = _field(case.problem, matched, reference, doubt, result.known)
+    field = _field(case.problem, matched, reference, uncertainty, result.known)
     try:
         causes = explain(field)
     except (ProblemError, SolverError):  # of what was tried beside, which then explains nothing
         plain = replace(field, by_ratio=None, known={}, other_state=lambda: None)
         causes = explain(plain)
-    if rest >= difference > NOTICED * doubt:
+    if rest >= difference > NOTICED * uncertainty:
         causes = (
             Explanation("rest", "not at rest: it may still change by as much", 0.0, rest),
             *causes,
@@ -133,7 +135,7 @@ def judge_result(
 
 
 def _field(
-    problem: Problem, matched: Matched, reference: Reference, doubt: float, known: Known
+    problem: Problem, matched: Matched, reference: Reference, uncertainty: float, known: Known
 ) -> Field:
     """The field with what it takes to ask for other ratios, states, meshes and places."""
     solution, law = reference.finest, problem.material
@@ -148,7 +150,7 @@ def _field(
         matched.places,
         matched.displacement,
         reference.displacement.value,
-        doubt,
+        uncertainty,
         driven_by(problem),
         problem.domain.span,
         float(getattr(law, "nu", math.nan)),
@@ -225,7 +227,7 @@ def budget(found: Judgement) -> pd.DataFrame:
         found.matched.places,
         found.matched.displacement,
         wanted,
-        found.row.doubt,
+        found.row.uncertainty,
         driven_by(found.case.problem),
         found.case.problem.domain.span,
     )
@@ -233,18 +235,18 @@ def budget(found: Judgement) -> pd.DataFrame:
     at = int(np.linalg.norm(total, axis=1).argmax())
     length = float(np.linalg.norm(total[at]))
     along = total[at] / (length or 1.0)
-    doubt = found.row.doubt
+    uncertainty = found.row.uncertainty
     rows = [
-        (name, float(part[at] @ along) / found.size + 0.0, doubt, MEANINGS[name])
+        (name, float(part[at] @ along) / found.size + 0.0, uncertainty, MEANINGS[name])
         for name, part in split(field).items()
     ]
-    rows.append(("total", length / found.size, doubt, "result - elasticity"))
-    known = not math.isnan(found.unrest)
+    rows.append(("total", length / found.size, uncertainty, "result - elasticity"))
+    known = not math.isnan(found.residual_motion)
     said = "how much it may still change, as stated" if known else "nobody says; rest unknown"
-    rows.append(("rest", 0.0 if known else math.nan, found.unrest, said))
+    rows.append(("rest", 0.0 if known else math.nan, found.residual_motion, said))
     rows.append(("numbers", 0.0, found.result.accuracy, "rounding of the file's numbers"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
-    return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
+    return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
 
 
 def tables(found: Judgement) -> dict[str, pd.DataFrame]:

@@ -44,7 +44,7 @@ class ShownRow:
     quantity: str
     verdict: str
     difference: str
-    doubt: str
+    uncertainty: str
     candidate: str
     elasticity: str
     unit: str
@@ -88,7 +88,7 @@ def shown_rows(rows: Sequence[Row]) -> tuple[ShownRow, ...]:
             row.quantity,
             row.verdict,
             percent(row.difference),
-            percent(row.doubt),
+            percent(row.uncertainty),
             _number(row.springs),
             _number(row.elasticity),
             row.unit,
@@ -116,7 +116,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     groups = []
     for word in WORST_FIRST[:-1]:
         rows = [each for each in found.rows if each.verdict == word]
-        said = [f"{r.quantity} ({percent(r.difference)} ± {percent(r.doubt)})" for r in rows]
+        said = [f"{r.quantity} ({percent(r.difference)} ± {percent(r.uncertainty)})" for r in rows]
         groups += [f"{word} in {', '.join(said)}"] if rows else []
     band = band_words(found.case, found.rows)
     head = f"{springs} beside elasticity: {'; '.join(groups)}. {band}."
@@ -171,16 +171,16 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     row, case = found.row, found.case
     head = (
         f"Displacements of {found.result.name} are {percent(row.difference)} off elasticity at "
-        f"{len(found.matched.places)} points, ± {percent(row.doubt)}; the band is "
+        f"{len(found.matched.places)} points, ± {percent(row.uncertainty)}; the band is "
         f"{percent(case.band)}."
     )
     said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.explanations]
-    if not said and row.difference > NOTICED * row.doubt:
+    if not said and row.difference > NOTICED * row.uncertainty:
         said.append("No single cause that is known here explains the difference.")
-    if math.isnan(found.unrest):
+    if math.isnan(found.residual_motion):
         said.append("Rest unknown: nobody says how much the displacements would still change.")
     else:
-        said.append(f"Rest: they may still change by {percent(found.unrest)}, as stated.")
+        said.append(f"Rest: they may still change by {percent(found.residual_motion)}, as stated.")
     if found.reference.no_limit:
         return head, (*said, _reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
@@ -200,8 +200,8 @@ def _kind_sentence(found: Comparison) -> str:
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if limit.status == "seen" else ""
     rest = percent(max_length(limit.displacement - found.reference.displacement.value) / size)
-    doubt = percent(limit.uncertainty / size)
-    closing = f"On finer lattices{order} they close in on {rest} ± {doubt}"
+    uncertainty = percent(limit.uncertainty / size)
+    closing = f"On finer lattices{order} they close in on {rest} ± {uncertainty}"
     off, support = material_off(found), found.support
     right = off <= found.case.band
     if found.kind == COARSE:

@@ -141,8 +141,8 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
     if points is None and number is None:
         raise ProblemError("neither places nor id: give x, y (and z), or the points' numbers")
     rest = given.get("rest")
-    unrest = math.nan if rest is None else finite_number(REST, rest, least=0.0)
-    return Result(name, move, points, number, unrest)
+    residual_motion = math.nan if rest is None else finite_number(REST, rest, least=0.0)
+    return Result(name, move, points, number, residual_motion)
 
 
 def refuse_extreme(name: str, array: Array) -> None:

@@ -77,7 +77,7 @@ def judged_files(
     result: Result,
     *,
     unit: float = 1.0,
-    unrest: float | None = None,
+    residual_motion: float | None = None,
     plots: bool = True,
     command: tuple[str, ...] = (),
     progress: Callable[[str], None] = lambda _: None,
@@ -92,7 +92,9 @@ def judged_files(
         If there is no trustworthy reference.
     """
     started, began = datetime.now(UTC), perf_counter()
-    found = judge.judge_result(case, result, unit=unit, unrest=unrest, progress=progress)
+    found = judge.judge_result(
+        case, result, unit=unit, residual_motion=residual_motion, progress=progress
+    )
     tables = judge.tables(found)
     progress("pictures")
     drawn = judged_figures(found, tables["budget"]) if plots else {}
@@ -166,7 +168,7 @@ def judged_verdict_content(
         "band": found.case.band,
         "quantities": [vars(found.row)],
         "causes": [vars(each) for each in found.explanations],
-        "rest": found.unrest,
+        "rest": found.residual_motion,
         "precision": found.result.accuracy,
         "reference": reference_content(found.reference),
         "points": {

@@ -276,10 +276,10 @@ def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLi
     first = values[1] - values[0]
     order = float(np.log2(np.linalg.norm(first) / np.linalg.norm(last)))
     if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
-        doubt = CAUTION * max(change, float(np.abs(first).max()))
-        return SpringLimit(fine, doubt, math.nan, "none")
+        uncertainty = CAUTION * max(change, float(np.abs(first).max()))
+        return SpringLimit(fine, uncertainty, math.nan, "none")
     left = last / (2 ** min(order, 2.0) - 1)
-    doubt = SAFETY * float(np.abs(left).max())
+    uncertainty = SAFETY * float(np.abs(left).max())
     if isinstance(answers[-1].lattice, CutLattice):  # its outline meets the cells anew each time
-        doubt = max(doubt, UNEVEN * change)
-    return SpringLimit(fine + left, doubt, order, "seen")
+        uncertainty = max(uncertainty, UNEVEN * change)
+    return SpringLimit(fine + left, uncertainty, order, "seen")

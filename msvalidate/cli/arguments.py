@@ -40,6 +40,7 @@ LATEST, CANDIDATES = Path("reports/latest"), Path("reports/candidate")
 OTHERS = {
     "advise": "spring constants, masses and steps for a material, without a body",
     "case": "your own body: case new, case run, case judge, case export, case schema",
+    "study": "a study of your own: study new NAME writes one that runs",
     "simulate": "your own simulator on a case, judged",
     "adapter": "your own simulator: adapter new, adapter check, adapter laws",
 }

@@ -156,7 +156,7 @@ def _judge(args: argparse.Namespace) -> int:
             case,
             result,
             unit=unit,
-            unrest=args.at_rest,
+            residual_motion=args.at_rest,
             plots=args.plots,
             command=command,
             progress=show,

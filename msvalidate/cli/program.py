@@ -31,6 +31,7 @@ from msvalidate.cli.arguments import (
     parse,
 )
 from msvalidate.cli.case_arguments import parse_case
+from msvalidate.cli.new_study import parse_new_study
 from msvalidate.cli.simulator_arguments import parse_simulators
 from msvalidate.cli.tables import refuse_unknown_tables, refuse_unmade_tables, said_of
 from msvalidate.cli.terminal import (
@@ -51,14 +52,22 @@ if TYPE_CHECKING:
     from msvalidate.output.stored import Result, Stored
 
 
+PARSERS = {
+    "case": ("cases", parse_case),
+    "advise": ("advise", parse_advise),
+    "study": ("new_study", parse_new_study),
+}
+"""Commands with a line of their own: the module that acts, and what parses their words."""
+
+
 def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
-    if arguments[:1] == ["case"]:
-        return _act("cases", parse_case(arguments[1:]))
-    if arguments[:1] in (["simulate"], ["adapter"]):
+    word = arguments[0] if arguments else ""
+    if word in PARSERS:
+        module, parse_words = PARSERS[word]
+        return _act(module, parse_words(arguments[1:]))
+    if word in {"simulate", "adapter"}:
         return _act("simulators", parse_simulators(arguments))
-    if arguments[:1] == ["advise"]:
-        return _act("advise", parse_advise(arguments[1:]))
     args = parse(arguments)
     if args.verb == "list":
         return _guard(_list, args)

@@ -28,7 +28,7 @@ from msvalidate.simulators.bench import ROUNDING
 from msvalidate.simulators.export import export_case, on_mesh
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
-from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.rest import stated_residual_motion
 from msvalidate.simulators.template import adapter_template
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
@@ -90,11 +90,11 @@ def _simulate(args: argparse.Namespace) -> int:
         answer = program(request)
         show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         show("judging")
-        result, unrest = _result(request, answer), stated_unrest(request, answer)
+        result, residual_motion = _result(request, answer), stated_residual_motion(request, answer)
         found, content = run.judged_files(
             _described(case, request, answer),
             result,
-            unrest=None if math.isnan(unrest) else unrest,
+            residual_motion=None if math.isnan(residual_motion) else residual_motion,
             plots=args.plots,
             command=COMMAND,
             progress=show,

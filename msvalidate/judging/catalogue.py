@@ -22,7 +22,9 @@ from msvalidate import studies
 
 GROUP = "msvalidate.studies"
 """Entry points of this group name a study of another package: ``name = "package.module"``."""
-RESERVED = ("all", "list", "run", "check", "report", "case", "simulate", "adapter")
+RESERVED = (
+    *("all", "list", "run", "check", "report", "case", "study", "advise", "simulate", "adapter"),
+)
 """Words of the command line, which no study may be called."""
 ORDER = (
     "overview",

@@ -2,20 +2,57 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from msvalidate.judging.evidence import Observed
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, numbers
+from msvalidate.problem.records import dataclass
 
 NOT_ASKED = "not asked"
 """What is said, beside the verdicts of `evidence`, where a candidate was not looked at."""
+Layer = Literal["theory", "agreement", "regression", "baseline"]
+"""What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
+a band between springs and elasticity, whose width has a reason of its own; a limit that was set
+from a measurement, which notices a change and proves nothing; or the value as it was."""
 CONFIDENCE = 0.95
 """Of the interval in which the true exponent of a fitted power lies, were its scatter random."""
+
+
+@dataclass(frozen=True)
+class Observed:
+    """An observed number and its reference; of how many rows it is the farthest, and of which."""
+
+    value: float
+    reference: float = 0.0
+    rows: int = 1
+    at: str = ""
+
+    @property
+    def error(self) -> float:
+        """Distance from the reference."""
+        return abs(self.value - self.reference)
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Largest allowed error of a quantity, with unit, layer and reason, and what was observed."""
+
+    quantity: str
+    limit: float
+    unit: str
+    because: str
+    layer: Layer = "theory"
+    observed: Observed | None = None
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.limit) and self.limit >= 0 and self.unit and self.because):
+            raise ValueError(
+                f"tolerance {self.quantity}: needs a finite limit, a unit and a reason"
+            )
 
 
 class Power(NamedTuple):
@@ -40,7 +77,7 @@ def farthest_value(values: ArrayLike, references: ArrayLike) -> Observed:
     value, reference = value.ravel(), reference.ravel()
     with np.errstate(over="ignore", invalid="ignore"):  # what has no distance counts as farthest
         at = int(np.argmax(np.abs(value - reference)))  # argmax stops at the first NaN
-    return Observed(float(value[at]), float(reference[at]))
+    return Observed(float(value[at]), float(reference[at]), value.size)
 
 
 def observed_order(spacings: ArrayLike, errors: ArrayLike) -> float:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate.judging.columns import Column, common_columns
+from msvalidate.judging.compare import Observed, Tolerance
+from msvalidate.judging.rules import Rule
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass, field
@@ -17,57 +20,12 @@ from msvalidate_check.words import AGREES, NOT_AT_REST, NOT_RESOLVED
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
-Layer = Literal["theory", "agreement", "regression", "baseline"]
-"""What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
-a band between springs and elasticity, whose width has a reason of its own; a limit that was set
-from a measurement, which notices a change and proves nothing; or the value as it was."""
 HELD, OPEN = ("pass", AGREES), (NOT_RESOLVED, NOT_AT_REST)
 """Verdicts of rows that held, and of those that say neither that they held nor that they did not.
 Any other is a miss."""
 UNGATED = ("_seconds", "_per_second", "_bytes", "_here")
 """Endings of columns that depend on the machine, or on its rounding: in the tables, and not held to
 the baseline."""
-
-
-@dataclass(frozen=True)
-class Observed:
-    """An observed number and its reference."""
-
-    value: float
-    reference: float = 0.0
-
-    @property
-    def error(self) -> float:
-        """Distance from the reference."""
-        return abs(self.value - self.reference)
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Largest allowed error of an observed quantity, with unit, layer and reason."""
-
-    quantity: str
-    limit: float
-    unit: str
-    because: str
-    layer: Layer = "theory"
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.limit) and self.limit >= 0 and self.unit and self.because):
-            raise ValueError(
-                f"tolerance {self.quantity}: needs a finite limit, a unit and a reason"
-            )
-
-
-def by_quantity(tolerances: Iterable[Tolerance], values: Iterable[Observed]) -> dict[str, Observed]:
-    """Quantity -> what was observed of it, from as many values in the tolerances' order.
-
-    Raises
-    ------
-    ValueError
-        If there are more of the one than of the other.
-    """
-    return {t.quantity: value for t, value in zip(tolerances, values, strict=True)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,16 +36,17 @@ class Evidence:
     ----------
     tables
         Name -> table; a table has rows, and no number in it is missing.
-    figures
-        Name -> function that draws the figure from the tables.
+    figures, drawn
+        Name -> function that draws the figure from the tables; and tables that only figures need,
+        which are neither written nor compared.
     observed, tolerances
-        Every observed quantity has a tolerance and the reverse.
+        Every observed quantity has a tolerance and the reverse. A rule reads its own off a table,
+        and is a plain tolerance from then on; another may carry it.
     columns
-        Column -> what it means and its unit, for every column of every table. Where some values are
-        words, it names them.
+        Column -> what it means and its unit, as text or `Column`, for every column of every table
+        but those of `common_columns`. Kept are those that the tables have, as text.
     rounding
-        Column -> size, in its unit, below which its values are rounding, or how far a run stops
-        from its limit: what another machine may give instead.
+        Column -> as `Column.rounding`, which enters it.
     findings
         Sentences that say what was found; numbers in them come from the tables.
 
@@ -98,14 +57,23 @@ class Evidence:
     """
 
     tables: Tables
-    observed: Mapping[str, Observed]
-    tolerances: tuple[Tolerance, ...]
+    observed: Mapping[str, Observed] = field(default_factory=dict)
+    tolerances: tuple[Tolerance, ...] = ()
     figures: Mapping[str, Callable[[Tables], Figure]] = field(default_factory=dict)
-    columns: Mapping[str, str] = field(default_factory=dict)
+    columns: Mapping[str, str | Column] = field(default_factory=dict)
     findings: tuple[str, ...] = ()
     rounding: Mapping[str, float] = field(default_factory=dict)
+    drawn: Tables = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        used = {str(column) for table in self.tables.values() for column in table}
+        known = {**common_columns(), **self.columns}
+        meanings = {column: str(known[column]) for column in known if column in used}
+        rounding = {
+            name: entry.rounding
+            for name, entry in known.items()
+            if name in used and isinstance(entry, Column) and entry.rounding
+        } | dict(self.rounding)
         for name, table in self.tables.items():
             if table.empty:
                 raise SolverError(f"table {name}: no rows; nothing was compared")
@@ -115,18 +83,27 @@ class Evidence:
                     raise SolverError(
                         f"table {name}: {column} is {table[column].iloc[bad[0]]} in row {bad[0]}"
                     )
-            unexplained = [column for column in table if column not in self.columns]
+            unexplained = [column for column in table if column not in meanings]
             if unexplained:
                 raise ValueError(f"table {name}: columns without a meaning: {unexplained}")
             for column in table:
-                undeclared = _words_among_numbers(table[column]) - _words(self.columns[str(column)])
+                undeclared = _words_among_numbers(table[column]) - _words(meanings[str(column)])
                 if undeclared:
                     raise ValueError(
                         f"table {name}: {column} holds {sorted(undeclared)} among numbers, which "
                         "its meaning does not name"
                     )
-        quantities = [tolerance.quantity for tolerance in self.tolerances]
-        unjudged = set(quantities) ^ set(self.observed)
+        tolerances = tuple(
+            tolerance.read(self.tables) if isinstance(tolerance, Rule) else tolerance
+            for tolerance in self.tolerances
+        )
+        quantities = [tolerance.quantity for tolerance in tolerances]
+        seen = {t.quantity: t.observed for t in tolerances if t.observed is not None}
+        observed = {**self.observed, **seen}
+        own = (("columns", meanings), ("rounding", rounding), ("tolerances", tolerances))
+        for name, value in (*own, ("observed", observed)):
+            object.__setattr__(self, name, value)
+        unjudged = set(quantities) ^ set(observed)
         if unjudged or len(set(quantities)) < len(quantities):
             raise ValueError(
                 f"observed without a tolerance, the reverse, or twice: {sorted(unjudged)}"
@@ -142,6 +119,7 @@ def merge(*parts: Evidence) -> Evidence:
         If two parts use one name for a table, figure or quantity.
     """
     tables: dict[str, pd.DataFrame] = {}
+    drawn: dict[str, pd.DataFrame] = {}
     figures: dict[str, Callable[[Tables], Figure]] = {}
     observed: dict[str, Observed] = {}
     columns: dict[str, str] = {}
@@ -149,10 +127,11 @@ def merge(*parts: Evidence) -> Evidence:
     for part in parts:
         rounding |= {c: max(size, rounding.get(c, 0.0)) for c, size in part.rounding.items()}
         _join(tables, part.tables)
+        _join(drawn, part.drawn)
         _join(figures, part.figures)
         _join(observed, part.observed)
         for column, meaning in part.columns.items():
-            if columns.setdefault(column, meaning) != meaning:
+            if columns.setdefault(column, str(meaning)) != meaning:
                 raise ValueError(f"column {column} means two things: {meaning!r} is one of them")
     return Evidence(
         tables=tables,
@@ -162,6 +141,7 @@ def merge(*parts: Evidence) -> Evidence:
         columns=columns,
         findings=tuple(f for part in parts for f in part.findings),
         rounding=rounding,
+        drawn=drawn,
     )
 
 
@@ -212,6 +192,8 @@ def judge(evidence: Evidence) -> pd.DataFrame:
 def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
     """Row of a verdict: layer, quantity, unit, observed, reference, error, limit, verdict, because.
 
+    Beside them, of how many `rows` of a table this is the farthest, and `at` which of them.
+
     A value that is not finite fails.
     """
     within = np.isfinite(seen.error) and seen.error <= tolerance.limit
@@ -225,6 +207,8 @@ def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
         "limit": float(tolerance.limit),
         "verdict": "pass" if within else "fail",
         "because": tolerance.because,
+        "rows": seen.rows,
+        "at": seen.at,
     }
 
 

@@ -3,7 +3,7 @@
 A network is one if its points fill a grid of places along the axes, each place once, in any
 numbering, and all springs that lead the same way from place to neighbouring place are alike but for
 factors of their row and their column, as shares of sides are. Masses, supports and loads may be
-anything. When in doubt it is none, and the general path serves it.
+anything. In doubt it is none, and the general path serves it.
 """
 
 from __future__ import annotations

@@ -29,7 +29,14 @@ SHOWN = ("body", "springs", "verdict", "condition", "study", "table")
 """Columns of the rows that are shown as they are."""
 COLUMNS = {
     *SHOWN,
-    *("across_coarse", "error_coarse", "error_at_20", "across_fine", "error_fine", "doubt_fine"),
+    *(
+        "across_coarse",
+        "error_coarse",
+        "error_at_20",
+        "across_fine",
+        "error_fine",
+        "uncertainty_fine",
+    ),
     "cells_over_linear",
 }
 ELEMENTS = "use elements"
@@ -165,15 +172,18 @@ def _line(row: Mapping[Hashable, str]) -> Line:
         **{name: row[name] for name in SHOWN},
         coarse=f"{percent(row['error_coarse'])} at {row['across_coarse']}",
         middle=percent(row["error_at_20"]),
-        fine=f"{_with_doubt(row['error_fine'], row['doubt_fine'])} at {row['across_fine']}",
+        fine=_with_uncertainty(row["error_fine"], row["uncertainty_fine"])
+        + f" at {row['across_fine']}",
         cost=times(row["cells_over_linear"]) + f" ({times(time)} the time)" * _is_number(time),
     )
 
 
-def _with_doubt(error: str, doubt: str) -> str:
+def _with_uncertainty(error: str, uncertainty: str) -> str:
     """An error, and the reference's own where that is a tenth of it or more."""
-    known = _is_number(error) and _is_number(doubt) and float(doubt) >= 0.1 * float(error)
-    return percent(error).replace(" %", f" ± {percent(doubt)}") if known else percent(error)
+    known = (
+        _is_number(error) and _is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
+    )
+    return percent(error).replace(" %", f" ± {percent(uncertainty)}") if known else percent(error)
 
 
 def percent(text: str) -> str:

@@ -55,9 +55,10 @@ def printable(text: str) -> str:
 
 
 def failure_line(row: Mapping[Any, Any]) -> str:
-    """What failed, in one line: value, reference, error and limit."""
+    """What failed, in one line: value, reference, error and limit, and which row of the table."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    at = f", at {row['at']}" if row.get("at") else ""
     return (
         f"{row['quantity']}: observed {row['observed']:.9g}, reference {row['reference']:.9g}, "
-        f"error {row['error']:.3g} > limit {row['limit']:.3g}{unit}"
+        f"error {row['error']:.3g} > limit {row['limit']:.3g}{unit}{at}"
     )

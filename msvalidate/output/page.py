@@ -39,6 +39,8 @@ TABLES_FIRST = ("good_for", "summary", "cases")
 """Tables that a reader wants first: above the others, and open."""
 MANY_COLUMNS = 10
 """Tables with more columns are printed on pages that lie on their side."""
+GLANCED = 3
+"""Findings, and failures, above all else on the page of one study."""
 LONG = 28
 """Characters beyond which a cell is prose, which needs some width to be readable."""
 PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
@@ -63,6 +65,7 @@ class Judgement:
     limit: str
     unit: str
     because: str
+    at: str = ""
 
 
 @dataclass(frozen=True)
@@ -152,12 +155,17 @@ def render_page(studies: Sequence[Stored]) -> str:
     sections = [study_section(study, room) for study in studies]
     status, sentence = overall_verdict(sections)
     common, own = common_provenance(sections)
+    # One study: its question, verdict, findings and picture come before all else.
+    glance = sections[0] if len(sections) == 1 and not sections[0].error else None
     return render_template(
         "report.html",
         status=status,
         sentence=sentence,
         heading=verdict_heading(sections),
         sections=sections,
+        glance=glance,
+        glanced=next((p for p in glance.pictures if p.source), None) if glance else None,
+        shown=GLANCED,
         # What our own springs are good for is no part of what is said of somebody else's.
         front=None if sections and all(s.candidate for s in sections) else first_screen(studies),
         picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
@@ -269,7 +277,9 @@ def judgements(study: Stored) -> list[Judgement]:
         numbers = {k: format_number(float(said[k])) for k in NUMBERS}
         word = str(said["verdict"])
         status = PASS if word == "pass" else word if word in (AGREES, DIFFERS, *OPEN) else FAIL
-        found.append(Judgement(study=study.name, status=status, **words, **numbers))
+        which, many = str(said.get("at", "")), int(said.get("rows", 1))
+        at = f"{which}, of {many} rows" if which and many > 1 else which
+        found.append(Judgement(study=study.name, status=status, at=at, **words, **numbers))
     return found
 
 

@@ -21,7 +21,8 @@ import msgspec
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Evidence, Layer, all_passed
+from msvalidate.judging.compare import Layer
+from msvalidate.judging.evidence import Evidence, all_passed
 from msvalidate.output.figures import add_title, figure_style, plain_logarithms
 from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
@@ -85,6 +86,8 @@ class Row(msgspec.Struct, frozen=True):
     limit: float
     verdict: Literal["pass", "fail", "agrees", "differs", "not resolved", "not at rest"]
     because: str
+    rows: int = 1
+    at: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,14 +152,14 @@ def result_files(
     tables = {**evidence.tables, "verdict": result.verdict}
     found = {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
     captions = {}
+    tables = {**evidence.tables, **evidence.drawn}
     for name, draw in evidence.figures.items() if plots else ():
         captions[name] = (draw.__doc__ or name).partition("\n")[0]
-        found |= draw_files(name, captions[name], partial(draw, evidence.tables))
-    used = {column for table in evidence.tables.values() for column in table}
+        found |= draw_files(name, captions[name], partial(draw, tables))
     about = About(
         question=result.question,
         findings=tuple(evidence.findings),
-        columns={c: meaning for c, meaning in evidence.columns.items() if c in used},
+        columns={c: str(meaning) for c, meaning in evidence.columns.items()},
         origin=dict(origin),
         tables=tuple(evidence.tables),
         captions=captions,
@@ -308,7 +311,7 @@ def verdict_json(studies: list[Stored]) -> bytes:
     Each has the seconds that its study took; those of results that do not say are null. A study
     that did not finish has one object, of no layer. Rows of a candidate name it.
     """
-    keys = ("layer", "quantity", "unit", *NUMBERS, "verdict", "because")
+    keys = ("layer", "quantity", "unit", *NUMBERS, "verdict", "because", "rows", "at")
     found: list[dict[str, object]] = []
     for study in studies:
         whose = {key: study.origin[key] for key in ("candidate",) if key in study.origin}

@@ -22,7 +22,7 @@ from msvalidate.simulators.protocol import (
     Simulator,
 )
 from msvalidate.simulators.reading import Reading
-from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.rest import stated_residual_motion
 from msvalidate_check.diagnosis import Field, explain
 
 MESHES = ("tet4", "tet4_2")
@@ -184,7 +184,7 @@ def body_row(
     case, request = found.case, found.request
     wanted = blocks.elasticity_at(case, 1.0, request.material.nu)
     error = _largest(found.move[case.named] - wanted) / _largest(wanted)
-    rest = stated_unrest(request, Answer(displacement=found.move, about=found.about))
+    rest = stated_residual_motion(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
     row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
     if law is None:

@@ -40,9 +40,13 @@ def state_and_causes(
     known where it is less than what the simulator says may still change.
     """
     missing, rows = rows == (), rows or ()
-    unrest = max([moving, *(row.rest for row in rows if row.rest > BAND)])
+    residual_motion = max([moving, *(row.rest for row in rows if row.rest > BAND)])
     found = _law_causes(material, reading, law)
-    causes = [*found, *_unrest_causes(unrest), *_factor_causes(rows, linear=linear)]
+    causes = [
+        *found,
+        *_residual_motion_causes(residual_motion),
+        *_factor_causes(rows, linear=linear),
+    ]
     left = [row for row in rows if not row.is_explained and not row.is_rounded]
     open_rows = [row for row in left if not moving and not row.may_settle]
     causes += [_rounded_words(row) for row in rows if row.is_rounded]
@@ -64,8 +68,10 @@ def state_and_causes(
         causes += [_open_words(row) for row in open_rows]
         causes += ["bodies at rest: it could represent none of them"] if missing else []
         return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
-    if moving or left or (unrest and len(causes) == 1):
-        return NOT_AT_REST, tuple(dict.fromkeys([*_unrest_causes(unrest), *causes]))
+    if moving or left or (residual_motion and len(causes) == 1):
+        return NOT_AT_REST, tuple(
+            dict.fromkeys([*_residual_motion_causes(residual_motion), *causes])
+        )
     return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
 
 
@@ -78,11 +84,11 @@ def _rounded_words(row: BodyRow) -> str:
     )
 
 
-def _unrest_causes(unrest: float) -> list[str]:
+def _residual_motion_causes(residual_motion: float) -> list[str]:
     """What is said where this part of a displacement may still change; nothing within the band."""
-    part = f"{unrest:.0%}" if unrest < 1 else "all"
+    part = f"{residual_motion:.0%}" if residual_motion < 1 else "all"
     said = f"solver: run longer: {part.replace('%', ' %')} of a displacement may still change"
-    return [said] if unrest > BAND else []
+    return [said] if residual_motion > BAND else []
 
 
 def _open_words(row: BodyRow) -> str:

@@ -34,7 +34,7 @@ from msvalidate.simulators.protocol import (
     SimulatorError,
     ask,
 )
-from msvalidate.simulators.rest import solves_to, stated_unrest
+from msvalidate.simulators.rest import solves_to, stated_residual_motion
 
 Verdict = Literal["passed", "stopped", "cannot", "told", "not at rest"]
 PASSED: Verdict = "passed"
@@ -302,7 +302,7 @@ def _changed(
         return _no_way("", f"asked for {name} {wanted:g}, it took {before:g} again")
     away = _change(_moved(first), _moved(answer))
     noise = ROUNDINGS * epsilon(first) / STRAIN
-    stated = stated_unrest(block, first)
+    stated = stated_residual_motion(block, first)
     limit = _left(block, first) + _left(other, answer) + noise
     if math.isnan(stated):
         said = f"nothing is said of rest: {UNSTATED:g} each"
@@ -351,7 +351,7 @@ def _change(before: Array, after: Array) -> float:
 
 
 def _left(request: Request, answer: Answer) -> float:
-    stated = stated_unrest(request, answer)
+    stated = stated_residual_motion(request, answer)
     return UNSTATED if math.isnan(stated) else stated
 
 

@@ -17,7 +17,7 @@ from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators import blocks
 from msvalidate.simulators.protocol import CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.rest import stated_residual_motion
 from msvalidate.simulators.tetrahedra import (
     Stress,
     at_rest,
@@ -107,7 +107,7 @@ def at_large_strain(
             float(np.abs(green).max()),
             max_length(found - wanted) / max_length(wanted),
             max_length(linear - wanted) / max_length(wanted),
-            stated_unrest(request, answer),
+            stated_residual_motion(request, answer),
         )
     raise refused or CannotRepresent("no body")
 

@@ -16,7 +16,7 @@ def solves_to(about: Mapping[str, Any]) -> float:
     return float(about.get("solves_to") or 0.0)
 
 
-def stated_unrest(request: Request, answer: Answer) -> float:
+def stated_residual_motion(request: Request, answer: Answer) -> float:
     """Part of its largest displacement that an answer may still change by; NaN if nobody says.
 
     `at_rest` of the answer holds one of

@@ -96,7 +96,7 @@ class PathResult:
     passed_limit
         t of the first limit point passed; None where none was.
     factor
-        Of the tangent at the end, where the signs of its pivots are beyond doubt.
+        Of the tangent at the end, where the signs of its pivots are certain.
     """
 
     displacement: Array

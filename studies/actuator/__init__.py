@@ -19,9 +19,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import check_actuator
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
 from . import air, controls, figure8, permittivity, prestretched, profile
 from .bodies import ActuatorSolver, linear_response, springs
@@ -60,12 +58,12 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: ActuatorSolver = springs,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    linear = air.run if candidate is springs else partial(air.run, check_actuator(candidate))
-    candidate = check_actuator(candidate)
+    linear = air.run if candidate is springs else partial(air.run, kit.check_actuator(candidate))
+    candidate = kit.check_actuator(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     asked |= {"air": partial(linear, setting=setting)}
-    return gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)
+    return kit.gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)

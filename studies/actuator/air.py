@@ -10,18 +10,13 @@ Expected   Field lines leave the slab the less, the larger its permittivity: les
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate import kit
 
 from . import bodies, profile
 from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, linear_response, upper_face
@@ -32,56 +27,31 @@ LAYERS, QUICK_LAYERS = (10, 20), (6, 12)
 MESH, QUICK_MESH = 32, 16
 BESIDE = 0.2 * HEIGHT
 """Distance (m) inside an edge at which the marginal effect is read."""
-TOLERANCES = (
-    Tolerance(
-        "slab in air, away from edges: springs - FEM times the layers, over the largest |u|",
-        0.2, "1",
-        "order 1 as in one medium: a tenth of a spring in half a height",
-        layer="agreement",
-    ),
-    Tolerance(
-        "slab in air, away from edges: extrapolated with order 1 - FEM, over the largest |u|",
-        0.01, "1",
-        "what is left is of order 2: the square of 0.2 over 6 layers, what an edge is misplaced "
-        "by, some times over as a face bends most beside it, and the reference's own error",
-    ),
-    Tolerance(
+RULES = (
+    kit.Rule(
         "slab in air, away from edges: uncertainty of FEM, over the largest |u|", 0.005, "1",
         "half of what 20 layers may be off",
+        table="air", value="air_uncertainty",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "permittivity_ratio": "permittivity of the slab over that of what surrounds it (1)",
-    "air_difference": "largest |springs - FEM| farther than half a height from the electrode's "
-    "edges, over the largest |FEM| there (1)",
-    "air_limit": "air_difference of the limit that this lattice and the one before, half as fine, "
-    'point to with order 1; "none" for the first (1)',
-    "air_middle": "deflection of the middle over that of a uniform slab, springs (1)",
-    "air_middle_fem": "the same, FEM (1)",
-    "air_beside": "deflection 2 m inside the edge over that of the middle, springs (1)",
-    "air_beside_fem": "the same, FEM (1)",
-    "air_uncertainty": "of FEM, over the same as air_difference (1)",
-}
 
 
 LINEAR: ActuatorSolver = partial(linear_response, None)
 """Newton's method would want derivatives of forces in air, which take minutes by differences."""
 
 
-def run(candidate: ActuatorSolver = LINEAR, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver = LINEAR, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Compare the upper faces for every ratio of permittivities."""
     quick = setting.quick
     layers, mesh = (QUICK_LAYERS, QUICK_MESH) if quick else (LAYERS, MESH)
     ratios = QUICK_RATIOS if quick else RATIOS
     found = [compare_faces(candidate, c, r, layers, mesh) for c in COVERED for r in ratios]
     table = pd.concat([rows for rows, _ in found], ignore_index=True)
-    return Evidence(
+    return kit.Evidence(
         tables={"air": table, "air_faces": pd.concat([f for _, f in found], ignore_index=True)},
-        observed=observe(table),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *judge(table)),
         figures={"air": drawing},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
@@ -91,7 +61,7 @@ def compare_faces(
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Rows of a slab, and its upper face by springs and elements."""
     volts, rows = profile.VOLTAGE, list[dict[str, object]]()
-    before: Array | None = None
+    before: kit.Array | None = None
     scale = bodies.uniform_deflection(volts)
     finest = body(covered, layers[-1], ratio)
     top = upper_face(finest.network.points)
@@ -126,16 +96,27 @@ def compare_faces(
     return pd.DataFrame(rows), pd.concat(faces, ignore_index=True)
 
 
-def observe(table: pd.DataFrame) -> Mapping[str, Observed]:
+def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
     """What is judged."""
     finest = table[table["layers"] == table["layers"].max()]
     limit = pd.to_numeric(finest["air_limit"], errors="coerce")
-    values = (
-        farthest_value(finest["air_difference"] * finest["layers"], 0.0),
-        farthest_value(limit, 0.0),
-        farthest_value(table["air_uncertainty"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
+    return (
+        kit.Tolerance(
+            "slab in air, away from edges: springs - FEM times the layers, over the largest |u|",
+            0.2, "1",
+            "order 1 as in one medium: a tenth of a spring in half a height",
+            layer="agreement",
+            observed=kit.farthest_value(finest["air_difference"] * finest["layers"], 0.0),
+        ),
+        kit.Tolerance(
+            "slab in air, away from edges: extrapolated with order 1 - FEM, over the largest |u|",
+            0.01, "1",
+            "what is left is of order 2: the square of 0.2 over 6 layers, what an edge is "
+            "misplaced by, some times over as a face bends most beside it, and the reference's own "
+            "error",
+            observed=kit.farthest_value(limit, 0.0),
+        ),
+    )  # fmt: skip
 
 
 def finding(table: pd.DataFrame) -> str:
@@ -155,14 +136,14 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def drawing(tables: Tables) -> Figure:
+def drawing(tables: kit.Tables) -> Figure:
     """Deflection of the left half of the upper face for every ratio, springs over FEM."""
     table = tables["air_faces"]
-    figure, axes = figures.new_figure(len(COVERED), size=(3.6, 3.6), sharey=True)
+    figure, axes = kit.figures.new_figure(len(COVERED), size=(3.6, 3.6), sharey=True)
     for axis, covered in zip(axes, COVERED, strict=True):
         rows = table[(table["covered"] == covered) & (table["x"] <= 30)]
         ratios = sorted(set(table["permittivity_ratio"]))
-        for ratio, colour in zip(ratios, figures.COLOURS, strict=False):
+        for ratio, colour in zip(ratios, kit.figures.COLOURS, strict=False):
             here = rows[rows["permittivity_ratio"] == ratio]
             for source, line in here.groupby("source"):
                 who, style, shown = "springs", ".", line
@@ -173,5 +154,5 @@ def drawing(tables: Tables) -> Figure:
         axis.set(xlabel="place along the slab, x (m)", ylim=(-3.2, 0.4), title=TITLES[covered])
     axes[0].set_ylabel("deflection uy\nover the uniform slab's (1)")
     figure.suptitle("The upper face of a slab in air, by permittivity over air's")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure

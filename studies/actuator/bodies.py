@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli
 from msvalidate.dielectric.actuator import Actuator, at_voltage, slab
 from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.lattice import square
-from msvalidate.problem import Array, Box, Index, Isotropic
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem import facing_slab, respond, slab_mesh, solve_charges
 
@@ -22,18 +22,10 @@ AXIAL, DIAGONAL = 1.0, 0.5
 """Spring constants (Pa) for which square cells with diagonals are isotropic."""
 COVERED = {"full": 1.0, "partial": 1 / 3}
 """Name in tables -> part of the upper face under the electrode, in its middle."""
-COLUMNS = {
-    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
-    "layers": "cells up the slab's height",
-    "x": "place along the slab, from its left end (m)",
-    "uy": "displacement along y over a uniform slab's deflection (1)",
-    "source": "whose displacement: springs with their layers, or FEM",
-}
-"""What columns of several tables mean."""
 
-ActuatorSolver = Callable[[Actuator, float], Array]
+ActuatorSolver = Callable[[Actuator, float], kit.Array]
 """Displacement (n, 2) in m of an actuator's points at rest at a voltage (V)."""
-Spoil = Callable[[Actuator, Array], Array]
+Spoil = Callable[[Actuator, kit.Array], kit.Array]
 """Forces (k, 2) in N on the electrodes' points, top then bottom, in place of the right ones."""
 
 
@@ -47,18 +39,18 @@ def body(covered: str, layers: int, ratio: float = 1.0) -> Actuator:
     return found if ratio == 1 else replace(found, model="in_air", permittivity_ratio=ratio)
 
 
-def tips(covered: str) -> Array:
+def tips(covered: str) -> kit.Array:
     """Where (m) along the slab the upper electrode begins and ends."""
     half = 0.5 * LENGTH * COVERED[covered]
     return 0.5 * LENGTH + half * np.array([-1.0, 1.0])
 
 
-def springs(actuator: Actuator, voltage: float) -> Array:
+def springs(actuator: Actuator, voltage: float) -> kit.Array:
     """The network at rest, its charges at rest with it."""
     return at_voltage(actuator, voltage).displacement
 
 
-def linear_response(spoil: Spoil | None, actuator: Actuator, voltage: float) -> Array:
+def linear_response(spoil: Spoil | None, actuator: Actuator, voltage: float) -> kit.Array:
     """Linear response (n, 2) in m to forces at the points' first places, spoilt if asked to be."""
     network = actuator.network
     electric = charge_actuator(actuator, network.start, voltage)
@@ -68,7 +60,7 @@ def linear_response(spoil: Spoil | None, actuator: Actuator, voltage: float) -> 
     return equilibrium(replace(network, force=force)).displacement
 
 
-def elastic(layers: int, actuator: Actuator, voltage: float) -> Array:
+def elastic(layers: int, actuator: Actuator, voltage: float) -> kit.Array:
     """Finite elements in the springs' place: the slab's linear response."""
     network, (top, _) = actuator.network, actuator.electrodes
     ends = network.points[top[[0, -1]], 0]
@@ -85,14 +77,14 @@ def elastic(layers: int, actuator: Actuator, voltage: float) -> Array:
     return respond(mesh, solve_charges(mesh).forces, plane_material()).at(network.points)
 
 
-def plane_material() -> Isotropic:
+def plane_material() -> kit.Isotropic:
     """The isotropic body that the springs are, from the lattice's homogenised tensor."""
-    cell = square(Box((1.0, 1.0)), (1, 1))
+    cell = square(kit.Box((1.0, 1.0)), (1, 1))
     found = moduli(interior_tensor(cell, (AXIAL, DIAGONAL), "shared"))
-    return Isotropic(found.E, found.nu, "plane_stress")
+    return kit.Isotropic(found.E, found.nu, "plane_stress")
 
 
-def upper_face(points: Array) -> Index:
+def upper_face(points: kit.Array) -> kit.Index:
     """Numbers of the points of the upper face, from left to right."""
     at = np.flatnonzero(np.isclose(points[:, 1], points[:, 1].max()))
     return at[np.argsort(points[at, 0], kind="stable")]

@@ -17,22 +17,21 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import Actuator
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array
+from msvalidate.judging.evidence import judge
 
 from . import profile
 from .bodies import ActuatorSolver, Spoil, linear_response
 
 
-def weaken_forces(size: float, actuator: Actuator, pull: Array) -> Array:
+def weaken_forces(size: float, actuator: Actuator, pull: kit.Array) -> kit.Array:
     """Forces smaller by the part `size`."""
     return (1 - size) * pull
 
 
-def swap_faces(size: float, actuator: Actuator, pull: Array) -> Array:
+def swap_faces(size: float, actuator: Actuator, pull: kit.Array) -> kit.Array:
     """The part `size` of the way from each electrode's forces to those of the face across."""
     top, bottom = actuator.electrodes
     x = actuator.network.start[:, 0]
@@ -44,7 +43,7 @@ def swap_faces(size: float, actuator: Actuator, pull: Array) -> Array:
     return (1 - size) * pull + size * np.concatenate(seen)
 
 
-def halve_to_ends(size: float, actuator: Actuator, pull: Array) -> Array:
+def halve_to_ends(size: float, actuator: Actuator, pull: kit.Array) -> kit.Array:
     """The part `size` of the way to charge times the field at each middle, half to each end."""
     charges = charge_actuator(actuator, actuator.network.start, 1.0).charges
     electrodes = charges.moments.electrodes
@@ -55,27 +54,27 @@ def halve_to_ends(size: float, actuator: Actuator, pull: Array) -> Array:
     return (1 - size) * pull + size * scale_of(actuator, pull) * halves
 
 
-def without_edge_force(size: float, actuator: Actuator, pull: Array) -> Array:
+def without_edge_force(size: float, actuator: Actuator, pull: kit.Array) -> kit.Array:
     """The part `size` of the force along the electrode left out at its edges."""
     (top, _), less = actuator.electrodes, np.array(pull)
     less[[0, len(top) - 1], 0] *= 1 - size
     return less
 
 
-def stiffer(size: float, actuator: Actuator, voltage: float) -> Array:
+def stiffer(size: float, actuator: Actuator, voltage: float) -> kit.Array:
     """Every spring stiffer by the part `size`."""
     faulty = replace(actuator, network=actuator.network.scaled(1 + size))
     return linear_response(None, faulty, voltage)
 
 
-def report_charges(size: float, actuator: Actuator, pull: Array) -> Array:
+def report_charges(size: float, actuator: Actuator, pull: kit.Array) -> kit.Array:
     """The part `size` of the way to the report's charges and point forces, springs 1 m deep."""
     here, volts = actuator.network.start, scale_of(actuator, pull)
     as_report = replace(actuator, model="as_report")
     return (1 - size) * pull + size * volts * charge_actuator(as_report, here, 1.0).forces()
 
 
-def forces_without_air(size: float, actuator: Actuator, pull: Array) -> Array:
+def forces_without_air(size: float, actuator: Actuator, pull: kit.Array) -> kit.Array:
     """The part `size` of the way to the forces without air: on the electrodes alone."""
     plane = replace(actuator, model="plane")
     here, volts = actuator.network.start, scale_of(actuator, pull)
@@ -85,7 +84,7 @@ def forces_without_air(size: float, actuator: Actuator, pull: Array) -> Array:
     return (1 - size) * pull + size * volts * spread[air.loaded]
 
 
-def scale_of(actuator: Actuator, pull: Array) -> float:
+def scale_of(actuator: Actuator, pull: kit.Array) -> float:
     """Square of the voltage (V²) that makes the forces (k, 2) of the actuator at its start."""
     unit = charge_actuator(actuator, actuator.network.start, 1.0).forces()
     return float(np.vdot(unit, pull) / np.vdot(unit, unit))
@@ -96,7 +95,7 @@ class Kind:
     """A kind of fault: the unit of its size, and what it does to forces; if nothing, to springs."""
 
     unit: str
-    spoil: Callable[[float, Actuator, Array], Array] | None = None
+    spoil: Callable[[float, Actuator, kit.Array], kit.Array] | None = None
 
     def spoilt(self, size: float) -> ActuatorSolver:
         """The candidate with a fault of this size."""
@@ -105,7 +104,7 @@ class Kind:
         bound: Spoil = partial(self.spoil, size)
         return partial(linear_response, bound)
 
-    def mixed(self, size: float, right: Array, wrong: Array) -> Array:
+    def mixed(self, size: float, right: kit.Array, wrong: kit.Array) -> kit.Array:
         """Displacements with a fault of a size, from those without it and with one of size 1."""
         if self.spoil is None:
             return right / (1 + size)
@@ -136,33 +135,24 @@ SLABS = ("partial",)
 """The slab that they are tried on; it has both a free face and straight edges."""
 STEPS = (*(m * 10.0**-e for e in range(4, 0, -1) for m in (1, 2, 5)), 1.0)
 """Sizes tried: errors need not grow with a fault, whose sign may be opposite to theirs."""
-TOLERANCES = (
-    Tolerance(
-        "actuator: faults that the study must notice and does not", 0.0, "1",
-        "a study that cannot fail proves nothing",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "fault": "what is wrong with the candidate",
-    "fault_unit": "how the fault's size is measured",
-    "asked": "size that must be noticed, in its unit",
-    "noticed": "whether it is",
-    "smallest_noticed": "smallest size noticed, of those tried, on the small form's lattices, in "
-    'its unit; "none" up to 1',
-    "noticed_by": "tolerance of the profile that fails first; none if none does",
-}
 
 
-def run(setting: Setting = FULL) -> Evidence:
+def run(setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Try every kind of fault on the small form of one profile, whose answers are linear in it."""
     small = replace(setting, quick=True)
     right = profile.solve_faces(partial(linear_response, None), small, SLABS)
     table = pd.DataFrame([try_fault(name, right, small) for name in ASKED])
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "actuator: faults that the study must notice and does not", 0.0, "1",
+            "a study that cannot fail proves nothing",
+            observed=kit.Observed(float((table["noticed"] == "no").sum())),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"controls": table},
-        observed={TOLERANCES[0].quantity: Observed(float((table["noticed"] == "no").sum()))},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=own,
+        columns=kit.columns(__file__),
         findings=(
             "Smallest faults noticed: "
             + "; ".join(
@@ -174,7 +164,7 @@ def run(setting: Setting = FULL) -> Evidence:
     )
 
 
-def try_fault(name: str, right: dict[str, profile.Face], small: Setting) -> dict[str, object]:
+def try_fault(name: str, right: dict[str, profile.Face], small: kit.Setting) -> dict[str, object]:
     """Row of a kind of fault."""
     kind = KINDS[name]
     needed = kind.spoil not in (None, weaken_forces)  # those scale the right answer

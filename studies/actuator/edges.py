@@ -18,8 +18,8 @@ from functools import cache
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import capacitance, electrodes_of_chains, strip_points
-from msvalidate.problem import Array
 
 from .bodies import COVERED, HEIGHT, LENGTH, plane_material
 
@@ -32,7 +32,7 @@ STEP = 0.005
 
 
 @cache
-def growth(covered: str) -> Array:
+def growth(covered: str) -> kit.Array:
     """Displacement (2,) in m at 1 V that each halving adds at the right edge, outwards and up."""
     return edge_force(covered) * under_a_force(OPENING[covered], plane_material().E)
 
@@ -55,7 +55,7 @@ def edge_force(covered: str) -> float:
     return 0.5 * (high - low) / (2 * STEP * width)
 
 
-def under_a_force(opening: float, modulus: float) -> Array:
+def under_a_force(opening: float, modulus: float) -> kit.Array:
     """Displacement (2,) in m per N/m along x that each halving adds at a wedge's point.
 
     The wedge lies to the left of and below its point: its first side is the upper face.

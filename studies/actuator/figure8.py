@@ -28,12 +28,10 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import at_voltage
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
 
-from . import bodies, figure8_drawing, models
+from . import figure8_drawing, models
 from . import figure8_statements as said
 from .bodies import ActuatorSolver, body, springs
 from .figure8_statements import COMMON, LAYERS, LOW, RAISED, deflection, middle
@@ -47,78 +45,9 @@ VOLTAGES = {
 FINER = 16
 """Layers of a second mesh of springs, on which the growth of the marginal effect is read again."""
 QUICK_VOLTAGES = {"full": (0.5, 1.5, 2.0), "partial": (0.5, 2.0, 2.5, 2.75)}
-TOLERANCES = (
-    Tolerance(
-        "Figure 8: deflection of the middle, springs over FEM, to 2 V", 0.03, "1",
-        "both discretisations are of order 1, with 0.5 and 1 % at low voltage and 10 layers; the "
-        "voltage, squared over a closing gap, makes up to twice as much of it at 2 V",
-        layer="agreement",
-    ),
-    Tolerance(
-        "Figure 8: marginal effect 2 m inside the edge, springs over FEM, to 2 V", 0.1, "1",
-        "two spacings from an edge each is off by 2 or 3 % at low voltage, not alike; near the "
-        "voltage at which an edge is lost, 2.1 V of these elements, differences grow threefold",
-        layer="agreement",
-    ),
-    Tolerance(
-        "Figure 8: part of the charge on the middle half, springs - FEM, to 2 V", 0.02, "1",
-        "even charges and linear potentials spread the edge's charge over one cell each, which is "
-        "a tenth of half of the electrode",
-        layer="agreement",
-    ),
-    Tolerance(
-        "Figure 8: growth of the marginal effect from 0.5 to 1.5 V, 16 layers less 10 layers",
-        0.01, "1",
-        "order 1: 10 layers miss 2 or 3 % of the effect 2 m inside the edge, and of its growth by "
-        "a twentieth no more than a fifth",
-        layer="agreement",
-    ),
-    Tolerance(
-        "Figure 8: statements on which springs and FEM disagree", 0.0, "1",
-        "a verdict that depends on the way it is reached is none",
-        layer="agreement",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "way": "springs (line charges), the report's way, or FEM: cells of one size, but for the "
-    "report's way on 5 layers",
-    "voltage": "V",
-    "middle": "deflection uy of the middle of the upper face (m)",
-    "margin": "deflection uy of the electrode's left edge (m)",
-    "margin_over_middle": "margin over middle (1)",
-    "beside_over_middle": "deflection 2 m inside the left edge over that of the middle (1)",
-    "dips": "places under the electrode where its deflection is largest, deeper than their "
-    f"neighbourhood by {said.RIPPLE:g} of the middle's (1)",
-    "effect_growth": "deflection 2 m inside the left edge over that of the middle, at "
-    f"{RAISED:g} V over the same at {LOW:g} V (1)",
-    "inner_charge": "part of the upper electrode's charge on the middle half of its springs (1)",
-    "fastest": "distance from the electrode's nearest edge of the point of the upper face whose "
-    'deflection grew most since the voltage before (m); "none" for the first',
-    "figure": "number of the report's figure",
-    "statement": "what the report says, shortened",
-    "measured": "what is measured",
-    "bound": "what must be exceeded, or not, for the statement to hold, in its unit",
-    "unit": "unit of the row's numbers",
-    "in_springs": "the number in the springs with line charges",
-    "in_report": "the same in the report's own way",
-    "in_report_coarse": "the same in the report's own way on 5 layers",
-    "in_fem": f"the same in finite elements, whose last voltage is {COMMON:g} V",
-    "judgement": "of which of them the statement holds",
-    "verdict_on_statement": "whether it is physics, made by the model, or neither",
-    "y": "height (m)",
-    "along": "displacement along x (m)",
-    "up": "displacement along y (m)",
-    "electrode": "which electrode the point or segment belongs to: top, bottom or no",
-    "potential_top": "potential of the upper electrode (V)",
-    "potential_bottom": "potential of the lower electrode (V)",
-    "potential": "potential (V)",
-    "density": "charge per area of both faces together, deformed (C/m²)",
-    "density_flat": "the same of electrodes that have not moved (C/m²)",
-}
 
 
-def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver = springs, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Walk up the voltage three ways, put numbers to the words, and draw the figure again."""
     voltages = QUICK_VOLTAGES if setting.quick else VOLTAGES
     seen = {
@@ -136,7 +65,7 @@ def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidenc
     )
     slabs = [slab_to_draw(c, by["springs"][-1].voltage) for c, by in seen.items()]
     names = ("figure8_slabs", "figure8_density", "figure8_potential")
-    return Evidence(
+    return kit.Evidence(
         tables={
             "figure8": sweep.reset_index(drop=True),
             "figure8_statements": statements,
@@ -147,10 +76,9 @@ def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidenc
                 for name, parts in zip(names, zip(*slabs, strict=True), strict=True)
             },
         },
-        observed=observe(seen, statements, meshes),
-        tolerances=TOLERANCES,
+        tolerances=judge(seen, statements, meshes),
         figures={"figure8": figure8_drawing.redrawn, "figure8_ways": figure8_drawing.ways},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=tuple(
             f'"{row.statement}" (Figure {row.figure}): {row.verdict_on_statement}. {row.measured}: '
             f"springs {row.in_springs:.3g}, the report's way {row.in_report:.3g} "
@@ -233,11 +161,11 @@ def slab_to_draw(covered: str, voltage: float) -> tuple[pd.DataFrame, pd.DataFra
     )
 
 
-def observe(
+def judge(
     seen: Mapping[str, Mapping[str, list[Observation]]],
     statements: pd.DataFrame,
     meshes: pd.DataFrame,
-) -> Mapping[str, Observed]:
+) -> tuple[kit.Tolerance, ...]:
     """What is judged: springs against finite elements wherever both hold."""
     pairs = [
         (one, other)
@@ -249,11 +177,40 @@ def observe(
     share = [a.inner - b.inner for a, b in pairs]
     split = statements["verdict_on_statement"].str.startswith("open").sum()
     coarse, fine = meshes["effect_growth"]
-    values = (
-        farthest_value(mid, 1.0),
-        farthest_value(near, 1.0),
-        farthest_value(share, 0.0),
-        Observed(fine, coarse),
-        Observed(float(split)),
-    )
-    return by_quantity(TOLERANCES, values)
+    return (
+        kit.Tolerance(
+            "Figure 8: deflection of the middle, springs over FEM, to 2 V", 0.03, "1",
+            "both discretisations are of order 1, with 0.5 and 1 % at low voltage and 10 layers; "
+            "the voltage, squared over a closing gap, makes up to twice as much of it at 2 V",
+            layer="agreement",
+            observed=kit.farthest_value(mid, 1.0),
+        ),
+        kit.Tolerance(
+            "Figure 8: marginal effect 2 m inside the edge, springs over FEM, to 2 V", 0.1, "1",
+            "two spacings from an edge each is off by 2 or 3 % at low voltage, not alike; near the "
+            "voltage at which an edge is lost, 2.1 V of these elements, differences grow threefold",
+            layer="agreement",
+            observed=kit.farthest_value(near, 1.0),
+        ),
+        kit.Tolerance(
+            "Figure 8: part of the charge on the middle half, springs - FEM, to 2 V", 0.02, "1",
+            "even charges and linear potentials spread the edge's charge over one cell each, which "
+            "is a tenth of half of the electrode",
+            layer="agreement",
+            observed=kit.farthest_value(share, 0.0),
+        ),
+        kit.Tolerance(
+            "Figure 8: growth of the marginal effect from 0.5 to 1.5 V, 16 layers less 10 layers",
+            0.01, "1",
+            "order 1: 10 layers miss 2 or 3 % of the effect 2 m inside the edge, and of its growth "
+            "by a twentieth no more than a fifth",
+            layer="agreement",
+            observed=kit.Observed(fine, coarse),
+        ),
+        kit.Tolerance(
+            "Figure 8: statements on which springs and FEM disagree", 0.0, "1",
+            "a verdict that depends on the way it is reached is none",
+            layer="agreement",
+            observed=kit.Observed(float(split)),
+        ),
+    )  # fmt: skip

@@ -12,13 +12,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate import kit
 
 STRETCH = 3
 """How many times longer heights are drawn than lengths, where axes are stretched."""
-ELECTRODE = {"top": figures.COLOURS[1], "bottom": "black"}
+ELECTRODE = {"top": kit.figures.COLOURS[1], "bottom": "black"}
 ON = {"top": "top electrode", "bottom": "bottom electrode; the slab is held there"}
 TITLES = {
     "full": "(2), fully covered",
@@ -34,7 +32,7 @@ LINES = 11
 """Lines of equal potential, from the lowest electrode's to the highest's of all slabs."""
 
 
-def redrawn(tables: Tables) -> Figure:
+def redrawn(tables: kit.Tables) -> Figure:
     """Figure 8's slabs at their highest voltage: equal and stretched axes, charge, potential."""
     cases = list(dict.fromkeys(tables["figure8_slabs"]["covered"]))
     figure = Figure(figsize=(7.2, 7.4), layout="constrained")
@@ -66,7 +64,7 @@ def redrawn(tables: Tables) -> Figure:
     scale = figure.colorbar(shown, ax=axes, orientation="horizontal", aspect=50, shrink=0.9)
     scale.set_label("potential (V)")
     figure.suptitle("The report's Figure 8 (2) and (3) drawn again")
-    figures.add_shared_legend(figure, list(axes[:3].ravel()), columns=2)
+    kit.figures.add_shared_legend(figure, list(axes[:3].ravel()), columns=2)
     return figure
 
 
@@ -84,14 +82,14 @@ def draw_slab(axis: Axes, points: pd.DataFrame) -> None:
     axis.grid(visible=False)
 
 
-def electrode_line(points: pd.DataFrame, electrode: str) -> Array:
+def electrode_line(points: pd.DataFrame, electrode: str) -> kit.Array:
     """Deformed places (k, 2) of an electrode's points, from left to right."""
     on = points[points["electrode"] == electrode].sort_values("x", kind="stable")
-    line: Array = on[["x", "y"]].to_numpy() + on[["along", "up"]].to_numpy()
+    line: kit.Array = on[["x", "y"]].to_numpy() + on[["along", "up"]].to_numpy()
     return line
 
 
-def grid_lines(first: Array, at: Array) -> list[Array]:
+def grid_lines(first: kit.Array, at: kit.Array) -> list[kit.Array]:
     """Rows and columns (p, 2) of a rectangular grid known by its first places, drawn `at`."""
     lines = []
     for axis in (0, 1):
@@ -117,7 +115,7 @@ def draw_density(axis: Axes, density: pd.DataFrame) -> None:
 
 
 def draw_potential(
-    axis: Axes, points: pd.DataFrame, potential: pd.DataFrame, levels: Array
+    axis: Axes, points: pd.DataFrame, potential: pd.DataFrame, levels: kit.Array
 ) -> ContourSet:
     """Lines of equal potential around the slab, its outline and its electrodes."""
     grid = potential.pivot_table(index="y", columns="x", values="potential", sort=True)
@@ -140,7 +138,7 @@ def draw_potential(
     return shown
 
 
-def ways(tables: Tables) -> Figure:
+def ways(tables: kit.Tables) -> Figure:
     """Marginal effect and charge against voltage, three ways, and the faces at the last of each."""
     table, faces = tables["figure8"], tables["figure8_faces"]
     figure = Figure(figsize=(7.2, 7.4), layout="constrained")
@@ -149,7 +147,7 @@ def ways(tables: Tables) -> Figure:
     for column, (covered, rows) in zip(axes.T, table.groupby("covered", sort=False), strict=True):
         margin, charge, face = column
         for place, source in enumerate(sources):
-            style = figures.series_style(place)
+            style = kit.figures.series_style(place)
             line = rows[rows["way"] == source]
             margin.plot(line["voltage"], line["beside_over_middle"], label=source, **style)
             charge.plot(line["voltage"], 100 * line["inner_charge"], **style)
@@ -165,5 +163,5 @@ def ways(tables: Tables) -> Figure:
     for axis, label in zip(axes[:, 0], WAYS, strict=True):
         axis.set_ylabel(label)
     figure.suptitle("The report's Figure 8 in numbers, by its own way and others")
-    figures.add_shared_legend(figure, list(axes[0]))
+    kit.figures.add_shared_legend(figure, list(axes[0]))
     return figure

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.problem import SolverError
+from msvalidate import kit
 
 from . import models
 from .bodies import HEIGHT, tips
@@ -54,7 +54,7 @@ def at(run: list[Observation], voltage: float) -> Observation:
         if one.voltage == voltage:
             return one
     held = f"{run[-1].voltage:g} V" if run else "none"
-    raise SolverError(
+    raise kit.SolverError(
         f"Figure 8: {voltage:g} V was not held, at which its statements are read (last held: "
         f"{held}); lay the candidate beside finite elements at lower voltages first"
     )

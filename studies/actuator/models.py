@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import Actuator, relax_actuator
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.problem import Array, Mask, SolverError
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import square_fibres
@@ -46,9 +46,9 @@ class Observation:
     """
 
     voltage: float
-    x: Array
-    move: Array
-    covered: Mask
+    x: kit.Array
+    move: kit.Array
+    covered: kit.Mask
     inner: float
 
 
@@ -61,7 +61,7 @@ def run_springs(
     for voltage in voltages:
         try:
             found.append(observe_actuator(actuator, voltage, candidate(actuator, voltage)))
-        except SolverError:
+        except kit.SolverError:
             break
     return found
 
@@ -77,7 +77,7 @@ def run_report_model(covered: str, layers: int, voltages: tuple[float, ...]) -> 
     for voltage in voltages:
         try:
             moved = relax_actuator(actuator, voltage, **how)
-        except SolverError:
+        except kit.SolverError:
             break
         how |= {"start": moved.equilibrium, "dt": moved.dt, "damping": moved.damping}
         found.append(observe_actuator(actuator, voltage, moved.equilibrium.displacement))
@@ -99,7 +99,7 @@ def run_elements(covered: str, layers: int, voltages: tuple[float, ...]) -> list
     for voltage in voltages:
         try:
             last = equilibrium_at(soft, voltage, start=last)
-        except SolverError:
+        except kit.SolverError:
             break
         charge = last.electric.potential.charge[conductor][order]
         pieces = 0.5 * (charge[1:] + charge[:-1])
@@ -108,7 +108,7 @@ def run_elements(covered: str, layers: int, voltages: tuple[float, ...]) -> list
     return found
 
 
-def observe_actuator(actuator: Actuator, voltage: float, move: Array) -> Observation:
+def observe_actuator(actuator: Actuator, voltage: float, move: kit.Array) -> Observation:
     """What is read off an actuator whose points have moved (n, 2) in m."""
     network, (line, _) = actuator.network, actuator.electrodes
     top = upper_face(network.points)
@@ -119,7 +119,7 @@ def observe_actuator(actuator: Actuator, voltage: float, move: Array) -> Observa
     )
 
 
-def inner_charge(pieces: Array) -> float:
+def inner_charge(pieces: kit.Array) -> float:
     """Part of charges (k,) in order along an electrode that is on its middle half."""
     k = len(pieces)
     out = round(MIDDLE_HALF * k)

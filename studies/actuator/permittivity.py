@@ -16,34 +16,23 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array
+from msvalidate import kit
 
-from . import bodies
 from .bodies import COVERED, ActuatorSolver, body, elastic, uniform_deflection, upper_face
 
 PERMITTIVITY, VOLTAGE, LAYERS, MESH = 2.7, 0.1, 3, 4
 """F/m, V, and cells up the slab of springs and up that of elements."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "displacement at 2.7 F/m over that at 1 F/m and √2.7 times the voltage, from 1", 1e-7, "1",
         "the same equation: rest is found to 1e-10 of the forces that meet at a point, which are "
         "at most some hundreds of times the electrodes' own",
+        table="permittivity", value="over_scaled", reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "solved_by": "whose displacement: springs, or FEM",
-    "permittivity": "of the slab and of what surrounds it (F/m)",
-    "over_uniform": "deflection of the middle of the upper face over that of a uniform slab (1)",
-    "over_scaled": "largest displacement of the upper face over the same at 1 F/m and as many "
-    "times the voltage as the root of the permittivity (1)",
-}
 
 
-def run(candidate: ActuatorSolver, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Move both slabs at one permittivity and at the other."""
     rows = []
     for covered in COVERED:
@@ -53,16 +42,14 @@ def run(candidate: ActuatorSolver, setting: Setting = FULL) -> Evidence:
         for by, moved in (("springs", candidate), ("FEM", partial(elastic, MESH))):
             rows.append(row(covered, by, moved(dense, VOLTAGE)[top], moved(plain, scaled)[top]))
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"permittivity": table},
-        observed={TOLERANCES[0].quantity: farthest_value(table["over_scaled"], 1.0)},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={"over_uniform": 1e-7, "over_scaled": 1e-8},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
     )
 
 
-def row(covered: str, solved_by: str, move: Array, scaled: Array) -> dict[str, object]:
+def row(covered: str, solved_by: str, move: kit.Array, scaled: kit.Array) -> dict[str, object]:
     """Row of displacements (p, 2) in m of the upper face, at the permittivity and scaled."""
     largest = np.unravel_index(np.abs(scaled).argmax(), scaled.shape)
     middle = -float(move[len(move) // 2, 1])

@@ -14,7 +14,6 @@ Expected   Edges disturb about a height on either side, whatever the stretch; a 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,12 +21,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import Actuator, slab, uniform
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import Law, Solid, square_fibres
@@ -43,42 +39,27 @@ ALIKE = 0.05
 """Part of the middle's value within which a place counts as like it."""
 NEARLY = 0.8
 """Part of the film that must be alike for the remark to hold."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "pre-stretched films: thinning of the middle over that of a uniform film", 0.03, "1",
         "the margin of a film six heights long still lifts the middle by 1.6 %, as finite elements "
         "show; that of longer ones by nothing that can be seen",
+        table="prestretched", value="thinning", reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "pre-stretched films: thinning of the middle, springs over FEM", 0.003, "1",
         "three heights from the margin it still lifts the middle by exp(-0.9·3) of a quarter, 1.7 "
         "%, of which springs, of order 1, miss a sixth with the 6 layers of the small form",
         layer="agreement",
+        table="prestretched", value=kit.Quotient("thinning", "thinning_fem"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "pre-stretched films: margin in heights, springs - FEM", 0.5, "1",
         "a cell of the lattice, which a stretch by 2 makes 0.45 of a film of 6 layers",
         layer="agreement",
+        table="prestretched", value="margin_heights", reference="margin_heights_fem",
     ),
 )  # fmt: skip
-COLUMNS = {
-    "prestretch": "length of the film over that before it was stretched (1)",
-    "film": "stretched, or never stretched but as long over its height as the stretched one",
-    "slenderness": "length over height as bonded (1)",
-    "film_voltage": "voltage that thins a uniform film by 2 % (V)",
-    "thinning": "of the middle, by the voltage, over that of a uniform film, springs (1)",
-    "thinning_fem": "the same, FEM (1)",
-    "alike": f"part of the upper face whose deflection is within {ALIKE:g} of the middle's (1)",
-    "alike_fem": "the same, FEM (1)",
-    "pulled_alike": f"part of the upper electrode whose pull down is within {ALIKE:g} of the "
-    "middle's (1)",
-    "margin_heights": "length of what is not alike on either side, over the height, springs (1)",
-    "margin_heights_fem": "the same, FEM (1)",
-    "like_compression": f"yes or no: whether {NEARLY:g} of the film or more is compressed alike",
-    "part": "place along the film over its length (1)",
-    "deflection": "deflection by the voltage over that of the middle, springs (1)",
-    "pull": "force down per length over that of the middle, springs (1)",
-}
 
 
 @dataclass(frozen=True)
@@ -124,23 +105,23 @@ class Stretched:
     """A law of bodies that are already stretched: W(F·F0)/det F0, F0 the stretch (d, d)."""
 
     law: Law
-    F0: Array
+    F0: kit.Array
 
     @property
     def dim(self) -> int:
         """Number of axes."""
         return self.law.dim
 
-    def energy(self, F: Array) -> Array:
+    def energy(self, F: kit.Array) -> kit.Array:
         """W (q,) in J/m³ of the stretched body."""
         return np.asarray(self.law.energy(F @ self.F0) / np.linalg.det(self.F0))
 
-    def stress(self, F: Array) -> Array:
+    def stress(self, F: kit.Array) -> kit.Array:
         """P (q, d, d) in Pa."""
         found = self.law.stress(F @ self.F0) @ self.F0.T
         return np.asarray(found / np.linalg.det(self.F0))
 
-    def tangent(self, F: Array) -> Array:
+    def tangent(self, F: kit.Array) -> kit.Array:
         """A (q, d, d, d, d) in Pa."""
         A = self.law.tangent(F @ self.F0)
         found = np.einsum("qiJkL,aJ,bL->qiakb", A, self.F0, self.F0, optimize=True)
@@ -158,20 +139,17 @@ def films(stretches: tuple[float, ...], layers: int) -> tuple[Film, ...]:
     return (*stretched, *as_long)
 
 
-def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver = springs, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Compress every film by its voltage."""
     stretches, layers = (QUICK_STRETCHES, QUICK_LAYERS) if setting.quick else (STRETCHES, LAYERS)
     found = [measure_film(candidate, film, layers) for film in films(stretches, layers)]
     table = pd.DataFrame([row for row, _ in found])
-    return Evidence(
-        tables={
-            "prestretched": table,
-            "prestretched_faces": pd.concat([face for _, face in found], ignore_index=True),
-        },
-        observed=observe(table),
-        tolerances=TOLERANCES,
+    return kit.Evidence(
+        tables={"prestretched": table},
+        tolerances=RULES,
+        drawn={"prestretched_faces": pd.concat([face for _, face in found], ignore_index=True)},
         figures={"prestretched": prestretched_drawing.faces},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
@@ -208,14 +186,14 @@ def measure_film(
     return row, face
 
 
-def pull_on_electrode(actuator: Actuator, voltage: float, position: Array) -> Array:
+def pull_on_electrode(actuator: Actuator, voltage: float, position: kit.Array) -> kit.Array:
     """Force down (p,) per length on the upper electrode's points, from left to right (N/m)."""
     electric, (top, _) = charge_actuator(actuator, position, voltage), actuator.electrodes
     down = -electric.forces()[: len(top), 1]
     return np.asarray(down / np.gradient(position[top, 0]))
 
 
-def deflection_by_elements(film: Film, layers: int, places: Array) -> Array:
+def deflection_by_elements(film: Film, layers: int, places: kit.Array) -> kit.Array:
     """Deflection (p,) in m by the voltage at places (p, 2) on the upper face, finite elements."""
     F0 = np.diag([film.stretch, film.height / HEIGHT])
     slab = facing_slab(film.stretch * film.length, film.height)
@@ -225,7 +203,7 @@ def deflection_by_elements(film: Film, layers: int, places: Array) -> Array:
     return -equilibrium_at(soft, film.voltage).at(places)[:, 1]
 
 
-def similar_fraction(x: Array, values: Array) -> float:
+def similar_fraction(x: kit.Array, values: kit.Array) -> float:
     """Part of a film, around its middle, where values are like the middle's; linear between points.
 
     Left and right are looked at alone, and their mean is taken.
@@ -242,16 +220,6 @@ def similar_fraction(x: Array, values: Array) -> float:
         step = (ALIKE - away[i - 1]) / (away[i] - away[i - 1])
         reach.append(abs(along[i - 1] + step * (along[i] - along[i - 1]) - along[0]))
     return float(sum(reach) / (x.max() - x.min()))
-
-
-def observe(table: pd.DataFrame) -> Mapping[str, Observed]:
-    """What is judged."""
-    values = (
-        farthest_value(table["thinning"], 1.0),
-        farthest_value(table["thinning"] / table["thinning_fem"], 1.0),
-        farthest_value(table["margin_heights"], table["margin_heights_fem"]),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

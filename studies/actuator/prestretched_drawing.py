@@ -6,8 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate import kit
 
 MEASURES = {
     "deflection": "deflection over the middle's (1)",
@@ -15,14 +14,14 @@ MEASURES = {
 }
 
 
-def faces(tables: Tables) -> Figure:
+def faces(tables: kit.Tables) -> Figure:
     """Deflection and pull along the left half of every film."""
     table = tables["prestretched_faces"]
     films = table[["film", "slenderness", "prestretch"]].drop_duplicates()
     ratios = sorted({round(ratio) for ratio in films["slenderness"]})
-    colours = dict(zip(ratios, figures.COLOURS, strict=False))
-    markers = dict(zip(ratios, figures.MARKERS, strict=False))
-    figure, axes = figures.new_figure(2, size=(3.6, 3.9), sharex=True, sharey=True)
+    colours = dict(zip(ratios, kit.figures.COLOURS, strict=False))
+    markers = dict(zip(ratios, kit.figures.MARKERS, strict=False))
+    figure, axes = kit.figures.new_figure(2, size=(3.6, 3.9), sharex=True, sharey=True)
     for axis, (measure, label) in zip(axes, MEASURES.items(), strict=True):
         for film, ratio, stretch in films.itertuples(index=False):
             rows = table[(table["film"] == film) & (table["slenderness"] == ratio)]
@@ -44,5 +43,5 @@ def faces(tables: Tables) -> Figure:
     axes[0].set_title("compression")
     axes[1].set_title("force")
     figure.suptitle("How far the end of a film reaches, stretched before or not")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure

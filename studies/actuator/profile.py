@@ -20,10 +20,7 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Mask
+from msvalidate import kit
 
 from . import bodies, edges, profile_drawing
 from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, tips, upper_face
@@ -37,77 +34,26 @@ MESH, QUICK_MESH = 32, 24
 AWAY = 0.5 * HEIGHT
 """Distance (m) from an edge beyond which a point counts as away from it."""
 WITHIN, EXTRAPOLATED = 0.01, 0.003
-TOLERANCES = (
-    Tolerance(
-        "profile away from edges: springs - FEM, finest lattice, over the largest |u|", WITHIN, "1",
-        "what the project asks of springs against elements; an order 1 that leaves 2 % at 10 "
-        "layers leaves 0.8 % at 24 and 0.5 % at 40",
-        layer="agreement",
-    ),
-    Tolerance(
-        "profile away from edges: the same times the layers", 0.2, "1",
-        "order 1 as of an edge misplaced by a part of a spring: a tenth of a spring in half a "
-        "height, beyond which points count, is 0.2 over the layers; of the two finest lattices",
-        layer="agreement",
-    ),
-    Tolerance(
-        "profile away from edges: order in the spacing", 0.15, "1",
-        "order 1 of even charges; terms of order 2 are a tenth of it on the two finest lattices",
-    ),
-    Tolerance(
-        "profile away from edges: extrapolated with order 1 - FEM, over the largest |u|",
-        EXTRAPOLATED, "1",
-        "the limit is the elastic slab; what is left is of order 2, the square of what an edge is "
-        "misplaced by, 0.2 over the 12 layers of the coarser lattice, a few times over, and the "
-        "reference's own error, up to 0.002 on its coarser meshes",
-    ),
-    Tolerance(
+RULES = (
+    kit.Rule(
         "profile away from edges: uncertainty of FEM, over the largest |u|", 0.5 * WITHIN, "1",
         "half of what springs may be off; it is largest next to the edges",
-    ),
-    Tolerance(
-        "edges: growth by halving the lattice, over the closed form, extrapolated", 0.05, "1",
-        "pressures that grow with the inverse root of the distance from an edge leave terms of "
-        "order 1/2, a quarter at 24 layers, and their square, of order 1: both are taken out, and "
-        "their cube is 2 %, times a factor of order 1",
+        table="profile", value="uncertainty",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "spacing": "length of a spring along an axis (m)",
-    "difference_away": "largest |springs - FEM| farther than half a height from the electrode's "
-    "edges, over the largest |FEM| there (1)",
-    "difference_times_layers": "difference_away times layers (1)",
-    "order": 'of difference_away, from this lattice and the one before; "none" for the first (1)',
-    "extrapolated": "difference_away of the limit that this lattice and the one before point to "
-    'with order 1; "none" for the first (1)',
-    "difference_near": "largest |springs - FEM| from a tenth to half a height from the edges, over "
-    "the same (1)",
-    "middle_springs": "deflection of the middle over that of a uniform slab, springs (1)",
-    "middle_fem": "the same, FEM (1)",
-    "uncertainty": "of FEM away from the edges, over the same (1)",
-    "component": "of the displacement of the electrode's edge: x outwards along it, y up",
-    "at_edge": "displacement of the point at the edge over a uniform slab's deflection (1)",
-    "growth": 'by how much at_edge is larger than on the lattice before; "none" for the first (1)',
-    "growth_extrapolated": "growth in the limit, from three of them with terms of order 1/2 and 1; "
-    '"none" before there are three (1)',
-    "growth_exact": "F·c·ln 2 over a uniform slab's deflection (1)",
-    "ux": "displacement along x over a uniform slab's deflection (1)",
-    "edge_distance": "distance from the nearest edge of the upper electrode (m)",
-}
 
-Face = dict[str | int, tuple[Array, Array, Array]]
+Face = dict[str | int, tuple[kit.Array, kit.Array, kit.Array]]
 """Layers, or "FEM" -> places (p,) in m, displacements (p, 2) and their uncertainties (p, 2), over
 a uniform slab's deflection."""
 
 
-def run(candidate: ActuatorSolver, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Compare the upper faces, and follow what happens at the edges."""
     return evidence(solve_faces(candidate, setting))
 
 
 def solve_faces(
-    candidate: ActuatorSolver, setting: Setting, slabs: tuple[str, ...] = tuple(COVERED)
+    candidate: ActuatorSolver, setting: kit.Setting, slabs: tuple[str, ...] = tuple(COVERED)
 ) -> dict[str, Face]:
     """Upper faces of the slabs named, on every lattice and by finite elements."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
@@ -116,24 +62,21 @@ def solve_faces(
     return {c: lattices(candidate, c, layers) | {"FEM": solids[c]} for c in slabs}
 
 
-def evidence(faces: Mapping[str, Face]) -> Evidence:
+def evidence(faces: Mapping[str, Face]) -> kit.Evidence:
     """What upper faces show."""
     profile = pd.concat([compare_faces(c, face) for c, face in faces.items()], ignore_index=True)
     edge = pd.concat([edge_rows(c, face) for c, face in faces.items()], ignore_index=True)
-    return Evidence(
-        tables={
-            "profile": profile,
-            "edges": edge,
+    return kit.Evidence(
+        tables={"profile": profile, "edges": edge},
+        tolerances=(*RULES, *judge(profile, edge)),
+        drawn={
             "surface": pd.concat(
                 [faces_to_draw(*face) for face in faces.items()], ignore_index=True
-            ),
+            )
         },
-        observed=observe(profile, edge),
-        tolerances=TOLERANCES,
         figures={"profile": profile_drawing.profiles, "profile_order": profile_drawing.orders},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(profile, edge),
-        rounding={"at_edge": 1e-9, "ux": 1e-9, "uy": 1e-9},
     )
 
 
@@ -150,7 +93,7 @@ def lattices(candidate: ActuatorSolver, covered: str, layers: tuple[int, ...]) -
 
 
 @cache
-def solid(covered: str, layers: int, mesh: int) -> tuple[Array, Array, Array]:
+def solid(covered: str, layers: int, mesh: int) -> tuple[kit.Array, kit.Array, kit.Array]:
     """Displacement by finite elements at the upper points of a lattice, and its uncertainty."""
     actuator = body(covered, layers)
     points = actuator.network.points
@@ -159,7 +102,7 @@ def solid(covered: str, layers: int, mesh: int) -> tuple[Array, Array, Array]:
     return points[top, 0], fine, np.abs(fine - coarse)
 
 
-def edge_distance(covered: str, x: Array) -> Array:
+def edge_distance(covered: str, x: kit.Array) -> kit.Array:
     """Distance (p,) in m of places along the upper face from the electrode's nearest edge."""
     return np.asarray(np.abs(x[:, None] - tips(covered)).min(axis=1))
 
@@ -168,7 +111,7 @@ def compare_faces(covered: str, face: Face) -> pd.DataFrame:
     """Rows of one slab: how far each lattice's face is from that of finite elements."""
     x, fem, unsure = face["FEM"]
     rows: list[dict[str, object]] = []
-    before: tuple[int, float, Array] | None = None
+    before: tuple[int, float, kit.Array] | None = None
     for n in [key for key in face if key != "FEM"]:
         at, move, _ = face[n]
         on = np.searchsorted(x, at - 1e-9)
@@ -181,7 +124,7 @@ def compare_faces(covered: str, face: Face) -> pd.DataFrame:
         row |= {"difference_times_layers": far * int(n), "order": "none", "extrapolated": "none"}
         if before is not None:
             skip = int(n) // before[0]
-            row["order"] = observed_order([2.0, 1.0], [before[1], far])
+            row["order"] = kit.observed_order([2.0, 1.0], [before[1], far])
             limit = (2 * error[::skip] - before[2])[away[::skip]]
             row["extrapolated"] = float(length(limit).max())
         middle = len(at) // 2
@@ -230,27 +173,57 @@ def faces_to_draw(covered: str, face: Face) -> pd.DataFrame:
     for key in (lattices[0], lattices[-1], "FEM"):
         x, move, _ = face[key]
         apart = edge_distance(covered, x)
-        keep: Mask = (apart > 1e-9) | (key != "FEM")
+        keep: kit.Mask = (apart > 1e-9) | (key != "FEM")
         row = {"covered": covered, "source": str(key), "x": x[keep], "edge_distance": apart[keep]}
         tables.append(pd.DataFrame(row | {"ux": move[keep, 0], "uy": move[keep, 1]}))
     return pd.concat(tables, ignore_index=True)
 
 
-def observe(profile: pd.DataFrame, edge: pd.DataFrame) -> Mapping[str, Observed]:
+def judge(profile: pd.DataFrame, edge: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
     """What is judged."""
     finest = profile[profile["layers"] == profile["layers"].max()]
     fine = profile[2 * profile["layers"] >= profile["layers"].max()]
     last = edge[edge["layers"] == edge["layers"].max()]
     limit = pd.to_numeric(last["growth_extrapolated"], errors="coerce")
-    values = (
-        farthest_value(finest["difference_away"], 0.0),
-        farthest_value(fine["difference_times_layers"], 0.0),
-        farthest_value(pd.to_numeric(finest["order"], errors="coerce"), 1.0),
-        farthest_value(pd.to_numeric(finest["extrapolated"], errors="coerce"), 0.0),
-        farthest_value(profile["uncertainty"], 0.0),
-        farthest_value(limit / last["growth_exact"], 1.0),
-    )
-    return by_quantity(TOLERANCES, values)
+    return (
+        kit.Tolerance(
+            "profile away from edges: springs - FEM, finest lattice, over the largest |u|",
+            WITHIN, "1",
+            "what the project asks of springs against elements; an order 1 that leaves 2 % at 10 "
+            "layers leaves 0.8 % at 24 and 0.5 % at 40",
+            layer="agreement",
+            observed=kit.farthest_value(finest["difference_away"], 0.0),
+        ),
+        kit.Tolerance(
+            "profile away from edges: the same times the layers", 0.2, "1",
+            "order 1 as of an edge misplaced by a part of a spring: a tenth of a spring in half a "
+            "height, beyond which points count, is 0.2 over the layers; of the two finest lattices",
+            layer="agreement",
+            observed=kit.farthest_value(fine["difference_times_layers"], 0.0),
+        ),
+        kit.Tolerance(
+            "profile away from edges: order in the spacing", 0.15, "1",
+            "order 1 of even charges; terms of order 2 are a tenth of it on the two finest "
+            "lattices",
+            observed=kit.farthest_value(pd.to_numeric(finest["order"], errors="coerce"), 1.0),
+        ),
+        kit.Tolerance(
+            "profile away from edges: extrapolated with order 1 - FEM, over the largest |u|",
+            EXTRAPOLATED, "1",
+            "the limit is the elastic slab; what is left is of order 2, the square of what an edge "
+            "is misplaced by, 0.2 over the 12 layers of the coarser lattice, a few times over, and "
+            "the reference's own error, up to 0.002 on its coarser meshes",
+            observed=kit.farthest_value(pd.to_numeric(finest["extrapolated"], errors="coerce"),
+            0.0),
+        ),
+        kit.Tolerance(
+            "edges: growth by halving the lattice, over the closed form, extrapolated", 0.05, "1",
+            "pressures that grow with the inverse root of the distance from an edge leave terms of "
+            "order 1/2, a quarter at 24 layers, and their square, of order 1: both are taken out, "
+            "and their cube is 2 %, times a factor of order 1",
+            observed=kit.farthest_value(limit / last["growth_exact"], 1.0),
+        ),
+    )  # fmt: skip
 
 
 def findings(profile: pd.DataFrame, edge: pd.DataFrame) -> tuple[str, ...]:
@@ -277,7 +250,7 @@ def findings(profile: pd.DataFrame, edge: pd.DataFrame) -> tuple[str, ...]:
     return agree, tip
 
 
-def length(vectors: Array) -> Array:
+def length(vectors: kit.Array) -> kit.Array:
     """(p,) of vectors (p, 2)."""
     return np.asarray(np.hypot(*vectors.T))
 

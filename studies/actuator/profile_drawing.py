@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate import kit
 
 from .bodies import HEIGHT
 
@@ -19,10 +18,10 @@ DEEPEST = {"uy": (-3.2, 0.35), "ux": (-3.8, 3.8)}
 """Limits of the axes: what happens at the edges has no limit of its own."""
 
 
-def profiles(tables: Tables) -> Figure:
+def profiles(tables: kit.Tables) -> Figure:
     """Both components on the upper face: springs of two lattices over finite elements."""
     surface = tables["surface"]
-    figure, axes = figures.new_figure(2, 2, size=(3.6, 2.8), sharex=True, sharey="row")
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.6, 2.8), sharex=True, sharey="row")
     for i, component in enumerate(COMPONENTS):
         for j, covered in enumerate(TITLES):
             axis = axes[2 * i + j]
@@ -30,8 +29,8 @@ def profiles(tables: Tables) -> Figure:
             coarse, fine, fem = dict.fromkeys(rows["source"])
             drawn: tuple[tuple[str, str, dict[str, Any]], ...] = (
                 (fem, "-", {"color": "black", "zorder": 3}),
-                (coarse, "o", {"color": figures.COLOURS[0], "mfc": "none", "zorder": 2}),
-                (fine, ".", {"color": figures.COLOURS[1], "zorder": 2}),
+                (coarse, "o", {"color": kit.figures.COLOURS[0], "mfc": "none", "zorder": 2}),
+                (fine, ".", {"color": kit.figures.COLOURS[1], "zorder": 2}),
             )
             for source, mark, style in drawn:
                 line, label = rows[rows["source"] == source], f"springs, {source} layers"
@@ -49,7 +48,7 @@ def profiles(tables: Tables) -> Figure:
             else:
                 axis.set_xlabel("place along the slab, x (m)")
     figure.suptitle("The upper face of an actuator")
-    figures.add_shared_legend(figure, axes)
+    kit.figures.add_shared_legend(figure, axes)
     return figure
 
 
@@ -61,12 +60,12 @@ def broken(line: pd.DataFrame) -> pd.DataFrame:
     return pd.concat([line.reset_index(drop=True), gaps]).sort_index()
 
 
-def orders(tables: Tables) -> Figure:
+def orders(tables: kit.Tables) -> Figure:
     """Difference to finite elements against the spacing, and the edge that sinks without end."""
-    figure, (falls, grows) = figures.new_figure(2, size=(3.6, 4.3))
+    figure, (falls, grows) = kit.figures.new_figure(2, size=(3.6, 4.3))
     profile, edge = tables["profile"], tables["edges"]
     for place, (covered, rows) in enumerate(profile.groupby("covered", sort=False)):
-        title, style = TITLES[str(covered)], figures.series_style(place)
+        title, style = TITLES[str(covered)], kit.figures.series_style(place)
         away, near = f"{title}, half a height and more away", f"{title}, nearer"
         falls.plot(rows["spacing"], rows["difference_away"], ls="-", label=away, **style)
         style |= {"ls": ":", "mfc": "none"}
@@ -80,7 +79,7 @@ def orders(tables: Tables) -> Figure:
     for place, (slab, component) in enumerate(lines):
         rows = edge[(edge["covered"] == slab) & (edge["component"] == component)]
         h, size = HEIGHT / rows["layers"].to_numpy(), rows["at_edge"].abs().to_numpy()
-        way, style = "outwards" if component == "x" else "down", figures.series_style(place)
+        way, style = "outwards" if component == "x" else "down", kit.figures.series_style(place)
         grows.plot(h, size, ls="-", label=f"edge, {TITLES[str(slab)]}, {way}", **style)
         slope = float(rows["growth_exact"].abs().iloc[0]) / np.log(2)
         closed = size[-1] - slope * np.log(h / h[-1])
@@ -92,5 +91,5 @@ def orders(tables: Tables) -> Figure:
     for axis in (falls, grows):
         axis.set_xticks(spacing, [f"{h:.2g}" for h in spacing])
     figure.suptitle("Springs against finite elements as the spacing shrinks")
-    figures.add_shared_legend(figure, [falls, grows], columns=2)
+    kit.figures.add_shared_legend(figure, [falls, grows], columns=2)
     return figure

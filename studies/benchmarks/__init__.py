@@ -26,12 +26,9 @@ elements.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
-from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
-from msvalidate.judging.evidence import Evidence, gather_evidence, merge
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
 from . import (
     bending,
@@ -56,35 +53,23 @@ from . import (
 FAULTS = controls.FAULTS
 """Negative controls: arguments of `run` under which a tolerance must fail, asked of the question
 that should notice."""
-QUESTIONS: dict[str, Callable[[DisplacementSolver, Setting], Evidence]] = {
-    "patch": patch.run,
-    "from_file": from_file.run,
-    "cantilever": cantilever.run,
-    "bending": bending.run,
-    "three_point": three_point.run,
-    "cook": cook.run,
-    "ellipse": ellipse.run,
-    "hole": hole.run,
-    "strips": strips.run,
-    "ring": ring.run,
-    "thick_plate": thick_plate.run,
-    "plate_springs": plate_springs.run,
-    "frozen_cases": frozen_cases.run,
-    "published": published.run,
-}
+ASKED = (
+    patch, from_file, cantilever, bending, three_point, cook, ellipse, hole, strips, ring,
+    thick_plate, plate_springs, frozen_cases, published,
+)  # fmt: skip
+QUESTIONS = {module.__name__.rpartition(".")[2]: module.run for module in ASKED}
 
 
 def run(
-    candidate: DisplacementSolver = solve_springs,
-    setting: Setting = FULL,
+    candidate: kit.DisplacementSolver = kit.solve_springs,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    asked = setting
-    candidate = check_displacements(candidate)
-    found = gather_evidence(
-        {name: partial(ask, candidate, asked) for name, ask in QUESTIONS.items()}, questions
+    candidate = kit.check_displacements(candidate)
+    found = kit.gather_evidence(
+        {name: partial(ask, candidate, setting) for name, ask in QUESTIONS.items()}, questions
     )
     if not any(cases.has_layout(table) for table in found.tables.values()):
         return found
-    return merge(overview.overview(found.tables), found)
+    return kit.merge(overview.overview(found.tables), found)

@@ -27,16 +27,10 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.constants.stiffness import in_plane_moduli
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
-from msvalidate.output import figures
-from msvalidate.problem import Array, Box, Isotropic, Problem, Region, Support, Traction
 
 from . import cases, models
 
@@ -48,23 +42,29 @@ what they add decays as exp(-4.2·distance/height), to 1e-11 of itself at the mi
 MODULUS, MOMENT = 1e5, 100.0
 """Pa and N·m, one metre thick and high; the answer is linear."""
 MATERIALS = (
-    *(Isotropic(E=MODULUS, nu=nu) for nu in (-0.25, 0.0, 0.2, 1 / 3, 0.45, 0.49, 0.499)),
-    *(Isotropic(E=MODULUS, nu=nu, state="plane_strain") for nu in (0.4, 0.45, 0.49, 0.499)),
+    *(kit.Isotropic(E=MODULUS, nu=nu) for nu in (-0.25, 0.0, 0.2, 1 / 3, 0.45, 0.49, 0.499)),
+    *(kit.Isotropic(E=MODULUS, nu=nu, state="plane_strain") for nu in (0.4, 0.45, 0.49, 0.499)),
 )
-COLUMNS = {
-    **cases.COLUMNS,
-    "nu_plane": "Poisson's ratio of strains in the plane: nu, or nu/(1 - nu) in plane strain (1)",
-}
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "pure bending at any ratio: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²", 1e-8, "1",
-        "exact on a network, on a network: left are rounding, 1e-16 times a condition number of "
-        "up to 1e6, and its loss in second differences of the deflection, (8·12/2)² over 8",
+        "exact on a network, on a network: left are rounding, 1e-16 times a condition number of up "
+        "to 1e6, and its loss in second differences of the deflection, (8·12/2)² over 8",
+        table="bending", value="value", reference="accepted",
     ),
+)  # fmt: skip
+FIGURE = kit.series(
+    "bending", title="Pure bending of beams of square cells",
+    x="nu_plane", y="value", by="cells", line="", log="y", size=(4.8, 3.6),
+    labels=("Poisson's ratio of the plane, nu (1)", "stiffness over the solid's, EI_eff/EI (1)"),
+    beside={"accepted": "1 + ((2 - nu)/(1 + nu))/N²"},
+    words={1: "N = 1 cell high", 2: "N = 2", 4: "N = 4", 8: "N = 8"},
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's beams with the closed form."""
     sizes = QUICK_HEIGHTS if setting.quick else HEIGHTS
     rows: list[dict[str, object]] = []
@@ -83,39 +83,41 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
             (row,) = cases.rows(quantity, models.method("square", nu), (n,), (value,))
             rows.append(row | {"nu_plane": nu})
     table = pd.DataFrame(rows)
-    seen = farthest_value(table["value"], table["accepted"])
     low, high = table["nu_plane"].min(), table["nu_plane"].max()
     finding = (
         "Beams of springs with a volume energy bend as 1 + ((2 - nu)/(1 + nu))/N² says, to "
         f"rounding, for ratios of the plane from {low:.3g} to {high:.3g}: they do not lock."
     )
-    return Evidence(
+    return kit.Evidence(
         tables={"bending": table},
-        observed={TOLERANCES[0].quantity: seen},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        figures={"bending": drawn},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        figures={"bending": FIGURE},
         findings=(finding,),
-        rounding={"against_accepted": 1e-8, "against_limit": 1e-8},
     )
 
 
-def bending_stiffness(candidate: DisplacementSolver, material: Isotropic, cells: int) -> float:
+def bending_stiffness(
+    candidate: kit.DisplacementSolver, material: kit.Isotropic, cells: int
+) -> float:
     """EI_eff/EI of a beam 1 m high under end moments, from the curvature at its middle."""
     length = float(LENGTH)
-    beam = Box((length, 1.0))
+    beam = kit.Box((length, 1.0))
 
-    def pull(points: Array) -> Array:
+    def pull(points: kit.Array) -> kit.Array:
         return 12 * MOMENT * np.outer(points[:, 1] - 0.5, (1.0, 0.0))
 
-    def push(points: Array) -> Array:
+    def push(points: kit.Array) -> kit.Array:
         return -pull(points)
 
-    problem = Problem(
+    problem = kit.Problem(
         beam,
         material,
-        (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((length, 0.0)), (None, 0.0))),
-        (Traction(beam.side("right"), pull), Traction(beam.side("left"), push)),
+        (
+            kit.Support(kit.Region((0.0, 0.0)), (0.0, 0.0)),
+            kit.Support(kit.Region((length, 0.0)), (None, 0.0)),
+        ),
+        (kit.Traction(beam.side("right"), pull), kit.Traction(beam.side("left"), push)),
         name="pure bending",
     )
     network = models.network_of(problem, square(beam, (LENGTH * cells, cells)))
@@ -126,24 +128,3 @@ def bending_stiffness(candidate: DisplacementSolver, material: Isotropic, cells:
     left, centre, right = deflection[middle - 1 : middle + 2]
     curvature = (left - 2 * centre + right) * cells**2
     return float(MOMENT / abs(curvature) / (in_plane_moduli(material)[0] / 12))
-
-
-def drawn(tables: Tables) -> Figure:
-    """How much stiffer than its solid a beam is, for each number of cells through its height."""
-    table = tables["bending"]
-    figure, (axis,) = figures.new_figure(size=(4.8, 4.4))
-    nu = np.linspace(table["nu_plane"].min(), 1.0, 200)
-    for i, n in enumerate(sorted(set(table["cells"]))):
-        rows = table[table["cells"] == n]
-        colour, cells = figures.COLOURS[i], "cell" if n == 1 else "cells"
-        axis.semilogy(nu, 100 * (2 - nu) / (1 + nu) / n**2, color=colour, lw=0.9)
-        axis.semilogy(
-            rows["nu_plane"], 100 * (rows["value"] - 1), figures.MARKERS[i], color=colour,
-            label=f"springs, N = {n} {cells} through the height",
-        )  # fmt: skip
-    axis.plot([], [], color="grey", lw=0.9, label="closed form, (2 - nu)/(1 + nu)/N²")
-    axis.set_xlabel("Poisson's ratio of the plane, nu (1)")
-    axis.set_ylabel("stiffer than the solid by (%)")
-    figure.suptitle("Pure bending: stiffness of beams of square cells")
-    figures.add_shared_legend(figure, [axis], columns=1)
-    return figure

@@ -27,39 +27,40 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 from msvalidate.lattice import square
-from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 
 from . import cases, models
 
 LENGTH, DEPTH, LOAD, MODULUS = 48.0, 12.0, 1000.0, 3e7
 INERTIA = DEPTH**3 / 12
-BEAM = Box((LENGTH, DEPTH))
+BEAM = kit.Box((LENGTH, DEPTH))
 END = (LENGTH, DEPTH / 2)
 RATIOS, QUICK_RATIOS = (0.0, 0.3, 1 / 3, 0.49), (0.3, 1 / 3)
 SIZES, QUICK_SIZES = (4, 8, 16, 32), (4, 8, 16)
 """Cells through the depth."""
 ELEMENTS = ("Q1", "Q2")
 SOURCE = "Timoshenko and Goodier 1970, art. 21"
-TOLERANCES = (
-    Tolerance(
-        "cantilever: order of the end's deflection, springs and Q1", 0.15, "1",
-        "the exact field is smooth: the next term has two powers of the spacing more, 1/64 of the "
-        "first at 8 cells, and moves a pair's order by 0.03 if as large as the first",
+judged = partial(cases.judged, table="cantilever")
+RULES = (
+    judged(
+        "cantilever: order of the end's deflection, springs and Q1", 0.15,
+        value=cases.orders, reference=2.0,
+        rows={"method": ("FEM Q1", *(models.method("square", nu) for nu in RATIOS))},
+        because="the exact field is smooth: the next term has two powers of the spacing more, 1/64 "
+        "of the first at 8 cells, and moves a pair's order by 0.03 if as large as the first",
     ),
-    Tolerance(
-        "cantilever: deflection of the end by Q2, finest mesh, relative", 1e-6, "1",
-        "order 3 at least, on a cubic field: 1e-5, measured at 4 cells, is 2e-7 at 16",
-        layer="regression",
+    judged(
+        "cantilever: deflection of the end by Q2, finest mesh, relative", 1e-6, layer="regression",
+        value="against_limit", rows={"method": "FEM Q2"},
+        because="order 3 at least, on a cubic field: 1e-5, measured at 4 cells, is 2e-7 at 16",
     ),
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's beams and finite elements with the exact field."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
@@ -73,11 +74,10 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         found = setting.sweep(partial(spring_end, candidate, nu), sizes, "cantilever of springs")
         rows += cases.rows(end, models.method("square", nu), sizes, found)
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"cantilever": table},
-        observed=observe(table),
-        tolerances=TOLERANCES,
-        columns=cases.COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         figures={
             "cantilever": cases.drawing(
                 "cantilever", "Timoshenko's cantilever", "cells through the depth (1)"
@@ -95,7 +95,7 @@ def deflection(nu: float) -> float:
     return bending + (4 + 5 * nu) * LOAD * DEPTH**2 * LENGTH / (24 * MODULUS * INERTIA)
 
 
-def exact(nu: float, points: Array) -> Array:
+def exact(nu: float, points: kit.Array) -> kit.Array:
     """Exact displacement (n, 2) in m at points (n, 2).
 
     Source: [TimoshenkoGoodier1970], article 21; [AugardeDeeks2008].
@@ -106,23 +106,23 @@ def exact(nu: float, points: Array) -> Array:
     return LOAD / (6 * MODULUS * INERTIA) * np.column_stack([along, -down])
 
 
-def problem(nu: float, spacing: float = 0.0) -> Problem:
+def problem(nu: float, spacing: float = 0.0) -> kit.Problem:
     """The exact displacement on the left end, the exact traction on the right one.
 
     `spacing` (m) of facets along which the traction is taken as linear; 0 where it is integrated.
     """
 
-    def shear(points: Array) -> Array:
+    def shear(points: kit.Array) -> kit.Array:
         y = points[:, 1] - DEPTH / 2
         parabola = DEPTH**2 / 4 - y**2 + spacing**2 / 6
         return np.column_stack([0 * y, -LOAD / (2 * INERTIA) * parabola])
 
     held = tuple(lambda points, a=a: exact(nu, points)[:, a] for a in range(2))
-    return Problem(
+    return kit.Problem(
         BEAM,
-        Isotropic(E=MODULUS, nu=nu),
-        (Support(BEAM.side("left"), held),),
-        (Traction(BEAM.side("right"), shear),),
+        kit.Isotropic(E=MODULUS, nu=nu),
+        (kit.Support(BEAM.side("left"), held),),
+        (kit.Traction(BEAM.side("right"), shear),),
         name="Timoshenko cantilever",
     )
 
@@ -133,21 +133,10 @@ def elastic_end(element: str, nu: float, cells: int) -> float:
     return -float(reference_fem.solve_problem(problem(nu), mesh).at(np.array([END]))[0, 1])
 
 
-def spring_end(candidate: DisplacementSolver, nu: float, cells: int) -> float:
+def spring_end(candidate: kit.DisplacementSolver, nu: float, cells: int) -> float:
     """Deflection (m, downward) of the end's middle of the candidate's network."""
     asked = problem(nu, DEPTH / cells)
     network = models.network_of(asked, square(BEAM, (4 * cells, cells)))
     move = candidate(asked, network, "linear")
     middle = (np.abs(network.points - END) <= BEAM.tolerance).all(axis=1)
     return -float(move[middle, 1][0])
-
-
-def observe(table: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    last = cases.finest(table)
-    quadratic = last["method"] == "FEM Q2"
-    values = (
-        farthest_value(cases.orders(last[~quadratic]), 2.0),
-        farthest_value(last[quadratic]["against_limit"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)

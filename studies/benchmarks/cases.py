@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate import kit
 from reference_fem.refinement import richardson
 
 ROUNDING = 1e-10
@@ -42,30 +41,20 @@ LOOKS = {
     "springs, cut cubic18": ("springs, cut cubic lattice, 18 neighbours", 1, "^"),
 }
 """Method without volume energy -> its words in pictures, number of its colour, and marker."""
-COLUMNS = {
-    "benchmark": "name of the benchmark",
-    "quantity": "what is compared, and where",
-    "unit": "unit of accepted, limit and value in this row",
-    "accepted": "value that is accepted for it (unit of the row)",
-    "source": "where the accepted value is from",
-    "limit": "value at vanishing spacing: in closed form, or by our finite elements (unit of the "
-    "row)",
-    "limit_uncertainty": "how far limit may be off, relative; 0 for a closed form (1)",
-    "method": "what computed the value: springs or finite elements, and which",
-    "nu": "Poisson's ratio of the material (1)",
-    "cells": "cells along the side, or in the length, that the question names; of a patch all that "
-    "it has (1)",
-    "value": "the computed value (unit of the row)",
-    "against_accepted": "value - accepted, relative to accepted (1)",
-    "against_limit": "value - limit, relative to limit (1)",
-    "uncertainty": "how far the value may be from that of this method at vanishing spacing, "
-    'relative, by Richardson\'s rule from three meshes, or "none" with fewer (1)',
-    "order": "power of the spacing with which against_limit falls from the row above, or a word: "
-    '"coarsest" (nothing above), "exact" (rounding is left), "not resolved" (limit_uncertainty is '
-    'more than a quarter of it), "not asymptotic" (it changes sign, or the power is outside 0.5 '
-    "to 6)",
-}
-"""Of every table whose rows are by `rows`."""
+LAYOUT = (
+    "benchmark", "quantity", "unit", "accepted", "source", "limit", "limit_uncertainty", "method",
+    "nu", "cells", "value", "against_accepted", "against_limit", "uncertainty", "order",
+)  # fmt: skip
+"""Columns of a benchmark's table."""
+judged = partial(kit.Rule, unit="1", by=("benchmark", "quantity", "nu", "method"), last=1)
+"""A rule of the finest mesh of every quantity and method."""
+fitted = partial(
+    kit.Rule, unit="1", value="against_limit", power_of=kit.Quotient(1, "cells"),
+    by=("method", "nu"), reference=2.0,
+)  # fmt: skip
+"""A rule of the order fitted to all meshes of each method and ratio."""
+STATED = kit.Quotient("against_limit", "uncertainty")
+"""Distance from the limit over the uncertainty that the meshes themselves state."""
 
 
 @dataclass(frozen=True)
@@ -96,31 +85,28 @@ def rows(
 ) -> list[dict[str, object]]:
     """Rows of one method, coarsest mesh first."""
     found = list(values)
-    head: dict[str, object] = {"benchmark": quantity.benchmark, "quantity": quantity.name}
-    head |= {"unit": quantity.unit, "accepted": quantity.accepted, "source": quantity.source}
-    head |= {"limit": quantity.goal, "limit_uncertainty": quantity.limit_uncertainty}
-    head |= {"method": method, "nu": quantity.nu}
-    away = [value / quantity.goal - 1 for value in found]
-    table = []
+    known, goal = quantity.accepted, quantity.goal
+    head = [quantity.benchmark, quantity.name, quantity.unit, known, quantity.source, goal]
+    head += [quantity.limit_uncertainty, method, quantity.nu]
+    away = [value / goal - 1 for value in found]
+    table: list[dict[str, object]] = []
     for i, (n, value) in enumerate(zip(cells, found, strict=True)):
-        row: dict[str, object] = {
-            "cells": n,
-            "value": value,
-            "against_accepted": value / quantity.accepted - 1,
-        }
-        row |= {"against_limit": away[i], "uncertainty": uncertainty(cells[: i + 1], found)}
-        table.append(head | row | {"order": order(cells, away, i, quantity.limit_uncertainty)})
+        row = (n, value, value / known - 1, away[i], uncertainty(cells[: i + 1], found))
+        fall = order(cells, away, i, quantity.limit_uncertainty)
+        table.append(dict(zip(LAYOUT, (*head, *row, fall), strict=True)))
     return table
 
 
-def order(cells: Sequence[int], away: Sequence[float], at: int, doubt: float = 0.0) -> float | str:
-    """Power of the spacing with which a difference fell to row `at`, or a word: see `COLUMNS`."""
+def order(
+    cells: Sequence[int], away: Sequence[float], at: int, uncertainty: float = 0.0
+) -> float | str:
+    """Power of the spacing with which a difference fell to row `at`, or a word; see `order`."""
     if at == 0:
         return "coarsest"
     before, after = away[at - 1], away[at]
     if abs(after) <= ROUNDING:
         return "exact"
-    if doubt > DOUBTFUL * abs(after):
+    if uncertainty > DOUBTFUL * abs(after):
         return "not resolved"
     if before * after <= 0:
         return "not asymptotic"
@@ -138,11 +124,6 @@ def uncertainty(cells: Sequence[int], values: Sequence[float]) -> float | str:
     return float(abs(estimate.uncertainty[0] / fine[0]))
 
 
-def excess_over_uncertainty(table: pd.DataFrame) -> pd.Series:
-    """Distance from the limit over the uncertainty that the meshes themselves state, row by row."""
-    return (table["against_limit"] / table["uncertainty"].astype(float)).abs()
-
-
 def finest(table: pd.DataFrame) -> pd.DataFrame:
     """The row of the finest mesh of every quantity and method, in their order."""
     keys = ["benchmark", "quantity", "nu", "method"]
@@ -155,7 +136,7 @@ def rounding_of_orders(table: pd.DataFrame) -> float:
     return ROUNDING / (math.log(2) * float(left.min(initial=np.inf)))
 
 
-def orders(table: pd.DataFrame) -> Array:
+def orders(table: pd.DataFrame) -> kit.Array:
     """Orders (rows,), words, which are none, as NaN: what has no order fails where one is due."""
     return np.asarray(pd.to_numeric(table["order"], errors="coerce"))
 
@@ -167,12 +148,12 @@ def of_springs(table: pd.DataFrame) -> pd.DataFrame:
 
 def has_layout(table: pd.DataFrame) -> bool:
     """Whether a table has the layout."""
-    return set(COLUMNS) <= set(table)
+    return set(LAYOUT) <= set(table)
 
 
-def summary(tables: Tables) -> pd.DataFrame:
+def summary(tables: kit.Tables) -> pd.DataFrame:
     """All benchmarks on their finest meshes, of those tables that have the layout."""
-    found = [finest(table[list(COLUMNS)]) for table in tables.values() if has_layout(table)]
+    found = [finest(table[list(LAYOUT)]) for table in tables.values() if has_layout(table)]
     return pd.concat(found, ignore_index=True)
 
 
@@ -190,14 +171,14 @@ def describe(table: pd.DataFrame) -> str:
     return "; ".join(words)
 
 
-def convergence(name: str, body: str, xlabel: str, tables: Tables) -> Figure:
+def convergence(name: str, body: str, xlabel: str, tables: kit.Tables) -> Figure:
     """Differences to the limit against cells, an axis for every quantity and Poisson's ratio."""
     panels = list(tables[name].groupby(["quantity", "nu"], sort=False))
     columns = min(len(panels), 2)
     lines = -(-len(panels) // columns)
     few = lines <= 2
     size = (4.8, 4.2) if columns == 1 else (3.3, 3.2) if few else (3.8, 7.5 / lines)
-    figure, axes = figures.new_figure(columns, lines, size=size, sharex=True, sharey=True)
+    figure, axes = kit.figures.new_figure(columns, lines, size=size, sharex=True, sharey=True)
     for axis in axes[len(panels) :]:
         axis.remove()
     for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
@@ -213,7 +194,7 @@ def convergence(name: str, body: str, xlabel: str, tables: Tables) -> Figure:
     for axis in axes[:: columns * max(1, lines // 2)]:
         axis.set_ylabel("difference (%)")
     figure.suptitle(f"{body}: differences to the limit")
-    figures.add_shared_legend(figure, axes[: len(panels)], columns=columns)
+    kit.figures.add_shared_legend(figure, axes[: len(panels)], columns=columns)
     return figure
 
 
@@ -226,7 +207,7 @@ def method_look(method: str) -> tuple[str, dict[str, Any]]:
     """Words for a method and its style, the same with a volume energy, in every figure the same."""
     plain = method.replace(VOLUME, "")
     words, colour, marker = LOOKS.get(plain, (plain, 3, "X"))
-    style = {"color": figures.COLOURS[colour], "marker": marker}
+    style = {"color": kit.figures.COLOURS[colour], "marker": marker}
     return words, style | {"ls": "--" if plain.startswith("FEM") else "-"}
 
 
@@ -237,9 +218,9 @@ def draw(axis: Axes, table: pd.DataFrame) -> None:
         size = 100 * series["against_limit"].abs()
         shown = size > 100 * ROUNDING
         axis.loglog(series["cells"][shown], size[shown], label=words, **style)
-    doubt = float(table["limit_uncertainty"].max())
-    if doubt:
-        axis.axhline(100 * doubt, color="grey", ls=":", label="uncertainty of the limit")
+    uncertainty = float(table["limit_uncertainty"].max())
+    if uncertainty:
+        axis.axhline(100 * uncertainty, color="grey", ls=":", label="uncertainty of the limit")
     ticks = sorted(set(table["cells"]))
     axis.set_xticks(ticks, [str(n) for n in ticks])
 
@@ -247,7 +228,7 @@ def draw(axis: Axes, table: pd.DataFrame) -> None:
 def drawing(name: str, body: str, xlabel: str) -> Any:
     """`convergence` of one table, as `Evidence.figures` wants it; the caption names the body."""
 
-    def draw_convergence(tables: Tables) -> Figure:
+    def draw_convergence(tables: kit.Tables) -> Figure:
         return convergence(name, body, xlabel, tables)
 
     draw_convergence.__doc__ = f"{body}: differences to the limit, mesh by mesh."

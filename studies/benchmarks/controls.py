@@ -10,26 +10,29 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
-from msvalidate.network import Network, faults
-from msvalidate.problem import Array, Problem
+from msvalidate import kit
+from msvalidate.network import faults
 
-Fault = Callable[[Network, float], Network]
+Fault = Callable[[kit.Network, float], kit.Network]
 
 
 def apply_fault(
-    fault: Fault, size: float, problem: Problem, network: Network, answer: Answer = "linear"
-) -> Array:
+    fault: Fault,
+    size: float,
+    problem: kit.Problem,
+    network: kit.Network,
+    answer: kit.Answer = "linear",
+) -> kit.Array:
     """A candidate whose network has a fault."""
-    return solve_springs(problem, fault(network, size), answer)
+    return kit.solve_springs(problem, fault(network, size), answer)
 
 
-def body_with(fault: Fault, size: float) -> DisplacementSolver:
+def body_with(fault: Fault, size: float) -> kit.DisplacementSolver:
     """The spring network with a fault of this size."""
     return partial(apply_fault, fault, size)
 
 
-def soften_volumes(network: Network, size: float) -> Network:
+def soften_volumes(network: kit.Network, size: float) -> kit.Network:
     """Cells without the part `size` of their volume stiffness."""
     if network.volumes is None:
         return network
@@ -38,13 +41,13 @@ def soften_volumes(network: Network, size: float) -> Network:
 
 
 def shift_displacements(
-    step: float, problem: Problem, network: Network, answer: Answer = "linear"
-) -> Array:
+    step: float, problem: kit.Problem, network: kit.Network, answer: kit.Answer = "linear"
+) -> kit.Array:
     """A candidate whose displacements are those of places `step` (m) further along x.
 
     At a place without a point, those of the nearest.
     """
-    move = solve_springs(problem, network, answer)
+    move = kit.solve_springs(problem, network, answer)
     there = KDTree(network.points).query(network.points + step * np.eye(network.dim)[0])[1]
     return np.asarray(move[there])
 

@@ -26,39 +26,23 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import cut_lattice, mesh_lattice, patterns
 from msvalidate.lattice.edges import EdgeLattice
-from msvalidate.problem import (
-    Array,
-    Box,
-    Domain,
-    Index,
-    Isotropic,
-    Mesh,
-    Polygon,
-    Problem,
-    Segment,
-    Support,
-    Traction,
-)
-from msvalidate.statics.stress import fitted_stress, interior_points
+from msvalidate.statics.stress import fitted_stress
 from reference_fem.elasticity import elastic_tensor
 from reference_fem.mesh.outlines import outline_discretisation
 
-from . import cases, cook_drawing, curved, models
+from . import cases, curved, models
 
-PANEL = Polygon(cook_drawing.CORNERS)
+PANEL = kit.Polygon(((0.0, 0.0), (48.0, 44.0), (48.0, 60.0), (0.0, 44.0)))
 WIDTH, EDGE = 48.0, 16.0
 """Of the panel, and of its right edge (m)."""
 PROBE = np.array([[48.0, 52.0]])
-MATERIAL = Isotropic(E=1.0, nu=1 / 3)
+MATERIAL = kit.Isotropic(E=1.0, nu=1 / 3)
 ACCEPTED = 23.967
 CORNER = np.pi / 2 + np.arctan2(16.0, 48.0)
 """Angle (rad) of the panel's clamped upper corner; the lower one, of 47 degrees, is no worse."""
@@ -67,6 +51,8 @@ LATTICES, QUICK_LATTICES = (12, 24, 48, 96, 192), (12, 24, 48)
 """Cells along the width, of elements and meshes of springs, and of cut lattices."""
 COARSEST, GRADING, ACCURACY = 8, 2.0, 5e-5
 """Of the mesh for the limit."""
+DRAWN = 24
+"""Cells along the width of what is drawn."""
 BAND = 0.01
 CUT = models.method(curved.CUT, MATERIAL.nu)
 EDGES = "springs, edges of"
@@ -79,42 +65,76 @@ ON_EDGES = (
     *product(("triangle",), (RISING, "alternating diagonals", EVEN), ("equal", "area")),
 )
 """Cells, their diagonals and the rule of springs."""
-TOLERANCES = (
-    Tolerance(
-        "Cook's membrane: limit by finite elements against 23.967, relative", 1e-4, "1",
-        "a unit of the accepted value's last digit is 4e-5, and as much is our own uncertainty",
+
+
+def edge_method(shape: str, diagonals: str, rule: str) -> str:
+    """Name of a method: what the mesh is of, its diagonals, and the rule of its springs."""
+    return ", ".join(filter(None, (f"{EDGES} {shape}s", diagonals, f"rule {rule}")))
+
+
+@cache
+def corner_order() -> float:
+    """Twice the displacement's exponent at the clamped upper corner."""
+    return float(2 * clamped_free_exponent(elastic_tensor(MATERIAL), CORNER))
+
+
+judged = partial(cases.judged, table="cook")
+on_mesh = partial(cases.judged, table="cook_edges")
+RULES = (
+    judged(
+        "Cook's membrane: limit by finite elements against 23.967, relative", 1e-4,
+        value=kit.Quotient("limit", "accepted"), reference=1.0,
+        because="a unit of the accepted value's last digit is 4e-5, and as much is our own "
+        "uncertainty",
     ),
-    Tolerance(
-        "Cook's membrane: order of Q2 on even meshes, against the corner's 2λ", 0.15, "1",
-        "the next term, of the lower corner, is of order 2.4: a part 1/16^1.1 of the first at 16 "
-        "cells, were they alike at one, moves a pair by 0.07",
+    judged(
+        "Cook's membrane: order of Q2 on even meshes, against the corner's 2λ", 0.15,
+        rows={"method": "FEM Q2"}, value=cases.orders, reference=lambda _: corner_order(),
+        because="the next term, of the lower corner, is of order 2.4: a part 1/16^1.1 of the first "
+        "at 16 cells, were they alike at one, moves a pair by 0.07",
     ),
-    Tolerance(
+    kit.Rule(
         "Cook's membrane: springs cut to the outline, 48 cells, relative", 0.005, "1",
-        "springs are stiffer in bending by (5/4)/N²: 0.5 % at the right edge, 16 cells high at 48 "
-        "along the width, and less everywhere else",
+        "springs are stiffer in bending by (5/4)/N²: 0.5 % at the right edge, 16 cells high at "
+        "48 along the width, and less everywhere else",
+        table="cook", rows={"method": CUT, "cells": 48}, value="against_limit",
     ),
-    Tolerance(
-        "Cook's membrane: order of springs cut to the outline, all lattices", 0.2, "1",
-        "2, that of bending; the corner's part, if as large as that of Q2, is 7 % of the whole at "
-        "48 cells and 18 % at 192, and moves a pair by 2 - 2λ = 0.65 of that, 0.12 at most; the "
-        "next term of bending, 1/16 of the first at 4 cells through the right edge, by 0.07",
+    cases.fitted(
+        "Cook's membrane: order of springs cut to the outline, all lattices", 0.2,
+        table="cook", rows={"method": CUT},
+        because="2, that of bending; the corner's part, if as large as that of Q2, is 7 % of the "
+        "whole at 48 cells and 18 % at 192, and moves a pair by 2 - 2λ = 0.65 of that, 0.12 at "
+        "most; the next term of bending, 1/16 of the first at 4 cells through the right edge, by "
+        "0.07",
     ),
-    Tolerance(
-        "Cook's membrane: cut squares with a spring on every edge within 1 %, finest", 0, "1",
-        "such springs are another material on cells that are not regular, however small; the "
-        "panel's mapped squares, whole or cut in two, are nowhere",
+    on_mesh(
+        "Cook's membrane: cut squares with a spring on every edge within 1 %, finest", 0,
+        value=lambda rows: sum(
+            EVEN not in row.method and abs(row.against_limit) <= BAND for row in rows.itertuples()
+        ),
+        because="such springs are another material on cells that are not regular, however small; "
+        "the panel's mapped squares, whole or cut in two, are nowhere",
     ),
-    Tolerance(
-        "Cook's membrane: springs by area on Delaunay's triangles, finest, relative", 0.05, "1",
-        "the band of displacements: triangles are equilateral but for a row or two at the outline, "
-        "and on these springs by area are the material",
-        layer="agreement",
+    on_mesh(
+        "Cook's membrane: springs by area on Delaunay's triangles, finest, relative", 0.05,
+        layer="agreement", value="against_limit",
+        rows={"method": f"{EDGES} triangles, {EVEN}, rule area"},
+        because="the band of displacements: triangles are equilateral but for a row or two at the "
+        "outline, and on these springs by area are the material",
     ),
+)  # fmt: skip
+EDGES_FIGURE = kit.series(
+    "cook_edges", title="Cook's membrane by springs on edges of triangles", by="method",
+    rows={"method": tuple(edge_method(*each) for each in ON_EDGES[1:])},
+    x="cells", y="against_limit", labels=("cells along the width (1)", "difference, relative (1)"),
+    words={edge_method(s, d, rule): f"{d}, {rule}" for s, d, rule in ON_EDGES},
+    level={0.0: "limit by elements"}, log="x", size=(6.4, 4.2),
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's panels and finite elements with the accepted value."""
     meshes = QUICK_MESHES if setting.quick else MESHES
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -135,38 +155,38 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
     edges = []
     for shape, diagonals, rule in ON_EDGES:
         make = partial(on_edges, shape, diagonals, rule)
-        method = edge_method(make(meshes[0]), diagonals)
+        method = edge_method(shape, diagonals, rule)
         found = setting.sweep(partial(edge_deflection, candidate, make), meshes, method)
         edges += cases.rows(goal, method, meshes, found)
     table, on_mesh = pd.DataFrame(rows), pd.DataFrame(edges)
-    fields = fields_to_draw(candidate)
-    return Evidence(
-        tables={"cook": table, "cook_edges": on_mesh, "cook_shape": fields},
-        observed=observe(table, on_mesh),
-        tolerances=TOLERANCES,
-        columns={**cases.COLUMNS, **cook_drawing.COLUMNS},
+    fields = field_to_draw(candidate)
+    return kit.Evidence(
+        tables={"cook": table, "cook_edges": on_mesh},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        drawn={"cook_field": fields},
         figures={
             "cook": cases.drawing("cook", "Cook's membrane", "cells along the width (1)"),
-            "cook_edges": cook_drawing.on_edges,
-            "cook_shape": cook_drawing.deformed,
+            "cook_edges": EDGES_FIGURE,
+            **curved.pictures("cook_field", "Cook's membrane"),
         },
         findings=(finding(goal, table), finding(goal, on_mesh)),
     )
 
 
-def problem(body: Domain) -> Problem:
+def problem(body: kit.Domain) -> kit.Problem:
     """The membrane: left edge clamped, a unit force along y on the right one."""
-    left, right = Segment((0.0, 44.0), (0.0, 0.0)), Segment((48.0, 44.0), (48.0, 60.0))
-    return Problem(
+    left, right = kit.Segment((0.0, 44.0), (0.0, 0.0)), kit.Segment((48.0, 44.0), (48.0, 60.0))
+    return kit.Problem(
         body,
         MATERIAL,
-        (Support(left, (0.0, 0.0)),),
-        (Traction(right, (0.0, 1 / EDGE)),),
+        (kit.Support(left, (0.0, 0.0)),),
+        (kit.Traction(right, (0.0, 1 / EDGE)),),
         name="Cook's membrane",
     )
 
 
-def map_to_panel(points: Array) -> Array:
+def map_to_panel(points: kit.Array) -> kit.Array:
     """Places (n, 2) of the unit square in the panel: each line of it is straight."""
     s, t = points.T
     return np.column_stack([WIDTH * s, 44 * s * (1 - t) + (44 + 16 * s) * t])
@@ -174,7 +194,7 @@ def map_to_panel(points: Array) -> Array:
 
 def elastic_mesh(element: str, grading: float, cells: int) -> reference_fem.Discretisation:
     """Cells of an element in the panel, drawn to its corners where grading is above 1."""
-    unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, element, grading)
+    unit = reference_fem.box_discretisation(kit.Box((1.0, 1.0)), cells, element, grading)
     return reference_fem.make_discretisation(map_to_panel(unit.points), unit.cells, element)
 
 
@@ -184,7 +204,7 @@ def elastic_deflection(element: str, grading: float, cells: int) -> float:
     return float(reference_fem.solve_problem(problem(PANEL), body).at(PROBE)[0, 1])
 
 
-def cut_deflection(candidate: DisplacementSolver, cells: int) -> float:
+def cut_deflection(candidate: kit.DisplacementSolver, cells: int) -> float:
     """The same of the candidate's square lattice cut to the outline."""
     lattice = cut_lattice(patterns.square(), PANEL, WIDTH / cells)
     asked = problem(PANEL)
@@ -194,7 +214,7 @@ def cut_deflection(candidate: DisplacementSolver, cells: int) -> float:
 
 
 def edge_deflection(
-    candidate: DisplacementSolver, make: Callable[[int], EdgeLattice], cells: int
+    candidate: kit.DisplacementSolver, make: Callable[[int], EdgeLattice], cells: int
 ) -> float:
     """The same of the candidate's springs along the edges of a mesh."""
     lattice = make(cells)
@@ -209,9 +229,9 @@ def on_edges(shape: str, diagonals: str, rule: str, cells: int) -> EdgeLattice:
     """A spring on each edge of a mesh of the panel."""
     if diagonals == EVEN:
         body = outline_discretisation(PANEL, WIDTH / cells, PROBE)
-        mesh = Mesh(body.points, body.cells, shape)
+        mesh = kit.Mesh(body.points, body.cells, shape)
     else:
-        unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, "Q1")
+        unit = reference_fem.box_discretisation(kit.Box((1.0, 1.0)), cells, "Q1")
         mesh = cut_mesh(map_to_panel(unit.points), unit.cells, shape, diagonals)
     if rule != "equal":
         return mesh_lattice(mesh, rule)
@@ -219,74 +239,32 @@ def on_edges(shape: str, diagonals: str, rule: str, cells: int) -> EdgeLattice:
     return replace(lattice, factor=np.full(len(lattice.springs), EQUAL), rule=rule)
 
 
-def edge_method(lattice: EdgeLattice, diagonals: str) -> str:
-    """Name of a method: what the mesh is of, its diagonals, and the rule of its springs."""
-    cells = f"{EDGES} {lattice.name.removesuffix(' edges')}s"
-    return ", ".join(filter(None, (cells, diagonals, f"rule {lattice.rule}")))
-
-
-def cut_mesh(points: Array, cells: Index, shape: str, diagonals: str) -> Mesh:
+def cut_mesh(points: kit.Array, cells: kit.Index, shape: str, diagonals: str) -> kit.Mesh:
     """Quadrilaterals as they are, or each cut in two triangles: a row's diagonals rise, or all."""
     if shape == "quad":
-        return Mesh(points, cells, shape)
+        return kit.Mesh(points, cells, shape)
     row, column = np.divmod(np.arange(len(cells)), round(np.sqrt(len(cells))))
     falls = (row + column) % 2 == 1 if diagonals != RISING else np.zeros(len(cells), dtype=bool)
     turned = np.where(falls[:, None], np.roll(cells, 1, axis=1), cells)
-    return Mesh(points, np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]]), shape)
-
-
-def fields_to_draw(candidate: DisplacementSolver) -> pd.DataFrame:
-    """The cut lattice and finite elements at the same places, the nodes of a mesh of the panel.
-
-    Stresses are those of a fit to displacements near by, of the lattice's whole cells: at corners
-    it reaches beyond them, and what is drawn as a difference there is the fit's.
-    """
-    cells, tensor = cook_drawing.CELLS, elastic_tensor(MATERIAL)
-    asked = problem(PANEL)
-    unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cook_drawing.PLACES, "Q1")
-    places = map_to_panel(unit.points)
-    lattice = cut_lattice(patterns.square(), PANEL, WIDTH / cells)
-    move = candidate(asked, cut_network(asked, lattice), "linear")
-    points, weights = lattice.weights_at(places)
-    whole = interior_points(lattice)
-    body = elastic_mesh("Q2", 1.0, cells)
-    elastic = reference_fem.solve_problem(asked, body)
-    fit = partial(fitted_stress, places=places, tensor=tensor, degree=cook_drawing.FIT)
-    seen = {
-        "springs": (
-            (weights[..., None] * move[points]).sum(axis=1),
-            fit(lattice.points[whole], move[whole]),
-        ),
-        "fem": (elastic.at(places), fit(body.points, elastic.displacement)),
-    }
-    return cook_drawing.shape(places, seen)
-
-
-@cache
-def corner_order() -> float:
-    """Twice the displacement's exponent at the clamped upper corner."""
-    return float(2 * clamped_free_exponent(elastic_tensor(MATERIAL), CORNER))
-
-
-def observe(table: pd.DataFrame, on_mesh: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    last = cases.finest(table)
-    quadratic, cut = last[last["method"] == "FEM Q2"], table[table["method"] == CUT]
-    edges = cases.finest(on_mesh)
-    even = edges["method"].str.contains(EVEN)
-    by_area = edges[even & edges["method"].str.endswith("rule area")]
-    values = (
-        farthest_value(last["limit"] / last["accepted"], 1.0),
-        farthest_value(cases.orders(quadratic), corner_order()),
-        farthest_value(cut[cut["cells"] == max(QUICK_LATTICES)]["against_limit"], 0.0),
-        farthest_value(curved.fitted_orders(cut), 2.0),
-        Observed(float((edges[~even]["against_limit"].abs() <= BAND).sum())),
-        farthest_value(by_area["against_limit"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
+    return kit.Mesh(points, np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]]), shape)
 
 
 def finding(goal: cases.Quantity, table: pd.DataFrame) -> str:
     """Where everything arrives."""
-    doubt = goal.limit_uncertainty * goal.goal
-    return f"Cook's membrane, our limit {goal.goal:.4f} ± {doubt:.4f}: {cases.describe(table)}."
+    uncertainty = goal.limit_uncertainty * goal.goal
+    return (
+        f"Cook's membrane, our limit {goal.goal:.4f} ± {uncertainty:.4f}: {cases.describe(table)}."
+    )
+
+
+def field_to_draw(candidate: kit.DisplacementSolver) -> pd.DataFrame:
+    """Stresses of the cut lattice and of finite elements, both by a fit to displacements near by.
+
+    At corners the fit reaches beyond them, and what is drawn as a difference there is the fit's.
+    """
+    places = map_to_panel(reference_fem.box_discretisation(kit.Box((1.0, 1.0)), 16, "Q1").points)
+    springs = curved.spring_body(candidate, problem(PANEL), WIDTH / DRAWN)
+    body = elastic_mesh("Q2", 1.0, DRAWN)
+    move = reference_fem.solve_problem(problem(PANEL), body).displacement
+    elements = fitted_stress(body.points, move, places, springs.tensor, degree=2)
+    return curved.field(places, elements, springs.stress(places, "quadratic"))

@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import observed_order
 from msvalidate.lattice import Pattern, patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
-from msvalidate.network import Network
-from msvalidate.problem import Array, Isotropic, Mesh, Problem, Support
 from msvalidate.statics.stress import fitted_stress, interior_points
 
 from . import models
@@ -46,10 +45,10 @@ class SpringBody:
     """
 
     lattice: CutLattice
-    displacement: Array
-    tensor: Array
+    displacement: kit.Array
+    tensor: kit.Array
 
-    def stress(self, places: Array, fit: str) -> Array:
+    def stress(self, places: kit.Array, fit: str) -> kit.Array:
         """Stress (p, 3) or (p, 6) in Pa at places (p, d)."""
         whole = interior_points(self.lattice)
         points, move = self.lattice.points[whole], self.displacement[whole]
@@ -62,16 +61,19 @@ def method(nu: float, fit: str) -> str:
     return f"{models.method(CUT, nu)}, {fit} fit"
 
 
-def elastic(problem: Problem) -> reference_fem.Solution:
+def elastic(problem: kit.Problem) -> reference_fem.Solution:
     """Finite elements on the problem's own mesh."""
     mesh = problem.domain
-    if not isinstance(mesh, Mesh):
+    if not isinstance(mesh, kit.Mesh):
         raise TypeError(f"{problem.name}: give a problem on a mesh")
     return reference_fem.solve_problem(problem, reference_fem.mesh_discretisation(mesh))
 
 
 def spring_body(
-    candidate: DisplacementSolver, problem: Problem, spacing: float, pattern: Pattern | None = None
+    candidate: kit.DisplacementSolver,
+    problem: kit.Problem,
+    spacing: float,
+    pattern: Pattern | None = None,
 ) -> SpringBody:
     """The candidate's answer on a lattice cut to the body, its lines along both axes."""
     kind = pattern or patterns.square()
@@ -80,38 +82,47 @@ def spring_body(
     return SpringBody(lattice, candidate(problem, network, "linear"), tensor)
 
 
-def spring_model(problem: Problem, lattice: CutLattice, kind: Pattern) -> tuple[Network, Array]:
+def spring_model(
+    problem: kit.Problem, lattice: CutLattice, kind: Pattern
+) -> tuple[kit.Network, kit.Array]:
     """Network for the problem's isotropic material, and its tensor in Pa."""
     material = problem.material
-    if not isinstance(material, Isotropic):
+    if not isinstance(material, kit.Isotropic):
         raise TypeError(f"{problem.name}: give an isotropic material")
     made = calibrate_material(material, kind, spacing=lattice.spacing)
     network = cut_network(problem, lattice, made.constants, volume=made.volume)
     return network, made.tensor / material.thickness
 
 
-def fitted_orders(table: pd.DataFrame) -> list[float]:
-    """Orders fitted to all meshes of each method and ratio of rows as of `cases`."""
-    series = table.groupby(["method", "nu"], sort=False)
-    return [observed_order(1 / each["cells"], each["against_limit"]) for _, each in series]
-
-
-def quarter_supports(mesh: Mesh) -> tuple[Support, ...]:
+def quarter_supports(mesh: kit.Mesh) -> tuple[kit.Support, ...]:
     """Mirror symmetry about the sides "bottom" and "left", whatever the axes."""
     free: tuple[None, ...] = (None,) * (mesh.dim - 2)
     return (
-        Support(mesh.side("bottom"), (None, 0.0, *free)),
-        Support(mesh.side("left"), (0.0, None, *free)),
+        kit.Support(mesh.side("bottom"), (None, 0.0, *free)),
+        kit.Support(mesh.side("left"), (0.0, None, *free)),
     )
 
 
-def field(
-    candidate: DisplacementSolver,
+def mises(stress: kit.Array) -> kit.Array:
+    """Von Mises' stress (p,) of plane stresses (p, 3)."""
+    x, y, shear = stress.T
+    return np.asarray(np.sqrt(x**2 - x * y + y**2 + 3 * shear**2))
+
+
+def field(places: kit.Array, of_elements: kit.Array, of_springs: kit.Array) -> pd.DataFrame:
+    """Von Mises stress at places (p, 2) of stresses (p, 3) in Pa, and what springs are off (%)."""
+    fem, springs = mises(of_elements), mises(of_springs)
+    table = {"x": places[:, 0], "y": places[:, 1], "mises": fem}
+    return pd.DataFrame(table | {"off": 100 * (springs - fem) / fem.max()})
+
+
+def mesh_field(
+    candidate: kit.DisplacementSolver,
     meshes: Callable[[int], PatchMesh],
-    problem: Callable[[Mesh], Problem],
+    problem: Callable[[kit.Mesh], kit.Problem],
     sizes: tuple[int, int, float],
-) -> tuple[Array, Array, Array]:
-    """Places (p, 2) and stresses (p, 3) in Pa there of elements and of springs, for a picture.
+) -> pd.DataFrame:
+    """`field` at the nodes of a mesh.
 
     `sizes`: n of the mesh drawn, of the mesh solved, a multiple of it so that every place is in the
     body, and the springs' spacing (m).
@@ -119,5 +130,20 @@ def field(
     drawn, solved, spacing = sizes
     places = meshes(drawn).points
     fine = problem(meshes(solved).mesh)
-    of_springs = spring_body(candidate, fine, spacing).stress(places, "quartic")
-    return places, np.asarray(elastic(fine).stress(places)), of_springs
+    springs = spring_body(candidate, fine, spacing).stress(places, "quartic")
+    return field(places, np.asarray(elastic(fine).stress(places)), springs)
+
+
+def pictures(name: str, body: str) -> dict[str, Any]:
+    """Figures of a `field`: the stress of elements, and by how much that of springs is off."""
+    shown = partial(kit.field, name, at=("x", "y"), size=(4.4, 4.0))
+    return {
+        name: shown(
+            title=f"{body}: von Mises stress by elements",
+            value="mises", label="von Mises stress (Pa)",
+        ),
+        f"{name}_off": shown(
+            title=f"{body}: springs less elements",
+            value="off", label="von Mises stress over the largest (%)",
+        ),
+    }  # fmt: skip

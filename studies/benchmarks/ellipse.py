@@ -21,13 +21,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
+from msvalidate import kit
 
-from . import cases, curved, curved_drawing, sketches
+from . import cases, curved, sketches
 from .potentials import elliptic_membrane
 from .shapes import INNER, OUTER, elliptic_quarter
 
@@ -46,55 +42,57 @@ FIELD, QUICK_FIELD = (8, 16, 1 / 32), (8, 16, 1 / 16)
 """Of the picture: cells of the mesh drawn, of that solved, whose nodes are the drawn ones too, and
 the springs' spacing (m)."""
 FEM = "FEM Q2"
-TOLERANCES = (
-    Tolerance(
-        "LE1: stress at the tip by Q2, finest mesh, against the published value, relative",
-        1.1e-3, "1",
-        "half of the last digit of 92.7 is 5.4e-4, and as much again for the elements",
+QUARTIC, QUADRATIC = (
+    tuple(curved.method(nu, fit) for nu in RATIOS) for fit in ("quartic", "quadratic")
+)
+judged = partial(cases.judged, table="le1")
+RULES = (
+    judged(
+        "LE1: stress at the tip by Q2, finest mesh, against the published value, relative", 1.1e-3,
+        rows={"method": FEM}, value="against_accepted",
+        because="half of the last digit of 92.7 is 5.4e-4, and as much again for the elements",
     ),
-    Tolerance(
-        "LE1: Kolosov's potentials against the published value, relative", 5.4e-4, "1",
-        "half of the last digit of 92.7",
+    judged(
+        "LE1: Kolosov's potentials against the published value, relative", 5.4e-4,
+        value=kit.Quotient("limit", "accepted"), reference=1.0,
+        because="half of the last digit of 92.7",
     ),
-    Tolerance(
-        "LE1: Kolosov's potentials, 24 terms against 32, relative", cases.ROUNDING, "1",
-        "what is missed was seen to fall by a factor of 3 a term: 24 terms leave 1e-11",
-        layer="regression",
+    judged(
+        "LE1: stress at the tip by Q2, from the potentials, over what it states to be off", 1.0,
+        rows={"method": FEM}, value=cases.STATED,
+        because="three meshes that halve their cells state by Richardson's rule how far the last "
+        "is off, with a factor of safety: no value may be farther from the limit",
     ),
-    Tolerance(
-        "LE1: stress at the tip by Q2, from the potentials, over what it states to be off",
-        1.0, "1",
-        "three meshes that halve their cells state by Richardson's rule how far the last is off, "
-        "with a factor of safety: no value may be farther from the limit",
+    judged(
+        "LE1: order of the stress at the tip by Q2", 0.3,
+        rows={"method": FEM}, value=cases.orders, reference=2.0,
+        because="2 for gradients of quadratic elements at a node; where a pair starts, cells at "
+        "the tip are 0.7/16 m, a tenth of its radius, so that the next term, of one power more, is "
+        "a tenth of the first and bends the pair by 0.1; twice that for its factor",
     ),
-    Tolerance(
-        "LE1: order of the stress at the tip by Q2", 0.3, "1",
-        "2 for gradients of quadratic elements at a node; where a pair starts, cells at the tip "
-        "are 0.7/16 m, a tenth of its radius, so that the next term, of one power more, is a tenth "
-        "of the first and bends the pair by 0.1; twice that for its factor",
+    judged(
+        "LE1: stress at the tip by springs, quartic fit, finest lattice, relative", 5e-3,
+        layer="agreement", rows={"method": QUARTIC}, value="against_limit",
+        because="what cut cells leave, a part of a per cent in displacements from 32 cells per "
+        "metre on; half of what the smallest fault asked for, 1 % of stiffness, makes",
     ),
-    Tolerance(
-        "LE1: stress at the tip by springs, quartic fit, finest lattice, relative", 5e-3, "1",
-        "what cut cells leave, a part of a per cent in displacements from 32 cells per metre on; "
-        "half of what the smallest fault asked for, 1 % of stiffness, makes",
-        layer="agreement",
-    ),
-    Tolerance(
-        "LE1: order of the stress at the tip by springs, quadratic fit, all lattices", 0.7, "1",
-        "2, that of a quadratic fit. Its 24 points reach 6 cells deep, at 8 per metre beyond the "
-        "tip's radius, where a pair has order 1; at 64 cut cells leave a tenth of a per cent of "
-        "opposite sign, and a pair has 3; the fit to all lies between",
-        layer="agreement",
+    cases.fitted(
+        "LE1: order of the stress at the tip by springs, quadratic fit, all lattices", 0.7,
+        layer="agreement", table="le1", rows={"method": QUADRATIC},
+        because="2, that of a quadratic fit. Its 24 points reach 6 cells deep, at 8 per metre "
+        "beyond the tip's radius, where a pair has order 1; at 64 cut cells leave a tenth of a per "
+        "cent of opposite sign, and a pair has 3; the fit to all lies between",
     ),
 )  # fmt: skip
-COLUMNS = {**cases.COLUMNS, **curved_drawing.COLUMNS}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare springs and elements with the published value and the series."""
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
-    exact, doubt = limit()
+    exact, uncertainty = limit()
     rows: list[dict[str, object]] = []
     for nu in RATIOS:
         tip = cases.Quantity("NAFEMS LE1", "σyy at (2, 0)", "MPa", PUBLISHED, SOURCE, nu, exact)
@@ -105,18 +103,20 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
             rows += cases.rows(tip, curved.method(nu, fit), lattices, [each[fit] for each in fits])
     table = pd.DataFrame(rows)
     sizes = QUICK_FIELD if setting.quick else FIELD
-    drawn = curved.field(candidate, elliptic_quarter, partial(problem, 0.3), sizes)
-    tables = {"le1": table, "le1_field": curved_drawing.table(*drawn)}
-    return Evidence(
-        tables=tables,
-        observed=observe(table, doubt),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+    drawn = curved.mesh_field(candidate, elliptic_quarter, partial(problem, 0.3), sizes)
+    terms = kit.Tolerance(
+        "LE1: Kolosov's potentials, 24 terms against 32, relative", cases.ROUNDING, "1",
+        "what is missed was seen to fall by a factor of 3 a term: 24 terms leave 1e-11",
+        layer="regression", observed=kit.Observed(uncertainty),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"le1": table},
+        tolerances=(*RULES, terms),
+        columns=kit.columns(__file__),
+        drawn={"le1_field": drawn},
         figures={
             "le1": cases.drawing("le1", "NAFEMS LE1", "cells from hole to rim, or per metre (1)"),
-            "le1_field": curved_drawing.drawing(
-                "le1_field", "NAFEMS LE1", elliptic_quarter(FIELD[0]).cells, INNER, mark_loads
-            ),
+            **curved.pictures("le1_field", "NAFEMS LE1"),
         },
         findings=findings(table),
     )
@@ -132,18 +132,18 @@ def limit() -> tuple[float, float]:
     return more, fewer / more - 1
 
 
-def problem(nu: float, mesh: Mesh) -> Problem:
+def problem(nu: float, mesh: kit.Mesh) -> kit.Problem:
     """The quarter membrane on a mesh of it."""
-    return Problem(
+    return kit.Problem(
         mesh,
-        Isotropic(E=MODULUS, nu=nu, thickness=THICKNESS),
+        kit.Isotropic(E=MODULUS, nu=nu, thickness=THICKNESS),
         curved.quarter_supports(mesh),
-        (Traction(mesh.side("rim"), pull),),
+        (kit.Traction(mesh.side("rim"), pull),),
         name="NAFEMS LE1",
     )
 
 
-def pull(points: Array) -> Array:
+def pull(points: kit.Array) -> kit.Array:
     """The outward pressure (n, 2) in Pa on the outer ellipse, along its normal."""
     normal = points / np.square(OUTER)
     return np.asarray(PRESSURE * normal / np.linalg.norm(normal, axis=1, keepdims=True))
@@ -161,29 +161,11 @@ def elastic_tip(nu: float, cells: int) -> float:
     return float(curved.elastic(asked).stress(TIP)[0, 1] / MEGA)
 
 
-def spring_tip(candidate: DisplacementSolver, nu: float, cells: int) -> dict[str, float]:
+def spring_tip(candidate: kit.DisplacementSolver, nu: float, cells: int) -> dict[str, float]:
     """The same of the candidate's lattice, `cells` per metre, by each fit."""
     asked = problem(nu, elliptic_quarter(OUTLINE).mesh)
     body = curved.spring_body(candidate, asked, 1 / cells)
     return {fit: float(body.stress(TIP, fit)[0, 1] / MEGA) for fit in curved.FITS}
-
-
-def observe(table: pd.DataFrame, missing: float) -> dict[str, Observed]:
-    """The judged quantities."""
-    last = cases.finest(table)
-    elements = last[last["method"] == FEM]
-    quartic = last[last["method"].str.endswith("quartic fit")]
-    quadratic = table[table["method"].str.endswith("quadratic fit")]
-    values = (
-        farthest_value(elements["against_accepted"], 0.0),
-        Observed(float(elements["limit"].iloc[0] / PUBLISHED - 1)),
-        Observed(missing),
-        farthest_value(cases.excess_over_uncertainty(elements), 0.0),
-        farthest_value(cases.orders(elements), 2.0),
-        farthest_value(quartic["against_limit"], 0.0),
-        farthest_value(curved.fitted_orders(quadratic), 2.0),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:

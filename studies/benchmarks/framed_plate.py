@@ -14,7 +14,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.linalg import splu
 
 import reference_fem
-from msvalidate.problem import Array, Box, Index, Problem, prescribed_displacements
+from msvalidate import kit
 from reference_fem import Discretisation, Estimate
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import stiffness
@@ -27,7 +27,7 @@ BAR = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
 """Stiffness of a quadratic bar with nodes at its ends and middle, over EA/length."""
 
 
-def work(box: Box, problem: Problem, bar: float, tolerance: float) -> Estimate:
+def work(box: kit.Box, problem: kit.Problem, bar: float, tolerance: float) -> Estimate:
     """Work (J) of the load on a framed plate, refined to a tolerance (J).
 
     Parameters
@@ -47,11 +47,11 @@ def work(box: Box, problem: Problem, bar: float, tolerance: float) -> Estimate:
     return reference_fem.refine(partial(work_on, box, problem, bar), COARSEST, tolerance)
 
 
-def work_on(box: Box, problem: Problem, bar: float, cells: int) -> float:
+def work_on(box: kit.Box, problem: kit.Problem, bar: float, cells: int) -> float:
     """Work (J) of the load on a framed plate on one mesh."""
     mesh = reference_fem.box_discretisation(box, cells, "Q2", GRADING)
     matrix = (stiffness(mesh, problem.material) + bar * frame(mesh)).tocsc()
-    held, moved = prescribed_displacements(problem, mesh.points)
+    held, moved = kit.prescribed_displacements(problem, mesh.points)
     if moved.any():
         raise ValueError(f"{problem.name}: supports that move are not for this reference")
     free = np.flatnonzero(~held.T.ravel())
@@ -82,7 +82,7 @@ def frame(mesh: Discretisation) -> csr_array:
     return coo_array(entries, shape=(2 * len(x),) * 2).tocsr()
 
 
-def _along(x: Array, axis: int, nodes: Index) -> Index:
+def _along(x: kit.Array, axis: int, nodes: kit.Index) -> kit.Index:
     """End, middle and end (e, 3) of each element's side among the nodes of an edge."""
     line = nodes[np.argsort(x[nodes, axis], kind="stable")]
     return np.column_stack([line[:-2:2], line[1:-1:2], line[2::2]])

@@ -16,12 +16,8 @@ from pathlib import Path
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.mesh_file import read_mesh
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Isotropic, Mesh, Problem, Region, Support, Traction
 
 from . import cases, curved, models
 from .patch_bodies import MODULUS, PATCH, THICKNESS
@@ -34,16 +30,17 @@ CELLS = 8
 """Of the lattice, along the patch: 8 x 4 whole ones, however long the patch was read to be."""
 NU = curved.SPRINGS_ALONE
 SOURCE = "on paper"
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "body from a file in mm: area and elongation of elements and springs, relative", 1e-10, "1",
         "uniform stress is exact in both: left is rounding, 1e-16 times a condition number of up "
         "to 1e5",
+        table="from_file", value="against_accepted",
     ),
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
+def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence:
     """Read the file and pull at what is in it."""
     mesh = read_mesh(FILE, unit=UNIT)
     asked = problem(mesh)
@@ -67,24 +64,22 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
         ),
     ]
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"from_file": table},
-        observed={TOLERANCES[0].quantity: farthest_value(table["against_accepted"], 0.0)},
-        tolerances=TOLERANCES,
-        columns=cases.COLUMNS,
-        rounding={"against_accepted": 1e-10, "against_limit": 1e-10},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
     )
 
 
-def problem(mesh: Mesh) -> Problem:
+def problem(mesh: kit.Mesh) -> kit.Problem:
     """The patch pulled along x, free to contract."""
-    return Problem(
+    return kit.Problem(
         mesh,
-        Isotropic(E=MODULUS, nu=NU, thickness=THICKNESS),
+        kit.Isotropic(E=MODULUS, nu=NU, thickness=THICKNESS),
         (
-            Support(mesh.side("left"), (0.0, None)),
-            Support(Region((0.0, 0.0)), (None, 0.0)),
+            kit.Support(mesh.side("left"), (0.0, None)),
+            kit.Support(kit.Region((0.0, 0.0)), (None, 0.0)),
         ),
-        (Traction(mesh.side("right"), (TENSION, 0.0)),),
+        (kit.Traction(mesh.side("right"), (TENSION, 0.0)),),
         name="patch from a file",
     )

@@ -16,25 +16,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.case.building import build_case
 from msvalidate.case.reading import parse_source
 from msvalidate.constants.zones import calibrate_zones
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, fill, mesh_lattice, patterns
-from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError
 from msvalidate_check import ElasticCase, Verdict, case_names, check, elastic_case
 from msvalidate_check.case_set import case_facts
 
-from . import cases, frozen_drawing
+from . import frozen_drawing
 
 UNIFORM = ("cell_pull", "cell_pressure", "block_pull", "block_pressure")
 """Bodies of uniform normal stress; under uniform shear the corners of a cube's lattice bend."""
@@ -50,41 +48,44 @@ RATIOS = {True: (0.3, 0.4999), False: (0.0, 0.3, 0.45, 0.4999)}
 SHAPES = {"tri3": "triangle", "quad4": "quad", "tet4": "tetra", "hex8": "hexahedron"}
 QUADRATIC = {"tri3": "P2", "quad4": "Q2", "tet4": "T2", "hex8": "H2"}
 SHARED, WHOLE, EDGES = "springs", "springs, whole on the boundary", "springs on mesh edges"
-TOLERANCES = (
-    Tolerance(
+
+
+def _of_uniform_stress(rows: pd.DataFrame) -> pd.Series:
+    """Errors of the bodies of uniform stress, 0 of all others."""
+    body = rows["case"].str.replace(r"_(plane_stress|plane_strain|space)$", "", regex=True)
+    return rows["error"].where(body.isin(UNIFORM), 0.0)
+
+
+ELEMENTS = tuple(f"FEM {shape}{order}" for shape in "PQTH" for order in (1, 2))
+frozen = partial(kit.Rule, unit="1", table="frozen_cases")
+RULES = (
+    frozen(
         "frozen cases of uniform stress: largest error of elements, of the largest displacement",
-        1e-9, "1", "elements of every kind hold uniform strain: left is rounding times a condition",
+        1e-9, rows={"model": ELEMENTS}, value=_of_uniform_stress,
+        because="elements of every kind hold uniform strain: left is rounding times a condition",
     ),
-    Tolerance(
-        "frozen cases of uniform stress: largest error of lattices with shared springs", 1e-9, "1",
-        "a lattice that shares its boundary springs holds uniform tension at any size",
+    frozen(
+        "frozen cases of uniform stress: largest error of lattices with shared springs", 1e-9,
+        rows={"model": SHARED}, value=_of_uniform_stress,
+        because="a lattice that shares its boundary springs holds uniform tension at any size",
     ),
-    Tolerance(
-        "frozen cases up to nu = 0.45: quadratic elements on the finest mesh that differ", 0, "1",
-        "eight cells across and more: what they miss next to clamps is far below the band of 5 %",
+    frozen(
+        "frozen cases up to nu = 0.45: quadratic elements on the finest mesh that differ", 0,
+        rows={"model": ELEMENTS[1::2], "size": tuple(f"{kind}_2" for kind in SHAPES)},
+        value=lambda rows: ((rows["verdict"] == "differs") & (rows["nu"] <= LOCKING)).sum(),
+        because="eight cells across and more: what they miss next to clamps is far below the band "
+        "of 5 %",
     ),
-    Tolerance(
-        "frozen cases in the plane: largest error of springs at 1/32 m", BAND, "1",
-        "a block is 12 cells across, a beam 8: spacing costs its square, (1/8)^2 = 1.6 %, and "
-        "clamps as much again",
-        "agreement",
+    frozen(
+        "frozen cases in the plane: largest error of springs at 1/32 m", BAND, layer="agreement",
+        rows={"model": SHARED, "size": f"{1 / 32:g}"}, value="error",
+        because="a block is 12 cells across, a beam 8: spacing costs its square, (1/8)^2 = 1.6 %, "
+        "and clamps as much again",
     ),
 )  # fmt: skip
-COLUMNS = {
-    "case": "case of the frozen set: body and state",
-    "nu": cases.COLUMNS["nu"],
-    "model": "springs on a lattice or on a mesh's edges, or elements",
-    "size": "side of a lattice's cell (m), or the mesh's name",
-    "error": "largest difference over the largest displacement (1)",
-    "doubt": "how far elasticity and rounding leave it open, over the same (1)",
-    "scale": "part of the difference that a scale of elasticity is, over the same (1)",
-    "rigid_motion": "part that a rigid motion is, over the same (1)",
-    "shape": "what is left of the difference, over the same (1)",
-    "verdict": "agrees, differs or not resolved, within 5 %",
-}
 
 
-def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
+def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence:
     """Judge springs and elements by every box of the set."""
     rows = []
     for name in case_names():
@@ -95,28 +96,26 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
             problem = problem_of(case_file, nu)
             rows += [{"case": name, "nu": nu} | row for row in _rows(candidate, name, nu, problem)]
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"frozen_cases": table},
-        observed=by_quantity(TOLERANCES, _observed(table)),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         figures={"frozen_cases": frozen_drawing.frozen_cases},
-        rounding=dict.fromkeys(("error", "doubt", "scale", "rigid_motion", "shape"), 1e-10),
     )
 
 
-def _ratios(name: str, setting: Setting) -> list[float]:
+def _ratios(name: str, setting: kit.Setting) -> list[float]:
     return [nu for nu in case_facts(name)["ratios"] if nu in RATIOS[setting.quick]]
 
 
-def problem_of(case_file: str, nu: float) -> Problem:
+def problem_of(case_file: str, nu: float) -> kit.Problem:
     """The problem that a case file asks, at a ratio of its own."""
     lines = [f"nu = {nu:g}" if line[:5] == "nu = " else line for line in case_file.splitlines()]
     return build_case(parse_source("frozen case", "\n".join(lines), Path())).problem
 
 
 def _rows(
-    candidate: DisplacementSolver, name: str, nu: float, problem: Problem
+    candidate: kit.DisplacementSolver, name: str, nu: float, problem: kit.Problem
 ) -> Iterator[dict[str, Any]]:
     for model, weights in ((SHARED, "shared"), (WHOLE, "equal")):
         for spacing in SPACING[problem.domain.dim]:
@@ -133,30 +132,30 @@ def _rows(
         yield from _mesh_rows(candidate, elastic_case(name, nu, mesh), problem)
 
 
-def _lattice(problem: Problem, spacing: float) -> Lattice:
+def _lattice(problem: kit.Problem, spacing: float) -> Lattice:
     domain = problem.domain
-    assert isinstance(domain, Box)  # noqa: S101
+    assert isinstance(domain, kit.Box)  # noqa: S101
     pattern = patterns.square() if domain.dim == 2 else patterns.cubic18()
     return fill(pattern, domain, tuple(round(side / spacing) for side in domain.size))
 
 
 def _mesh_rows(
-    candidate: DisplacementSolver, case: ElasticCase, problem: Problem
+    candidate: kit.DisplacementSolver, case: ElasticCase, problem: kit.Problem
 ) -> Iterator[dict[str, Any]]:
     """Elements on a mesh of a case, and springs on its edges."""
     kind = case.mesh.partition("_")[0]
-    mesh = Mesh(case.points, case.cells, SHAPES[kind])
+    mesh = kit.Mesh(case.points, case.cells, SHAPES[kind])
     for element in (None, QUADRATIC[kind]):
         body = reference_fem.mesh_discretisation(mesh, element)
         model = f"FEM {body.element.name}"
         try:
             move = reference_fem.solve_problem(problem, body, allow_locked=True).at(case.points)
-        except ProblemError:
+        except kit.ProblemError:
             continue
         yield _row(model, case.mesh, check(case, None, move, band=BAND, accuracy=ROUNDING))
     if not problem.zones:
         asked, law = replace(problem, domain=mesh), problem.material
-        assert isinstance(law, Isotropic)  # noqa: S101
+        assert isinstance(law, kit.Isotropic)  # noqa: S101
         network = lattice_network(asked, mesh_lattice(mesh), (law.E * law.thickness,))
         yield _row(
             EDGES,
@@ -171,24 +170,7 @@ def _row(model: str, size: str, verdict: Verdict) -> dict[str, Any]:
         "model": model,
         "size": size,
         "error": verdict.error,
-        "doubt": verdict.doubt,
+        "error_uncertainty": verdict.uncertainty,
         **parts,
         "verdict": verdict.word,
     }
-
-
-def _observed(table: pd.DataFrame) -> list[Observed]:
-    body = table["case"].str.replace(r"_(plane_stress|plane_strain|space)$", "", regex=True)
-    uniform = body.isin(UNIFORM)
-    elements = table["model"].str.startswith("FEM")
-    quadratic = table["model"].str.endswith("2") & elements & table["size"].str.endswith("_2")
-    shared = table["model"] == SHARED
-    fine = shared & (table["size"] == f"{1 / 32:g}") & ~table["case"].str.endswith("space")
-    return [
-        Observed(float(table["error"][uniform & elements].max())),
-        Observed(float(table["error"][uniform & shared].max())),
-        Observed(
-            float((table["verdict"][quadratic & (table["nu"] <= LOCKING)] == "differs").sum())
-        ),
-        Observed(float(table["error"][fine].max())),
-    ]

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate import kit
 
 LINEAR = ("FEM P1", "FEM Q1", "FEM T1", "FEM H1")
 QUADRATIC = ("FEM P2", "FEM Q2", "FEM T2", "FEM H2")
@@ -27,19 +26,24 @@ SHOWN = (LEAST, 0.01, 1, 100)
 RATIO = 0.3
 
 
-def frozen_cases(tables: Tables) -> Figure:
+def frozen_cases(tables: kit.Tables) -> Figure:
     """A line for every case, a mark for the best mesh of every kind of model."""
     table = tables["frozen_cases"]
     drawn = table[(table["nu"] == RATIO) | (table["nu"] > 0.49)]
     names = list(dict.fromkeys(drawn["case"]))
     half = -(-len(names) // 2)
-    figure, axes = figures.new_figure(2, size=(3.8, 1.7 + 0.26 * half), sharex=True)
+    figure, axes = kit.figures.new_figure(2, size=(3.8, 1.7 + 0.26 * half), sharex=True)
     for i, (words, models) in enumerate(MODELS.items()):
         here = drawn[drawn["model"].isin(models)]
         best = finest(here)
         lines = np.array([names.index(case) + APART * (i - 2) for case in best["case"]])
         error = (100 * best["error"]).clip(lower=LEAST)
-        style = {"marker": figures.MARKERS[i], "color": figures.COLOURS[i], "ls": "", "ms": 5}
+        style = {
+            "marker": kit.figures.MARKERS[i],
+            "color": kit.figures.COLOURS[i],
+            "ls": "",
+            "ms": 5,
+        }
         for axis in axes:
             axis.semilogx(error, lines, label=words, **style)
     for axis, first in zip(axes, (0, half), strict=True):
@@ -54,7 +58,7 @@ def frozen_cases(tables: Tables) -> Figure:
         axis.set_xlabel("error over the\nlargest displacement (%)")
     axes[0].set_ylabel("case (nu = 0.3; rubber 0.4999)")
     figure.suptitle("Frozen cases: our springs and elements on their finest meshes")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 

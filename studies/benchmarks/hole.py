@@ -18,13 +18,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
+from msvalidate import kit
 
-from . import cases, curved, curved_drawing, sketches
+from . import cases, curved, sketches
 from .shapes import ring_quarter
 
 MODULUS, TENSION = 1e6, 1.0
@@ -45,65 +41,68 @@ SIDES = {"σyy at (a, 0)": (ACROSS, 1, 3.0), "σxx at (0, a)": (ALONG, 0, -1.0)}
 """Quantity -> place, Voigt component and exact value over the tension."""
 DIAGONAL = RADIUS * np.array([[np.sqrt(0.5), np.sqrt(0.5)]])
 SLANTED = ("τxy on the hole, at 45°", "von Mises stress on the hole, at 45°")
-OWN = "Kirsch: shear and von Mises stress on the hole by Q2 over what it states to be off"
-TOLERANCES = (
-    Tolerance(
-        "Kirsch: order of the stress on the hole by Q2", 0.3, "1",
-        "2 for gradients of quadratic elements at a node; cells at the hole are 0.09 of its radius "
-        "high where the pair starts, and the next term as large a part of the first, or twice that",
+ACROSS_BY = {
+    fit: {"quantity": "σyy at (a, 0)", "method": curved.method(curved.SPRINGS_ALONE, fit)}
+    for fit in curved.FITS
+}
+judged = partial(cases.judged, table="hole")
+RULES = (
+    judged(
+        "Kirsch: order of the stress on the hole by Q2", 0.3,
+        rows={"method": FEM, "quantity": tuple(SIDES)}, value=cases.orders, reference=2.0,
+        because="2 for gradients of quadratic elements at a node; cells at the hole are 0.09 of "
+        "its radius high where the pair starts, and the next term as large a part of the first, or "
+        "twice that",
     ),
-    Tolerance(
-        "Kirsch: stress across and along by Q2 over what it states to be off", 1.0, "1",
-        "as of shear below",
+    judged(
+        "Kirsch: stress across and along by Q2 over what it states to be off", 1.0,
+        rows={"method": FEM, "quantity": tuple(SIDES)}, value=cases.STATED,
+        because="as of shear below",
     ),
-    Tolerance(
-        OWN, 1.0, "1",
-        "three meshes that halve their cells state by Richardson's rule how far the last is off, "
-        "with a factor of safety: no value may be farther from Kirsch's",
+    judged(
+        "Kirsch: shear and von Mises stress on the hole by Q2 over what it states to be off", 1.0,
+        rows={"method": FEM, "quantity": SLANTED}, value=cases.STATED,
+        because="three meshes that halve their cells state by Richardson's rule how far the last "
+        "is off, with a factor of safety: no value may be farther from Kirsch's",
     ),
-    Tolerance(
-        "Kirsch: stress across the hole by springs, quartic fit, finest lattice, relative",
-        0.01, "1",
-        "cut cells leave a part of a per cent at 16 cells per radius, as in the pressed ring",
-        layer="agreement",
+    judged(
+        "Kirsch: stress across the hole by springs, quartic fit, finest lattice, relative", 0.01,
+        layer="agreement", rows=ACROSS_BY["quartic"], value="against_limit",
+        because="cut cells leave a part of a per cent at 16 cells per radius, as in the pressed "
+        "ring",
     ),
-    Tolerance(
-        "Kirsch: order of the stress across the hole by springs, quadratic fit, all lattices",
-        0.7, "1",
-        "2, that of a quadratic fit, which reaches 6 cells deep: beyond the radius at 4 cells, "
-        "where a pair has order 1, and what cut cells leave raises the finest, as of LE1",
-        layer="agreement",
+    cases.fitted(
+        "Kirsch: order of the stress across the hole by springs, quadratic fit, all lattices", 0.7,
+        layer="agreement", table="hole", rows=ACROSS_BY["quadratic"],
+        because="2, that of a quadratic fit, which reaches 6 cells deep: beyond the radius at 4 "
+        "cells, where a pair has order 1, and what cut cells leave raises the finest, as of LE1",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    **curved_drawing.COLUMNS,
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare springs and elements with Kirsch's field."""
     table = pd.DataFrame(rows(candidate, setting))
     meshed = partial(ring_quarter, RADIUS, RIM)
-    drawn = curved.field(candidate, meshed, piece, FIELD)
-    return Evidence(
-        tables={"hole": table, "hole_field": curved_drawing.table(*drawn)},
-        observed=observe(table),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+    drawn = curved.mesh_field(candidate, meshed, piece, FIELD)
+    return kit.Evidence(
+        tables={"hole": table},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        drawn={"hole_field": drawn},
         figures={
             "hole": cases.drawing(
                 "hole", "Plate with a hole", "cells from hole to rim, or per radius (1)"
             ),
-            "hole_field": curved_drawing.drawing(
-                "hole_field", "Plate with a hole", meshed(FIELD[0]).cells, (RADIUS,) * 2, mark_loads
-            ),
+            **curved.pictures("hole_field", "Plate with a hole"),
         },
         findings=(f"Plate with a hole, finest meshes: {cases.describe(table)}.",),
     )
 
 
-def rows(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, object]]:
+def rows(candidate: kit.DisplacementSolver, setting: kit.Setting) -> list[dict[str, object]]:
     """Rows of the table `hole`."""
     lattices = QUICK_LATTICES if setting.quick else LATTICES
     of_elements = setting.sweep(elastic_sides, ELEMENTS, "hole by elements")
@@ -120,7 +119,7 @@ def rows(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, obje
                 value, springs_by, lattices, [each[name, fit] for each in of_springs]
             )
     slanted = kirsch(DIAGONAL)
-    known = float(slanted[0, 2]), float(curved_drawing.mises(slanted)[0])
+    known = float(slanted[0, 2]), float(curved.mises(slanted)[0])
     for name, accepted in zip(SLANTED, known, strict=True):
         asked = cases.Quantity(
             "plate with a hole", name, "Pa", accepted, SOURCE, curved.SPRINGS_ALONE
@@ -129,7 +128,7 @@ def rows(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, obje
     return found
 
 
-def kirsch(points: Array) -> Array:
+def kirsch(points: kit.Array) -> kit.Array:
     """Stress (n, 3) in Pa of the endless plate at points (n, 2) in m, tension along y.
 
     In polar coordinates with q = (a/r)² and the angle from the tension
@@ -150,18 +149,18 @@ def kirsch(points: Array) -> Array:
     return TENSION * np.column_stack([xx, yy, xy])
 
 
-def piece(mesh: Mesh) -> Problem:
+def piece(mesh: kit.Mesh) -> kit.Problem:
     """Quarter ring cut out of the endless plate, with the plate's tractions on its rim."""
-    return Problem(
+    return kit.Problem(
         mesh,
-        Isotropic(E=MODULUS, nu=curved.SPRINGS_ALONE),
+        kit.Isotropic(E=MODULUS, nu=curved.SPRINGS_ALONE),
         curved.quarter_supports(mesh),
-        (Traction(mesh.side("rim"), pull),),
+        (kit.Traction(mesh.side("rim"), pull),),
         name="plate with a hole",
     )
 
 
-def pull(points: Array) -> Array:
+def pull(points: kit.Array) -> kit.Array:
     """Traction (n, 2) in Pa of the endless plate on circles about the hole."""
     xx, yy, xy = kirsch(points).T
     x, y = (points / np.linalg.norm(points, axis=1, keepdims=True)).T
@@ -179,11 +178,11 @@ def elastic_sides(cells: int) -> dict[str, float]:
     solution = curved.elastic(piece(ring_quarter(RADIUS, RIM, cells).mesh))
     found = {name: float(solution.stress(at)[0, part]) for name, (at, part, _) in SIDES.items()}
     slanted = solution.stress(DIAGONAL)
-    seen = float(slanted[0, 2]), float(curved_drawing.mises(slanted)[0])
+    seen = float(slanted[0, 2]), float(curved.mises(slanted)[0])
     return found | dict(zip(SLANTED, seen, strict=True))
 
 
-def spring_sides(candidate: DisplacementSolver, cells: int) -> dict[tuple[str, str], float]:
+def spring_sides(candidate: kit.DisplacementSolver, cells: int) -> dict[tuple[str, str], float]:
     """The same of springs, `cells` per radius, by quantity and fit."""
     asked = piece(ring_quarter(RADIUS, RIM, OUTLINE).mesh)
     body = curved.spring_body(candidate, asked, RADIUS / cells)
@@ -192,21 +191,3 @@ def spring_sides(candidate: DisplacementSolver, cells: int) -> dict[tuple[str, s
         for name, (at, part, _) in SIDES.items()
         for fit in curved.FITS
     }
-
-
-def observe(table: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    last = cases.finest(table)
-    elements = last[(last["method"] == FEM) & last["quantity"].isin(SIDES)]
-    slanted = last[last["quantity"].isin(SLANTED)]
-    across = table[table["quantity"] == next(iter(SIDES))]
-    quadratic = across[across["method"].str.endswith("quadratic fit")]
-    quartic = cases.finest(across[across["method"].str.endswith("quartic fit")])
-    values = (
-        farthest_value(cases.orders(elements), 2.0),
-        farthest_value(cases.excess_over_uncertainty(elements), 0.0),
-        farthest_value(cases.excess_over_uncertainty(slanted), 0.0),
-        farthest_value(quartic["against_limit"], 0.0),
-        farthest_value(curved.fitted_orders(quadratic), 2.0),
-    )
-    return by_quantity(TOLERANCES, values)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.lattice import Lattice
-from msvalidate.network import Network
-from msvalidate.problem import Isotropic, Problem, ProblemError
 
 from . import cases
 
@@ -19,7 +18,7 @@ def method(lattice: str, nu: float, dim: int = 2) -> str:
     return f"springs{'' if np.isclose(nu, CAUCHY[dim]) else cases.VOLUME}, {lattice}"
 
 
-def network_of(problem: Problem, grid: Lattice) -> Network:
+def network_of(problem: kit.Problem, grid: Lattice) -> kit.Network:
     """Network for an isotropic problem: springs alone where they will do, or cells beside them.
 
     Raises
@@ -27,6 +26,6 @@ def network_of(problem: Problem, grid: Lattice) -> Network:
     ProblemError
         If the material is not isotropic, or the lattice cannot be it.
     """
-    if not isinstance(problem.material, Isotropic):
-        raise ProblemError(f"{problem.name}: give an isotropic material")
+    if not isinstance(problem.material, kit.Isotropic):
+        raise kit.ProblemError(f"{problem.name}: give an isotropic material")
     return lattice_network(problem, grid, calibrate_material(problem.material, grid))

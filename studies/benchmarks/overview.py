@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Evidence, Tables
-from msvalidate.output import figures
+from msvalidate import kit
 
 from . import cases
 from .sheet_list import SHEETS
@@ -29,7 +28,7 @@ LEAST = 1e-6
 """Difference (%) at which what is smaller is drawn: rounding."""
 
 
-def overview(tables: Tables) -> Evidence:
+def overview(tables: kit.Tables) -> kit.Evidence:
     """Table and picture of the finest meshes of all benchmarks, of tables that have the layout."""
     table = cases.summary(tables)
     sheets = {
@@ -37,17 +36,11 @@ def overview(tables: Tables) -> Evidence:
         for name, sheet in SHEETS.items()
         if set(sheet.tables) & set(tables)
     }
-    return Evidence(
+    return kit.Evidence(
         tables={"benchmarks": table},
-        observed={},
-        tolerances=(),
-        columns=cases.COLUMNS,
+        columns=kit.columns(__file__),
         figures={"benchmarks": drawn, **sheets},
-        rounding={
-            "against_accepted": 1e-8,
-            "against_limit": 1e-8,
-            "order": cases.rounding_of_orders(table),
-        },
+        rounding={"order": cases.rounding_of_orders(table)},
     )
 
 
@@ -68,19 +61,19 @@ def marked(method: str) -> str:
     return FAMILIES[name] if name != "FEM" else ELEMENTS[method[-1]]
 
 
-def drawn(tables: Tables) -> Figure:
+def drawn(tables: kit.Tables) -> Figure:
     """A line for every benchmark, a mark for every method."""
     table = worst_of(tables["benchmarks"])
     names = list(dict.fromkeys(table["benchmark"]))
-    figure, (axis,) = figures.new_figure(size=(5.4, 1.9 + 0.34 * len(names)))
+    figure, (axis,) = kit.figures.new_figure(size=(5.4, 1.9 + 0.34 * len(names)))
     marks = [*ELEMENTS.values(), *list(FAMILIES.values())[1:]]
     for i, words in enumerate(marks):
         here = table[[marked(str(method)) == words for method in table["method"]]]
         # Side by side, for many are exact.
         rows = [names.index(benchmark) + APART * (i - 2) for benchmark in here["benchmark"]]
         axis.semilogx(
-            here["against_limit"], rows, figures.MARKERS[i], color=figures.COLOURS[i], label=words,
-            ms=5,
+            here["against_limit"], rows, kit.figures.MARKERS[i],
+            color=kit.figures.COLOURS[i], label=words, ms=5,
         )  # fmt: skip
     axis.axvline(LEAST, color="grey", ls=":", label="exact to rounding")
     axis.set_xticks(DECADES, [f"{decade:g}" for decade in DECADES])
@@ -94,5 +87,5 @@ def drawn(tables: Tables) -> Figure:
         ylim=(len(names) - 0.5, -0.5),
     )  # fmt: skip
     figure.suptitle("All benchmarks on their finest meshes")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -18,14 +18,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import fill, mesh_lattice, patterns, square, triangular, zigzag_block
-from msvalidate.output import figures
 
 from . import cases, models
 from .patch_bodies import (
@@ -51,30 +47,28 @@ AT_POINTS = "stress at the point and of the component farthest off, over the exa
 EXACT = 1e-9
 MAGNIFIED = 100
 """Factor on the displacements in the picture."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "patch tests: elements and regular lattices, relative", EXACT, "1",
         "a linear field is in their space: left is rounding, 1e-16 times a condition number of "
         "up to 1e5",
+        table="patch",
+        value=lambda rows: rows["against_accepted"].where(rows["method"] != PER_EDGE, 0.0),
     ),
-    Tolerance(
+    kit.Rule(
         "patch test: quantities that a spring on every edge of the irregular patch gets right",
         0, "1",
         "van Gelder 1998: springs on the edges of irregular triangles are no elastic body; one "
         "that passed would be another network",
+        table="patch", rows={"method": PER_EDGE},
+        value=lambda rows: (rows["against_accepted"].abs() <= EXACT).sum(),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "point": "number of the patch's point, corners first",
-    "x": "place along x (m)",
-    "y": "place along y (m)",
-    "off_x": "displacement along x less the exact one, over the largest exact one (1)",
-    "off_y": "the same along y (1)",
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare elements and the candidate's springs with the linear field."""
     found = [
         row
@@ -104,19 +98,13 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         patch = spring_patch(candidate, asked, models.network_of(asked, grid), len(grid.cells))
         found += rows(patch, models.method("cubic 18", nu, 3), nu)
     table = pd.DataFrame(found)
-    return Evidence(
-        tables={"patch": table, "patch_points": points_table(irregular)},
-        observed=observe(table),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+    return kit.Evidence(
+        tables={"patch": table},
+        drawn={"patch_points": points_table(irregular)},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         figures={"patch": drawn},
         findings=(finding(table),),
-        rounding={
-            "against_accepted": EXACT,
-            "against_limit": EXACT,
-            "off_x": EXACT,
-            "off_y": EXACT,
-        },
     )
 
 
@@ -157,17 +145,6 @@ def points_table(patch: Patch) -> pd.DataFrame:
     )
 
 
-def observe(table: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    edges = table["method"] == PER_EDGE
-    right = table[edges]["against_accepted"].abs() <= EXACT
-    values = (
-        farthest_value(table[~edges]["against_accepted"], 0.0),
-        Observed(float(right.sum())),
-    )
-    return by_quantity(TOLERANCES, values)
-
-
 def finding(table: pd.DataFrame) -> str:
     """What passes and what does not."""
     here = table[table["method"] == PER_EDGE].set_index("quantity")["against_accepted"]
@@ -179,23 +156,23 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def drawn(tables: Tables) -> Figure:
+def drawn(tables: kit.Tables) -> Figure:
     """The irregular patch, its field, and where a spring on every edge puts the inner points."""
     table = tables["patch_points"]
     points, off = table[["x", "y"]].to_numpy(), table[["off_x", "off_y"]].to_numpy()
     field = points @ GRADIENT[2]
     cells = published("P").cells
     moves = {"elements, and the exact field": field, PER_EDGE: field + off * np.abs(field).max()}
-    figure, (axis,) = figures.new_figure(size=(5.6, 3.9))
+    figure, (axis,) = kit.figures.new_figure(size=(5.6, 3.9))
     for i, (name, move) in enumerate(moves.items()):
         place = points + MAGNIFIED * move
-        axis.triplot(*place.T, cells, color=figures.COLOURS[i], lw=0.9)
-        axis.plot(*place.T, figures.MARKERS[i], color=figures.COLOURS[i], label=name)
+        axis.triplot(*place.T, cells, color=kit.figures.COLOURS[i], lw=0.9)
+        axis.plot(*place.T, kit.figures.MARKERS[i], color=kit.figures.COLOURS[i], label=name)
     axis.triplot(*points.T, cells, color="#999999", lw=0.9, ls=":")
     axis.plot([], [], ":", color="#999999", label="at rest")
     corners = points[[0, 1, 2, 3]] + MAGNIFIED * field[[0, 1, 2, 3]]
     axis.plot(*corners.T, "s", color="black", mfc="none", ms=9, label="displacement prescribed")
     axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     figure.suptitle(f"MacNeal and Harder's patch: displacements times {MAGNIFIED}")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -8,22 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.network import Network, tangent
-from msvalidate.problem import (
-    SIDES,
-    Array,
-    Box,
-    Domain,
-    Index,
-    Isotropic,
-    Mesh,
-    Part,
-    Polygon,
-    Problem,
-    Segment,
-    Support,
-)
+from msvalidate import kit
+from msvalidate.network import tangent
 from reference_fem.elasticity import stiffness
 
 MODULUS, THICKNESS = 1e6, 1e-3
@@ -33,7 +19,7 @@ GRADIENT = {
     3: 1e-3 * (np.eye(3) + 1) / 2,
 }
 """∂u_i/∂x_j of the prescribed field, by the number of axes."""
-PATCH, CUBE = Box((0.24, 0.12)), Box((1.0, 1.0, 1.0))
+PATCH, CUBE = kit.Box((0.24, 0.12)), kit.Box((1.0, 1.0, 1.0))
 CORNERS = {
     2: ((0, 0), (0.24, 0), (0.24, 0.12), (0, 0.12)),
     3: ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
@@ -69,14 +55,14 @@ class Patch:
     is inside. `at_points`: (n, 3 or 6) in Pa as elements give it at the points; springs have none.
     """
 
-    points: Array
-    move: Array
+    points: kit.Array
+    move: kit.Array
     cells: int
-    stress: Array
-    at_points: Array | None = None
+    stress: kit.Array
+    at_points: kit.Array | None = None
 
     @property
-    def off(self) -> Array:
+    def off(self) -> kit.Array:
         """Displacement less the exact one, (n, d), over the largest exact one."""
         exact = self.points @ GRADIENT[self.points.shape[1]]
         return np.asarray((self.move - exact) / np.abs(exact).max())
@@ -87,23 +73,25 @@ class Patch:
         return float(1 + self.off.flat[np.abs(self.off).argmax()])
 
 
-def problem(domain: Domain, nu: float) -> Problem:
+def problem(domain: kit.Domain, nu: float) -> kit.Problem:
     """Body whose outline is moved by the linear field."""
     d = domain.dim
     field = tuple(lambda points, a=a: points @ GRADIENT[d][a] for a in range(d))
-    parts: list[Part]
-    if isinstance(domain, Mesh):
+    parts: list[kit.Part]
+    if isinstance(domain, kit.Mesh):
         parts = [domain.whole_surface]
-    elif isinstance(domain, Polygon):
-        parts = [Segment(a, b) for a, b in pairwise((*domain.vertices, domain.vertices[0]))]
+    elif isinstance(domain, kit.Polygon):
+        parts = [kit.Segment(a, b) for a, b in pairwise((*domain.vertices, domain.vertices[0]))]
     else:
-        parts = [domain.side(name) for name, (axis, _) in SIDES.items() if axis < d]
+        parts = [domain.side(name) for name, (axis, _) in kit.SIDES.items() if axis < d]
     material = (
-        Isotropic(E=MODULUS, nu=nu, thickness=THICKNESS)
+        kit.Isotropic(E=MODULUS, nu=nu, thickness=THICKNESS)
         if d == 2
-        else Isotropic(E=MODULUS, nu=nu, state="solid")
+        else kit.Isotropic(E=MODULUS, nu=nu, state="solid")
     )
-    return Problem(domain, material, tuple(Support(part, field) for part in parts), name="patch")
+    return kit.Problem(
+        domain, material, tuple(kit.Support(part, field) for part in parts), name="patch"
+    )
 
 
 def elastic_patch(element: str, nu: float) -> Patch:
@@ -120,7 +108,7 @@ def elastic_patch(element: str, nu: float) -> Patch:
 
 
 def spring_patch(
-    candidate: DisplacementSolver, asked: Problem, network: Network, cells: int
+    candidate: kit.DisplacementSolver, asked: kit.Problem, network: kit.Network, cells: int
 ) -> Patch:
     """A patch of the candidate's springs."""
     move = candidate(asked, network, "linear")
@@ -129,26 +117,28 @@ def spring_patch(
     return Patch(network.points, move, cells, network.points.T @ force / volume)
 
 
-def published(shape: str) -> Mesh:
+def published(shape: str) -> kit.Mesh:
     """The published patch in quadrilaterals (Q) or hexahedra (H), or these cut up (P, T)."""
     if shape in "QP":
         points, cells = places(2), np.array(QUADRILATERALS)
         if shape == "Q":
-            return Mesh(points, cells, "quad")
-        return Mesh(points, np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]]), "triangle")
+            return kit.Mesh(points, cells, "quad")
+        return kit.Mesh(
+            points, np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]]), "triangle"
+        )
     points, cells = places(3), np.array(HEXAHEDRA)
     if shape == "H":
         points[len(CORNERS[3]) + FOLDED] = UNFOLDED
-        return Mesh(points, cells, "hexahedron")
-    return Mesh(*cut_hexahedra(points, cells), "tetra")
+        return kit.Mesh(points, cells, "hexahedron")
+    return kit.Mesh(*cut_hexahedra(points, cells), "tetra")
 
 
-def places(dim: int) -> Array:
+def places(dim: int) -> kit.Array:
     """Corners of the outline, then the inner points (n, dim)."""
     return np.array(CORNERS[dim] + INNER[dim], dtype=float)
 
 
-def cut_hexahedra(points: Array, cells: Index) -> tuple[Array, Index]:
+def cut_hexahedra(points: kit.Array, cells: kit.Index) -> tuple[kit.Array, kit.Index]:
     """Twelve tetrahedra of each hexahedron about a point in its middle.
 
     Every face is cut from its lowest number, so that neighbours agree.

@@ -23,23 +23,18 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 from msvalidate.lattice import patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
-from msvalidate.network import Network
-from msvalidate.problem import Array, Isotropic, Problem, Support, Traction
 from msvalidate.statics.stress import fitted_stress, interior_points
 from reference_fem import Solution
 from reference_fem.elasticity import elastic_tensor
 
-from . import cases, curved, plate_drawing, thick_plate
+from . import cases, curved, thick_plate
 from .shapes import OUTER, THICKNESS, clamped_plate
 from .thick_plate import FACE, LINE, MEGA, MIDDLE, NU, PLACE, PRESSURE
 
-MATERIAL = Isotropic(E=thick_plate.MODULUS, nu=NU, state="solid")
+MATERIAL = kit.Isotropic(E=thick_plate.MODULUS, nu=NU, state="solid")
 LAYERS, QUICK_LAYERS = (4, 6, 8), (4, 6)
 """Of cubes through the thickness; an even number, so that points lie on the line's level."""
 LINES, QUICK_LINES = LAYERS, (4,)
@@ -57,39 +52,50 @@ BETWEEN = 1.5
 FEM, SPRINGS = "FEM H2", "springs + volume energy, cut cubic18"
 STRESS, SINKING = "σyy at (2, 0, 0.6)", "sinking at (2, 0, 0.3)"
 OWN = "FEM H2 of this study, graded"
-TOLERANCES = (
-    Tolerance(
-        "LE10, rim held: sinking by springs, extrapolated at order 1.5, against elements, relative",
+
+
+def _extrapolated(order: float, rows: pd.DataFrame) -> float:
+    """What the last two lattices extrapolate to, over the limit by elements."""
+    values = extrapolated(tuple(rows["cells"]), tuple(rows["value"]), order)
+    return values / float(rows["limit"].iloc[0])
+
+
+SUNK = {"method": SPRINGS, "quantity": f"{SINKING}, {FACE}"}
+RULES = (
+    kit.Rule(
+        "LE10, rim held: sinking by springs, extrapolated at order 1.5, against elements, "
+        "relative",
         0.03, "1",
         "errors of orders 1 and 2 and one sign, so the limit lies between what these orders "
         "extrapolate to: of 4 and 6 layers 6 % apart, and 1.5 is near the middle",
-        layer="agreement",
+        layer="agreement", table="le10_springs", rows=SUNK, reference=1.0,
+        value=partial(_extrapolated, BETWEEN),
     ),
-    Tolerance(
+    kit.Rule(
         "LE10, rim held: order of the sinking by springs, all lattices", 0.5, "1",
         "between 1, of the wall's steps, and 2, of cells that bend: about the middle",
-        layer="agreement",
+        layer="agreement", table="le10_springs", rows=SUNK, value="against_limit",
+        power_of=kit.Quotient(1, "cells"), reference=1.5,
     ),
-    Tolerance(
-        "LE10, rim held: stress by springs, extrapolated at order 2, against elements, relative",
+    kit.Rule(
+        "LE10, rim held: stress by springs, extrapolated at order 2, against elements, "
+        "relative",
         0.04, "1",
-        "order 2 takes the bending off and leaves the wall's steps: to a quarter of a cell (half a "
-        "cell to none between tips and mean) with 4 and 6 layers 0.25 (6² 0.1 - 4² 0.15)/20 m = "
-        "1.5 cm, and by elements a rim 1 cm further in takes 1.8 % off: 2.7 %; the quick elements' "
-        "own error is 1 %",
-        layer="agreement",
+        "order 2 takes the bending off and leaves the wall's steps: to a quarter of a cell "
+        "(half a cell to none between tips and mean) with 4 and 6 layers 0.25 (6² 0.1 - 4² "
+        "0.15)/20 m = 1.5 cm, and by elements a rim 1 cm further in takes 1.8 % off: 2.7 %; "
+        "the quick elements' own error is 1 %",
+        layer="agreement", table="le10_springs", reference=1.0,
+        rows={"method": SPRINGS, "quantity": f"{STRESS}, {FACE}"},
+        value=partial(_extrapolated, 2.0),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "layers": "cubes through the thickness (1)",
-    "support": thick_plate.COLUMNS["support"],
-    "springs": "σyy at (2, 0, 0.6) m by springs, quartic fit (MPa)",
-    "elements": "the same by the same fit to displacements of elements, rim held, at the lattice's "
-    "points: it magnifies what a mesh misses, so a few per cent of it are the mesh's (MPa)",
-    "extrapolated": "springs, with the row above, at vanishing spacing if all errors had order 2, "
-    'or "coarsest" (MPa)',
-}
+FIGURE = kit.series(
+    "le10_read", title="NAFEMS LE10: stress by the same fit",
+    x="layers", y={"springs": "springs", "elements": "elements"}, by="support",
+    labels=("layers of cubes through the thickness (1)", "σyy at (2, 0, 0.6) m (MPa)"),
+    size=(6.0, 3.8),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,10 +107,12 @@ class Plate:
 
     stress: float
     sinking: float
-    points: Array
+    points: kit.Array
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare springs with elements where the rim is held, and with the published value."""
     sizes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     solved = setting.sweep(elastic, sizes, "LE10 by graded elements")
@@ -120,12 +128,16 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
             + read_rows(LINE, lines, on_line, solved[-1])
         ),
     }
-    return Evidence(
+    return kit.Evidence(
         tables=tables,
-        observed=observe(tables),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        figures={"le10_springs": plate_drawing.by_springs},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        figures={
+            "le10_springs": cases.drawing(
+                "le10_springs", "NAFEMS LE10 by springs", "cells through the thickness (1)"
+            ),
+            "le10_read": FIGURE,
+        },
         findings=findings(tables),
     )
 
@@ -140,7 +152,7 @@ def elastic(n: int) -> Solution:
     return thick_plate.solve_plate(FACE, meshed, body)
 
 
-def spring_plate(candidate: DisplacementSolver, support: str, layers: int) -> Plate:
+def spring_plate(candidate: kit.DisplacementSolver, support: str, layers: int) -> Plate:
     """The plate by the candidate's lattice, its rim held in one of two ways."""
     problem, lattice, network = spring_model(support, layers)
     move = candidate(problem, network, "linear")
@@ -151,7 +163,7 @@ def spring_plate(candidate: DisplacementSolver, support: str, layers: int) -> Pl
     return Plate(read(x[near], move[near]), sinking, x[near])
 
 
-def spring_model(support: str, layers: int) -> tuple[Problem, CutLattice, Network]:
+def spring_model(support: str, layers: int) -> tuple[kit.Problem, CutLattice, kit.Network]:
     """The plate, its rim further out by the wall's depth; its lattice, and its network."""
     spacing = THICKNESS / layers
     problem = wider(DEEP * spacing)
@@ -161,27 +173,27 @@ def spring_model(support: str, layers: int) -> tuple[Problem, CutLattice, Networ
     return problem, lattice, network if support == FACE else on_line(network)
 
 
-def wider(by: float) -> Problem:
+def wider(by: float) -> kit.Problem:
     """The plate with half-axes of its rim that are longer by so many metres, its rim held."""
     mesh = clamped_plate(OUTLINE, by).mesh
-    held = Support(mesh.side("rim"), (0.0, 0.0, 0.0))
-    return Problem(
+    held = kit.Support(mesh.side("rim"), (0.0, 0.0, 0.0))
+    return kit.Problem(
         mesh,
         MATERIAL,
         (*curved.quarter_supports(mesh), held),
-        (Traction(mesh.side("upper"), (0.0, 0.0, -PRESSURE)),),
+        (kit.Traction(mesh.side("upper"), (0.0, 0.0, -PRESSURE)),),
         name="NAFEMS LE10",
     )
 
 
-def on_line(network: Network) -> Network:
+def on_line(network: kit.Network) -> kit.Network:
     """Upwards held at the line's level only: of the wall's points, which the rim alone holds so."""
     held = network.held.copy()
     held[:, 2] &= np.abs(network.points[:, 2] - THICKNESS / 2) <= 1e-9 * THICKNESS
     return replace(network, held=held)
 
 
-def read(points: Array, move: Array) -> float:
+def read(points: kit.Array, move: kit.Array) -> float:
     """σ_yy (MPa) at the place that is asked for, by the polynomial through points near by."""
     degree, count = FIT
     stress = fitted_stress(
@@ -204,8 +216,8 @@ def face_rows(
         (STRESS, "MPa", stress, [each.stress for each in found]),
         (SINKING, "m", sinking, [each.sinking for each in found]),
     ):
-        doubt = abs(exact[-2] / exact[-1] - 1)
-        about = (f"{name}, {FACE}", unit, exact[-1], OWN, NU, exact[-1], doubt)
+        uncertainty = abs(exact[-2] / exact[-1] - 1)
+        about = (f"{name}, {FACE}", unit, exact[-1], OWN, NU, exact[-1], uncertainty)
         asked = cases.Quantity("NAFEMS LE10", *about)
         # The finest is the limit, and against itself it would be exact.
         rows += cases.rows(asked, FEM, [n + 2 for n in sizes[:-1]], exact[:-1])
@@ -240,25 +252,6 @@ def extrapolated(layers: tuple[int, ...], values: tuple[float, ...], order: floa
     """The limit of the last two values, if their errors fall with this power of the spacing."""
     finer = (layers[-1] / layers[-2]) ** order
     return float(values[-1] + (values[-1] - values[-2]) / (finer - 1))
-
-
-def sinking_rows(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the sinking by springs."""
-    return table[(table["method"] == SPRINGS) & table["quantity"].str.startswith(SINKING)]
-
-
-def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
-    """The judged quantities."""
-    sunk = sinking_rows(tables["le10_springs"])
-    layers, values = (tuple(sunk[name]) for name in ("cells", "value"))
-    face = tables["le10_read"][tables["le10_read"]["support"] == FACE].iloc[-1]
-    goal = float(tables["le10_springs"]["limit"].iloc[0])
-    found = (
-        Observed(extrapolated(layers, values, BETWEEN) / sunk["limit"].iloc[0] - 1),
-        farthest_value(observed_order(1 / sunk["cells"], sunk["against_limit"]), 1.5),
-        farthest_value(float(face["extrapolated"]) / goal - 1, 0.0),
-    )
-    return by_quantity(TOLERANCES, found)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from msvalidate.problem import Array
+from msvalidate import kit
 
 from .shapes import FOCUS, INNER, OUTER
 
@@ -47,8 +47,8 @@ class Side:
     """
 
     places: Complex
-    normal: Array
-    pull: Array
+    normal: kit.Array
+    pull: kit.Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +56,9 @@ class Stresses:
     """φ and ψ by their powers of ζ (k,) and coefficients (2k,); `missed`: worst on the sides."""
 
     map: Conformal
-    powers: Array
-    scale: Array
-    coefficients: Array
+    powers: kit.Array
+    scale: kit.Array
+    coefficients: kit.Array
     missed: float
 
     def sum(self, zeta: complex) -> float:
@@ -66,7 +66,7 @@ class Stresses:
         value, _, _ = _functions(self.map, self.powers, self.scale, np.array([zeta]))
         return float(4 * (value @ self.coefficients[: len(self.powers)]).real[0])
 
-    def stress(self, zeta: Complex) -> Array:
+    def stress(self, zeta: Complex) -> kit.Array:
         """Stress (n, 3), xx, yy, xy, at places (n,)."""
         value, slope, z = _functions(self.map, self.powers, self.scale, zeta)
         phi, psi = self.coefficients[: len(self.powers)], self.coefficients[len(self.powers) :]
@@ -86,7 +86,7 @@ def ellipses(zeta: Complex) -> tuple[Complex, Complex, Complex]:
 
 
 def solve_potentials(
-    conformal: Conformal, sides: Sequence[Side], terms: int, scales: Array
+    conformal: Conformal, sides: Sequence[Side], terms: int, scales: kit.Array
 ) -> Stresses:
     """Potentials of `terms` odd powers up and as many down.
 
@@ -109,7 +109,7 @@ def solve_potentials(
 
 
 def _functions(
-    conformal: Conformal, powers: Array, scale: Array, zeta: Complex
+    conformal: Conformal, powers: kit.Array, scale: kit.Array, zeta: Complex
 ) -> tuple[Complex, Complex, Complex]:
     """Φ (n, k) of each power of φ, which is Ψ of ψ; dΦ/dz; and z (n,)."""
     z, dz, ddz = (each[:, None] for each in conformal(zeta))

@@ -21,89 +21,72 @@ Expected   The printed numbers to rounding. Elasticity at χ = 2 is 8/3, and wit
 
 from __future__ import annotations
 
+import tomllib
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
-from . import cases, published_drawing, published_membranes, published_sources
+from . import published_membranes
 from . import spring_meshes as meshes
 
+with (Path(__file__).parent / "data" / "published_sources.toml").open("rb") as file:
+    SOURCES = pd.DataFrame(tomllib.load(file)["source"])
 QUICK = 32
 """Largest mesh of the small form."""
 ROUNDING = float(4 * np.finfo(float).eps * max(meshes.PRINTED) ** 2)
-TOLERANCES = (
-    Tolerance(
-        "published meshes: stiffness from the printed, relative", ROUNDING, "1",
-        "rounding of two solvers: four eps times the matrix's condition, which grows as N², 128²",
+rounded = partial(kit.Rule, unit="1", table="published")
+RULES = (
+    rounded(
+        "published meshes: stiffness from the printed, relative", ROUNDING, value="from_printed",
+        because="rounding of two solvers: four eps times the matrix's condition, which grows as "
+        "N², 128²",
     ),
-    Tolerance(
-        "published closed forms: stiffness from the form, relative", 1e-12, "1",
-        "rounding: eps times the ratio of constants, 100, times the 32 unknowns of 3 x 3 cells",
+    rounded(
+        "published closed forms: stiffness from the form, relative", 1e-12,
+        table="published_forms", value="from_form",
+        because="rounding: eps times the ratio of constants, 100, times the 32 unknowns of 3 x 3 "
+        "cells",
     ),
-    Tolerance(
+    rounded(
         "published meshes, springs on edges shared: stiffness from elasticity, relative",
-        ROUNDING, "1",
-        "uniform tension is exact at any size: rounding as above",
+        ROUNDING, value="from_elastic",
+        because="uniform tension is exact at any size: rounding as above",
     ),
-    Tolerance(
-        "published plate: finite elements from elasticity, relative", 1e-10, "1",
-        "uniform stress is in the elements' space: a direct solve leaves 1e-13",
+    rounded(
+        "published plate: finite elements from elasticity, relative", 1e-10,
+        value=kit.Quotient("stiffness_fem", "stiffness_elastic"), reference=1.0,
+        because="uniform stress is in the elements' space: a direct solve leaves 1e-13",
     ),
-    Tolerance(
-        "published frame: first effect of weak bars, from χ(1 + nu²)", 1e-4, "1",
-        "bars ten times as strong are off by ten times as much, 3e-4: the next order, 30 EA",
-    ),
-    Tolerance(
+    rounded(
         "published meshes against the framed plate: order",
-        float(np.log2((1 + meshes.PART) / (1 - meshes.PART))), "1",
-        "a lattice is of order 2; what the plate's uncertainty, 1/20 of each of two differences, "
-        "may make of it",
+        float(np.log2((1 + meshes.PART) / (1 - meshes.PART))), last=2, value="from_framed",
+        power_of=kit.Quotient(1, "cells"), reference=2.0,
+        because="a lattice is of order 2; what the plate's uncertainty, 1/20 of each of two "
+        "differences, may make of it",
     ),
-    published_membranes.TOLERANCE,
+    rounded(
+        "published membranes, points held: area modulus over shear modulus", 1e-12,
+        table="published_membrane", rows={"points": ("regular", *published_membranes.RANDOM)},
+        value=kit.Quotient("area_held", "shear_held"), reference=2.0,
+        because="Cauchy's relation holds spring by spring: rounding of sums over 4800 springs",
+    ),
 )  # fmt: skip
-COLUMNS = {
-    **published_sources.COLUMNS,
-    **published_membranes.COLUMNS,
-    "cells": cases.COLUMNS["cells"],
-    "chi": "constant of springs along sides over that of diagonals, χ (1)",
-    "stiffness_printed": "apparent stiffness as printed (N/m)",
-    "stiffness": "the same of the candidate's network, springs on edges whole (N/m)",
-    "from_printed": "stiffness over stiffness_printed, less 1 (1)",
-    "stiffness_elastic": "of the elastic plate in closed form (N/m)",
-    "stiffness_bars": "stiffness_elastic and the first effect of bars, χ(1 + nu²)/N (N/m)",
-    "stiffness_fem": "of the elastic plate by finite elements (N/m)",
-    "from_fem": "stiffness over stiffness_fem, less 1 (1)",
-    "stiffness_framed": "of the plate with a bar along each edge, by finite elements (N/m)",
-    "framed_uncertainty": "of stiffness_framed, relative (1)",
-    "from_framed": "stiffness over stiffness_framed, less 1 (1)",
-    "stiffness_shared": "of the candidate's network, springs on edges shared: half (N/m)",
-    "from_elastic": "stiffness_shared over stiffness_elastic, less 1 (1)",
-    "too_stiff": "stiffness of the candidate's network over the plate's, less 1 (1)",
-    "too_stiff_printed": 'the same of the number as printed, or "not printed" (1)',
-    "stiffness_form": "apparent stiffness by the printed closed form (N/m)",
-    "from_form": "stiffness over stiffness_form, less 1 (1)",
-}
+FIGURE = kit.series(
+    "published", title="Squares of springs in tension: differences to elements",
+    x="cells", labels=("cells along an edge, N (1)", "stiffer by, relative (1)"),
+    y={"from_fem": "than a plate", "from_framed": "than a framed plate"},
+    beside={"framed_uncertainty": "the framed plate's uncertainty"}, log="xy",
+    level={meshes.WITHIN: "1 %"}, size=(5.4, 4.0),
+)  # fmt: skip
 
 
-ROUNDED = {
-    **dict.fromkeys(("from_printed", "from_elastic", "from_fem", "too_stiff"), ROUNDING),
-    **dict.fromkeys(("stiffness", "stiffness_shared"), 3 * ROUNDING),
-    **dict.fromkeys(("stiffness_framed", "framed_uncertainty", "from_framed"), 1e-9),
-    "stiffness_fem": 1e-10,
-    "from_form": 1e-12,
-    **dict.fromkeys(("shear_modulus", "area_modulus", "shear_held", "area_held"), 1e-10),
-    **dict.fromkeys(("area_over_shear", "membrane_scatter"), 1e-9),
-}
-"""Sizes below which values are rounding."""
-
-
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Make the published meshes and judge them."""
     wanted = [n for n in meshes.PRINTED if n <= QUICK or not setting.quick]
     rows = setting.sweep(partial(meshes.mesh_row, candidate), wanted, "published meshes")
@@ -111,20 +94,23 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
     forms = pd.DataFrame(
         meshes.form_row(candidate, n, chi) for n in meshes.FORMS for chi in meshes.RATIOS
     )
+    frame = kit.Tolerance(
+        "published frame: first effect of weak bars, from χ(1 + nu²)", 1e-4, "1",
+        "bars ten times as strong are off by ten times as much, 3e-4: the next order, 30 EA",
+        observed=kit.Observed(meshes.weak_frame(), meshes.leading()),
+    )  # fmt: skip
     claim, membrane = meshes.claimed(candidate), published_membranes.measure(setting)
-    values = observe(table, forms, membrane)
-    return Evidence(
+    return kit.Evidence(
         tables={
             "published": table,
             "published_claim": claim,
             "published_forms": forms,
             "published_membrane": membrane,
-            "published_sources": published_sources.table(),
+            "published_sources": SOURCES,
         },
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        figures={"published": published_drawing.draw},
+        tolerances=(*RULES, frame),
+        columns=kit.columns(__file__),
+        figures={"published": FIGURE},
         findings=(
             describe_confirmed(table, forms),
             describe_claim(claim),
@@ -132,23 +118,6 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
             published_membranes.finding(membrane),
             describe_missing(),
         ),
-        rounding=ROUNDED,
-    )
-
-
-def observe(
-    table: pd.DataFrame, forms: pd.DataFrame, membrane: pd.DataFrame
-) -> tuple[Observed, ...]:
-    """One value for each of `TOLERANCES`."""
-    last = table.iloc[-2:]
-    return (
-        farthest_value(table["from_printed"], 0.0),
-        farthest_value(forms["from_form"], 0.0),
-        farthest_value(table["from_elastic"], 0.0),
-        farthest_value(table["stiffness_fem"] / table["stiffness_elastic"] - 1, 0.0),
-        Observed(meshes.weak_frame(), meshes.leading()),
-        Observed(observed_order(1 / last["cells"].to_numpy(float), last["from_framed"]), 2.0),
-        published_membranes.observe(membrane),
     )
 
 
@@ -190,7 +159,8 @@ def reason(table: pd.DataFrame) -> str:
 
 def describe_missing() -> str:
     """Of which papers there is nothing here."""
+    without = SOURCES["paper"][SOURCES["used"] == "none"]
     return (
         "Numbers of refereed papers that could not be had, so that nothing of them is compared: "
-        f"{'; '.join(published_sources.without_numbers())}."
+        f"{'; '.join(without)}."
     )

@@ -28,14 +28,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
+from msvalidate import kit
 from msvalidate.problem.material import State
 
-from . import cases, curved, curved_drawing, models, sketches
+from . import cases, curved, models, sketches
 from .shapes import ring_quarter
 
 INSIDE, OUTSIDE = 1.0, 2.0
@@ -59,60 +55,56 @@ SOURCE = "Timoshenko and Goodier 1970, art. 28"
 DIAGONAL = INSIDE * np.array([[np.sqrt(0.5), np.sqrt(0.5)]])
 MOVED, HOOP = "displacement of the inside", "hoop stress on the inside"
 SHEAR, MISES = "τxy on the inside, at 45°", "von Mises stress on the inside, at 45°"
-OWN = "pressed ring, plane stress: shear and von Mises stress by Q2 over what it states to be off"
 WORDS = {"plane_stress": "plane stress", "plane_strain": "plane strain"}
-TOLERANCES = (
-    Tolerance(
-        "pressed ring: displacement of the inside by Q2, 16 cells, relative", 1e-6, "1",
-        "order 4 from 4e-4, measured at 2 cells, is 1e-7; a thick wall's order 3.5 is 3e-7",
-        layer="regression",
+AT_16 = {"method": FEM, "cells": max(QUICK_ELEMENTS)}
+OF_STRESS = AT_16 | {"benchmark": "pressed ring, plane stress"}
+judged = partial(kit.Rule, unit="1", table="ring")
+everywhere = partial(kit.Rule, unit="1", table="ring_everywhere", value="rms_error")
+RULES = (
+    judged(
+        "pressed ring: displacement of the inside by Q2, 16 cells, relative", 1e-6,
+        layer="regression", rows=AT_16 | {"quantity": MOVED}, value="against_limit",
+        because="order 4 from 4e-4, measured at 2 cells, is 1e-7; a thick wall's order 3.5 is 3e-7",
     ),
-    Tolerance(
-        "pressed ring, plane stress: order of the inside's displacement by Q2", 0.2, "1",
-        "4 at the corners of quadratic cells on a smooth field, where the next term is two powers "
-        "on: 1/64 of the first at 8 cells, if as large at 1, bends a pair by 0.07",
+    judged(
+        "pressed ring, plane stress: order of the inside's displacement by Q2", 0.2,
+        rows=OF_STRESS | {"quantity": MOVED}, value=cases.orders, reference=4.0,
+        because="4 at the corners of quadratic cells on a smooth field, where the next term is two "
+        "powers on: 1/64 of the first at 8 cells, if as large at 1, bends a pair by 0.07",
     ),
-    Tolerance(
-        "pressed ring, plane stress: hoop stress on the inside by Q2, 16 cells, relative",
-        1e-5, "1",
-        "order 2 or more from 1.5e-3, measured at 2 cells, is 2e-5 at most; symmetry, which makes "
-        "it 4 at first, leaves less than half of that",
-        layer="regression",
+    judged(
+        "pressed ring, plane stress: hoop stress on the inside by Q2, 16 cells, relative", 1e-5,
+        layer="regression", rows=AT_16 | {"quantity": HOOP}, value="against_limit",
+        because="order 2 or more from 1.5e-3, measured at 2 cells, is 2e-5 at most; symmetry, "
+        "which makes it 4 at first, leaves less than half of that",
     ),
-    Tolerance(
-        OWN, 1.0, "1",
-        "three meshes that halve their cells state by Richardson's rule how far the last is off, "
-        "with a factor of safety: no value may be farther from Lamé's",
+    judged(
+        "pressed ring, plane stress: shear and von Mises stress by Q2 over what it states to be "
+        "off",
+        1.0, rows=AT_16 | {"quantity": (SHEAR, MISES)}, value=cases.STATED,
+        because="three meshes that halve their cells state by Richardson's rule how far the last "
+        "is off, with a factor of safety: no value may be farther from Lamé's",
     ),
-    Tolerance(
-        "pressed ring: displacement of springs everywhere, finest lattice, relative", 5e-4, "1",
-        "order 2 from 6e-3, measured at 8 cells, is 4e-4 at 32",
-        layer="regression",
+    everywhere(
+        "pressed ring: displacement of springs everywhere, finest lattice, relative", 5e-4,
+        layer="regression", by=("state", "nu"), last=1,
+        because="order 2 from 6e-3, measured at 8 cells, is 4e-4 at 32",
     ),
-    Tolerance(
-        "pressed ring: order of the displacement of springs everywhere, all lattices", 0.5, "1",
-        "2 of the cells inside; the first order of what cut cells leave takes a part of it where "
-        "the two have one sign and adds to it where they have not: by half if at the finest "
-        "lattice it is half of the other",
-        layer="agreement",
+    everywhere(
+        "pressed ring: order of the displacement of springs everywhere, all lattices", 0.5,
+        layer="agreement", by=("state", "nu"), power_of=kit.Quotient(1, "cells"), reference=2.0,
+        because="2 of the cells inside; the first order of what cut cells leave takes a part of it "
+        "where the two have one sign and adds to it where they have not: by half if at the "
+        "finest lattice it is half of the other",
     ),
-    Tolerance(
+    cases.judged(
         "pressed ring, plane stress: hoop stress on the inside by springs, quartic fit, relative",
-        5e-3, "1",
-        "cut cells leave tenths of a per cent in displacements at 16 cells, and as much in strains "
-        "as in displacements, for both are carried in from the outline",
-        layer="agreement",
+        5e-3, layer="agreement", table="ring", value="against_limit",
+        rows={"method": tuple(curved.method(nu, "quartic") for _, nu in ASKED)},
+        because="cut cells leave tenths of a per cent in displacements at 16 cells, and as much in "
+        "strains as in displacements, for both are carried in from the outline",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    **curved_drawing.COLUMNS,
-    "state": "plane stress or plane strain",
-    "rms_error": "root mean square distance of springs from Lamé's field, all its points in "
-    "the body, over that of the field (1)",
-    "rms_order": "power of the spacing with which rms_error falls from the row above, or "
-    '"coarsest" (1)',
-}
 
 
 @dataclass(frozen=True)
@@ -130,7 +122,9 @@ class Found:
     slanted: tuple[float, float] | None = None
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare springs and elements with Lamé's field."""
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -145,38 +139,32 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         rows += value_rows(state, nu, lattices, of_springs)
         everywhere += error_rows(state, nu, lattices, [found.away for found in of_springs])
     meshed = partial(ring_quarter, INSIDE, OUTSIDE)
-    drawn = curved.field(candidate, meshed, partial(problem, "plane_stress", 0.3), FIELD)
-    tables = {
-        "ring": pd.DataFrame(rows),
-        "ring_everywhere": pd.DataFrame(everywhere),
-        "ring_field": curved_drawing.table(*drawn),
-    }
-    return Evidence(
+    drawn = curved.mesh_field(candidate, meshed, partial(problem, "plane_stress", 0.3), FIELD)
+    tables = {"ring": pd.DataFrame(rows), "ring_everywhere": pd.DataFrame(everywhere)}
+    return kit.Evidence(
         tables=tables,
-        observed=observe(tables),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        drawn={"ring_field": drawn},
         figures={
             "ring": cases.drawing("ring", "Pressed ring", "cells from inside to outside (1)"),
-            "ring_field": curved_drawing.drawing(
-                "ring_field", "Pressed ring", meshed(FIELD[0]).cells, (INSIDE,) * 2, mark_loads
-            ),
+            **curved.pictures("ring_field", "Pressed ring"),
         },
         findings=findings(tables),
     )
 
 
-def problem(state: State, nu: float, mesh: Mesh) -> Problem:
+def problem(state: State, nu: float, mesh: kit.Mesh) -> kit.Problem:
     """The quarter ring on a mesh of it."""
 
-    def push(points: Array) -> Array:
+    def push(points: kit.Array) -> kit.Array:
         return np.asarray(PRESSURE * points / np.linalg.norm(points, axis=1, keepdims=True))
 
-    return Problem(
+    return kit.Problem(
         mesh,
-        Isotropic(E=MODULUS, nu=nu, state=state),
+        kit.Isotropic(E=MODULUS, nu=nu, state=state),
         curved.quarter_supports(mesh),
-        (Traction(mesh.side("hole"), push),),
+        (kit.Traction(mesh.side("hole"), push),),
         name="pressed ring",
     )
 
@@ -187,7 +175,7 @@ def mark_loads(axis: Axes) -> None:
     sketches.forces(axis, at, 0.25 * at)
 
 
-def lame(state: State, nu: float, radius: Array) -> tuple[Array, Array]:
+def lame(state: State, nu: float, radius: kit.Array) -> tuple[kit.Array, kit.Array]:
     """Exact radial displacement (m) and hoop stress (Pa) at radii (n,) in m.
 
     Source: [Lame1852]; [TimoshenkoGoodier1970], article 28.
@@ -204,11 +192,11 @@ def elastic_ring(state: State, nu: float, cells: int) -> Found:
     """The inside by finite elements."""
     solution = curved.elastic(problem(state, nu, ring_quarter(INSIDE, OUTSIDE, cells).mesh))
     stress = solution.stress(np.concatenate([TOP, DIAGONAL]))
-    slanted = float(stress[1, 2]), float(curved_drawing.mises(stress)[1])
+    slanted = float(stress[1, 2]), float(curved.mises(stress)[1])
     return Found(FEM, float(solution.at(TOP)[0, 0]), {FEM: float(stress[0, 1])}, slanted=slanted)
 
 
-def spring_ring(candidate: DisplacementSolver, state: State, nu: float, cells: int) -> Found:
+def spring_ring(candidate: kit.DisplacementSolver, state: State, nu: float, cells: int) -> Found:
     """The inside by springs, its stress by a quartic fit, and their error everywhere."""
     asked = problem(state, nu, ring_quarter(INSIDE, OUTSIDE, OUTLINE).mesh)
     body = curved.spring_body(candidate, asked, 1 / cells)
@@ -260,31 +248,6 @@ def error_rows(
         row: dict[str, object] = {"state": WORDS[state], "nu": nu, "cells": n}
         rows.append(row | {"rms_error": error, "rms_order": order})
     return rows
-
-
-def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
-    """The judged quantities."""
-    table, everywhere = tables["ring"], tables["ring_everywhere"]
-    elements = table[(table["method"] == FEM) & (table["cells"] == max(QUICK_ELEMENTS))]
-    moved, hoop = (elements[elements["quantity"] == name] for name in (MOVED, HOOP))
-    plain = moved[moved["benchmark"].str.endswith("stress")]
-    bodies = everywhere.groupby(["state", "nu"], sort=False)
-    last = bodies.tail(1)
-    fitted_orders = [observed_order(1 / each["cells"], each["rms_error"]) for _, each in bodies]
-    fitted = cases.finest(table)
-    fitted = fitted[fitted["method"].str.endswith("quartic fit")]
-    values = (
-        farthest_value(moved["against_limit"], 0.0),
-        farthest_value(cases.orders(plain), 4.0),
-        farthest_value(hoop["against_limit"], 0.0),
-        farthest_value(
-            cases.excess_over_uncertainty(elements[elements["quantity"].isin((SHEAR, MISES))]), 0.0
-        ),
-        farthest_value(last["rms_error"], 0.0),
-        farthest_value(fitted_orders, 2.0),
-        farthest_value(fitted["against_limit"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, Index, Mesh
+from msvalidate import kit
 
 INNER, OUTER = (2.0, 1.0), (3.25, 2.75)
 """Half-axes (m) of the ellipses of NAFEMS LE1 and LE10."""
@@ -43,22 +43,24 @@ PLACES = {1: LINE, 2: SQUARE, 3: CUBE}
 class PatchMesh(NamedTuple):
     """Nodes (n, d) in m, cells (c, 9 or 27) and named facets (f, 3 or 9), all in VTK's order."""
 
-    points: Array
-    cells: Index
-    boundaries: dict[str, Index]
+    points: kit.Array
+    cells: kit.Index
+    boundaries: dict[str, kit.Index]
 
     @property
-    def mesh(self) -> Mesh:
+    def mesh(self) -> kit.Mesh:
         """The body as a domain."""
         shape = "quad9" if self.points.shape[1] == 2 else "hexahedron27"
-        return Mesh(self.points, self.cells, shape, self.boundaries)
+        return kit.Mesh(self.points, self.cells, shape, self.boundaries)
 
 
-Map = Callable[[Array], Array]
+Map = Callable[[kit.Array], kit.Array]
 """Places (n, d) in the unit square or cube to places (n, d) of the body (m)."""
 
 
-def patch(place: Map, lines: Sequence[Array], names: Mapping[tuple[int, int], str]) -> PatchMesh:
+def patch(
+    place: Map, lines: Sequence[kit.Array], names: Mapping[tuple[int, int], str]
+) -> PatchMesh:
     """Mesh of a mapped unit square or cube.
 
     Parameters
@@ -79,12 +81,12 @@ def patch(place: Map, lines: Sequence[Array], names: Mapping[tuple[int, int], st
     return PatchMesh(place(unit.reshape(-1, len(lines))), gather_cells(number), boundaries)
 
 
-def even_lines(cells: int) -> Array:
+def even_lines(cells: int) -> kit.Array:
     """Ends (cells + 1,) of equal cells of the unit interval."""
     return np.linspace(0, 1, cells + 1)
 
 
-def halve_cells(lines: Array, end: float, times: int) -> Array:
+def halve_cells(lines: kit.Array, end: float, times: int) -> kit.Array:
     """The lines with the cell or cells that end there halved, those that then end there again."""
     for _ in range(times):
         at = int(np.abs(lines - end).argmin())
@@ -93,7 +95,7 @@ def halve_cells(lines: Array, end: float, times: int) -> Array:
     return lines
 
 
-def gather_cells(number: Index) -> Index:
+def gather_cells(number: kit.Index) -> kit.Index:
     """Cells of a grid of node numbers, two half cells along each axis of every cell."""
     starts = product(*(range(0, n - 1, 2) for n in number.shape))
     corner = np.array(list(starts))[:, None, :] + np.array(PLACES[number.ndim])[None]
@@ -108,7 +110,7 @@ def join_patches(patches: Sequence[PatchMesh]) -> PatchMesh:
     first = np.array([min(near) for near in KDTree(points).query_ball_point(points, reach)])
     kept, number = np.unique(first, return_inverse=True)
     starts = np.cumsum([0, *(len(part.points) for part in patches[:-1])])
-    boundaries: dict[str, list[Index]] = {}
+    boundaries: dict[str, list[kit.Index]] = {}
     for part, start in zip(patches, starts, strict=True):
         for name, facets in part.boundaries.items():
             boundaries.setdefault(name, []).append(number[facets + start])
@@ -147,7 +149,7 @@ def clamped_plate(n: int, wider: float = 0.0) -> PatchMesh:
     `elliptic_plate`.
     """
 
-    def place(unit: Array) -> Array:
+    def place(unit: kit.Array) -> kit.Array:
         angle = np.pi / 2 * unit[:, 1]
         turn = on_axes(np.column_stack([np.cos(angle), np.sin(angle)]))
         s = unit[:, :1]
@@ -166,7 +168,7 @@ def ring_quarter(inner: float, outer: float, n: int) -> PatchMesh:
     Sides as in `elliptic_quarter`.
     """
 
-    def place(unit: Array) -> Array:
+    def place(unit: kit.Array) -> kit.Array:
         radius = inner * (outer / inner) ** unit[:, 0]
         angle = np.pi / 2 * unit[:, 1]
         return radius[:, None] * on_axes(np.column_stack([np.cos(angle), np.sin(angle)]))
@@ -200,7 +202,7 @@ def holed_plate(radius: float, half_width: float, half_length: float, n: int) ->
         ),
     ]
 
-    def beyond(unit: Array) -> Array:
+    def beyond(unit: kit.Array) -> kit.Array:
         across = half_width * np.tan(np.pi / 4 * unit[:, 0])  # as the eighths end on it
         along = half_width + (half_length - half_width) * unit[:, 1]
         return np.column_stack([across, along])
@@ -209,12 +211,12 @@ def holed_plate(radius: float, half_width: float, half_length: float, n: int) ->
     return join_patches([*eighths, patch(beyond, (even_lines(n), even_lines(rest)), sides)])
 
 
-def on_axes(points: Array) -> Array:
+def on_axes(points: kit.Array) -> kit.Array:
     """Points with coordinates that are zero but for rounding set to zero."""
     return np.where(np.abs(points) < 1e-15 * np.abs(points).max(), 0.0, points)
 
 
-def _between_ellipses(unit: Array) -> Array:
+def _between_ellipses(unit: kit.Array) -> kit.Array:
     """Elliptic coordinates: x + iy = c cosh(m + ia); the ellipses of LE1 share their foci, ±c.
 
     The map is conformal, and its cells are smallest where the hole bends most, at (2, 0).
@@ -226,11 +228,11 @@ def _between_ellipses(unit: Array) -> Array:
     return on_axes(FOCUS * np.column_stack([wide, high_]))
 
 
-def _extruded(unit: Array) -> Array:
+def _extruded(unit: kit.Array) -> kit.Array:
     return np.column_stack([_between_ellipses(unit[:, :2]), THICKNESS * unit[:, 2]])
 
 
-def _from_hole(radius: float, half_width: float, unit: Array) -> Array:
+def _from_hole(radius: float, half_width: float, unit: kit.Array) -> kit.Array:
     """Two eighths, second coordinate 0 to 1 and 1 to 2, from the hole to the square about it.
 
     Along a ray the distance from the centre grows by equal factors near the hole; the rays' ends on

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from . import cantilever, cook, cook_drawing, ellipse, hole, ring, three_point
+from . import cantilever, cook, ellipse, hole, ring, three_point
 from . import sketches as mark
 from .shapes import INNER, OUTER, THICKNESS
 
@@ -19,7 +19,10 @@ def draw_cook(axis: Axes) -> None:
     corners = np.array(cook.PANEL.vertices)
     (_, low), (right, bottom), (_, top), (_, high) = corners
     mark.outline(axis, corners)
-    cook_drawing.mark_loads(axis, corners)
+    mark.clamp(axis, (0.0, low), (0.0, high), 4.0)
+    at = np.linspace(bottom, top, 4)[1:]
+    beside = np.column_stack([np.full(3, right + 2.0), at])
+    mark.forces(axis, beside, (0.0, 0.28 * (top - bottom)))
     mark.note(axis, (right + 2.0, top), "F = 1 N upwards,\nspread evenly", (2, 4))
     mark.ask(axis, tuple(cook.PROBE[0]), "uy here", (-8, 0))
     mark.dimension(axis, (0.0, low), (right, low), f"{right:g} m", (0.0, -6.0))

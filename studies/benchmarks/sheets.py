@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from msvalidate.judging.evidence import Tables
+from msvalidate import kit
 
 from . import cases
 
@@ -46,7 +46,7 @@ class Sheet:
     height: float = SKETCH
 
 
-def draw(sheet: Sheet, tables: Tables) -> Figure:
+def draw(sheet: Sheet, tables: kit.Tables) -> Figure:
     """The sketch, what is given and accepted, and errors against cells."""
     table = pd.concat([tables[name] for name in sheet.tables if name in tables])
     panels = [(words, _rows(table, quantity, nu)) for quantity, nu, words in sheet.panels]
@@ -70,10 +70,10 @@ def draw(sheet: Sheet, tables: Tables) -> Figure:
     return figure
 
 
-def drawing(sheet: Sheet) -> Callable[[Tables], Figure]:
+def drawing(sheet: Sheet) -> Callable[[kit.Tables], Figure]:
     """`draw` of one sheet, as `Evidence.figures` wants it."""
 
-    def draw_sheet(tables: Tables) -> Figure:
+    def draw_sheet(tables: kit.Tables) -> Figure:
         return draw(sheet, tables)
 
     draw_sheet.__doc__ = f"{sheet.title} on one page: what is asked, and what each method finds."

@@ -1,6 +1,6 @@
 """Marks of sketches of bodies: outlines, supports, loads, dimensions and the place asked about.
 
-Places are (n, 2) in m. Sizes of marks are given once for a sketch, by its `Scale`.
+Places are (n, 2) in m.
 """
 
 from __future__ import annotations
@@ -11,11 +11,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate import kit
 
 BODY, EDGE = "#e8eef3", "#333333"
-LOAD, SIZE = figures.COLOURS[1], "#555555"
+LOAD, SIZE = kit.figures.COLOURS[1], "#555555"
 """Colours of loads and of dimensions."""
 WORDS = 8
 """Points high."""
@@ -27,13 +26,13 @@ def outline(axis: Axes, points: ArrayLike) -> None:
     axis.fill(*np.asarray(points).T, facecolor=BODY, edgecolor=EDGE, lw=1.3, zorder=2)
 
 
-def arc(half_axes: Place, ends: Place = (0.0, 90.0), count: int = 61) -> Array:
+def arc(half_axes: Place, ends: Place = (0.0, 90.0), count: int = 61) -> kit.Array:
     """Points (count, 2) of an ellipse about the origin between two angles in degrees."""
     angle = np.radians(np.linspace(*ends, count))
     return np.column_stack([half_axes[0] * np.cos(angle), half_axes[1] * np.sin(angle)])
 
 
-def quarter(inner: Place, outer: Place) -> Array:
+def quarter(inner: Place, outer: Place) -> kit.Array:
     """Outline of a quarter between two ellipses."""
     return np.concatenate([arc(outer), arc(inner)[::-1]])
 

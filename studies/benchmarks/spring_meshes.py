@@ -9,20 +9,10 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import fill, patterns
-from msvalidate.problem import (
-    Anisotropic,
-    Box,
-    Isotropic,
-    Material,
-    Problem,
-    Region,
-    Support,
-    Traction,
-)
 from reference_fem.body import nodal_forces
 
 from . import framed_plate
@@ -62,37 +52,37 @@ WEAK = 1e-6
 """EA (N) of bars whose effect on a plate of 1 m is of first order."""
 
 
-def tension(cells: int, material: Material) -> tuple[Box, Problem]:
+def tension(cells: int, material: kit.Material) -> tuple[kit.Box, kit.Problem]:
     """A square of so many metres under a total force of 1 N on its left and right."""
     edge = float(cells)
-    box = Box((edge, edge))
-    corners = Region((0.0, 0.0)), Region((edge, 0.0))
-    return box, Problem(
+    box = kit.Box((edge, edge))
+    corners = kit.Region((0.0, 0.0)), kit.Region((edge, 0.0))
+    return box, kit.Problem(
         box,
         material,
-        (Support(corners[0], (0.0, 0.0)), Support(corners[1], (None, 0.0))),
+        (kit.Support(corners[0], (0.0, 0.0)), kit.Support(corners[1], (None, 0.0))),
         (
-            Traction(box.side("right"), (1 / edge, 0.0)),
-            Traction(box.side("left"), (-1 / edge, 0.0)),
+            kit.Traction(box.side("right"), (1 / edge, 0.0)),
+            kit.Traction(box.side("left"), (-1 / edge, 0.0)),
         ),
         name="published mesh in tension",
     )
 
 
-def elastic(chi: float = CHI) -> Isotropic:
+def elastic(chi: float = CHI) -> kit.Isotropic:
     """The plate that Brisard's homogenisation gives at χ = 2, where the lattice is isotropic."""
-    return Isotropic(chi * (chi + 2) / (chi + 1), 1 / (1 + chi))
+    return kit.Isotropic(chi * (chi + 2) / (chi + 1), 1 / (1 + chi))
 
 
 def apparent_stiffness(
-    candidate: DisplacementSolver, cells: int, chi: float = CHI, weights: str = "equal"
+    candidate: kit.DisplacementSolver, cells: int, chi: float = CHI, weights: str = "equal"
 ) -> float:
     """Total force over mean elongation (N/m) of a square mesh: 1 N² over the work of 1 N.
 
     The loads weigh elongations as the table's mean does, corners by half.
     """
     pattern, constants = patterns.square(), (chi, 1.0)
-    box, problem = tension(cells, Anisotropic(homogenise(pattern, constants).tensor))
+    box, problem = tension(cells, kit.Anisotropic(homogenise(pattern, constants).tensor))
     mesh = fill(pattern, box, (cells, cells))
     network = lattice_network(problem, mesh, constants, weights=weights)
     return float(1 / (network.force * candidate(problem, network, "linear")).sum())
@@ -106,7 +96,7 @@ def bare_plate(cells: int) -> float:
     return float(1 / (nodal_forces(problem, mesh) * move).sum())
 
 
-def mesh_row(candidate: DisplacementSolver, cells: int) -> dict[str, float]:
+def mesh_row(candidate: kit.DisplacementSolver, cells: int) -> dict[str, float]:
     """One row of the table `published`."""
     found = apparent_stiffness(candidate, cells)
     shared = apparent_stiffness(candidate, cells, weights="shared")
@@ -130,7 +120,7 @@ def mesh_row(candidate: DisplacementSolver, cells: int) -> dict[str, float]:
     }
 
 
-def form_row(candidate: DisplacementSolver, cells: int, chi: float) -> dict[str, float]:
+def form_row(candidate: kit.DisplacementSolver, cells: int, chi: float) -> dict[str, float]:
     """One row of the table `published_forms`."""
     found, form = apparent_stiffness(candidate, cells, chi), FORMS[cells](chi)
     return {
@@ -142,7 +132,7 @@ def form_row(candidate: DisplacementSolver, cells: int, chi: float) -> dict[str,
     }
 
 
-def claimed(candidate: DisplacementSolver) -> pd.DataFrame:
+def claimed(candidate: kit.DisplacementSolver) -> pd.DataFrame:
     """The table `published_claim`: the mesh named for 1 %, the last beyond it and the first within.
 
     By halving: the error falls with every cell.

@@ -18,14 +18,10 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
+from msvalidate import kit
 from reference_fem.refinement import Estimate, refine
 
-from . import curved, strips_drawing
+from . import curved
 from .potentials import holed_strip
 from .shapes import holed_plate
 
@@ -47,69 +43,75 @@ dependent but for rounding, and what least squares make of them goes by the proc
 K_tn by 3e-7 of it, of 24 by 1e-8."""
 DEPENDENT = 1e-7
 """Rounding of that uncertainty, which is 4e-6 or more: ten times what rounding leaves of K_tn."""
-TOLERANCES = (
-    Tolerance(
+
+
+def _over_uncertainty(rows: pd.DataFrame) -> pd.Series:
+    """Difference of elements and potentials over what both leave uncertain."""
+    apart = rows["K_potentials"] / rows["K_elements"] - 1
+    return apart / (rows["K_uncertainty"] + rows["potentials_uncertainty"])
+
+
+RULES = (
+    kit.Rule(
         "strips: uncertainty of elements, relative", ACCURACY, "1",
         "what is asked of them: a tenth of what they are to tell of Heywood's fit at d/W = 0.5",
+        table="strips", value="K_uncertainty",
     ),
-    Tolerance(
-        "strips: elements against potentials, relative to what both leave uncertain", 1.0, "1",
-        "two ways to one value differ by no more than their uncertainties added up",
-    ),
-    Tolerance(
+    kit.Rule(
         "strips: elements against Heywood's fit, relative", 0.03, "1",
         "the fit's own accuracy: known to be good to 1 % for narrow holes and to some more as the "
         "hole takes half of the width, where the ligaments bend",
         layer="agreement",
+        table="strips", value="heywood_off",
     ),
-    Tolerance(
+    kit.Rule(
         "strips: springs against elements, relative", 0.02, "1",
         "as of the endless plate, with 12 cells per radius in place of 16: (16/12)² of 1 %",
         layer="agreement",
+        table="strips", value="springs_off",
+    ),
+    kit.Rule(
+        "strips: elements against potentials, relative to what both leave uncertain", 1.0, "1",
+        "two ways to one value differ by no more than their uncertainties added up",
+        table="strips", value=_over_uncertainty,
     ),
 )  # fmt: skip
-COLUMNS = {
-    "d_over_W": "diameter of the hole over the strip's width (1)",
-    "heywood": "K_tn of Heywood's fit: largest stress over the net section's mean (1)",
-    "K_elements": "K_tn by Q2 on the finest mesh (1)",
-    "K_uncertainty": "how far K_elements may be off, relative, by Richardson's rule (1)",
-    "K_potentials": "K_tn by Kolosov's potentials (1)",
-    "potentials_uncertainty": "what 20 terms miss of 24, relative, or the traction missed on the "
-    "sides over the largest stress, if that is more (1)",
-    "K_springs": "K_tn by springs, quartic fit (1)",
-    "heywood_off": "heywood over K_elements, less 1 (1)",
-    "springs_off": "K_springs over K_elements, less 1 (1)",
-}
+FIGURE = kit.series(
+    "strips", title="Strips with a hole in tension: largest stress on the hole",
+    x="d_over_W", line="", labels=("diameter over width, d/W (1)", "K_tn, over the net mean (1)"),
+    y={"K_elements": "elements", "K_potentials": "Kolosov's potentials", "K_springs": "springs"},
+    beside={"heywood": "Heywood's fit"}, size=(4.8, 3.6),
+)  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare springs, elements, potentials and Heywood's fit."""
     widths = QUICK_WIDTHS if setting.quick else WIDTHS
     fine = QUICK_LATTICE if setting.quick else LATTICE
     table = pd.DataFrame(setting.sweep(partial(row, candidate, fine), widths, "strips"))
-    return Evidence(
+    return kit.Evidence(
         tables={"strips": table},
-        observed=observe(table),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        figures={"strips": strips_drawing.strips},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        figures={"strips": FIGURE},
         findings=(finding(table),),
-        rounding={"potentials_uncertainty": DEPENDENT},
     )
 
 
-def problem(mesh: Mesh) -> Problem:
+def problem(mesh: kit.Mesh) -> kit.Problem:
     """Quarter strip of half width 1 m, unit tension at its end."""
-    return Problem(
+    return kit.Problem(
         mesh,
-        Isotropic(E=MODULUS, nu=curved.SPRINGS_ALONE),
+        kit.Isotropic(E=MODULUS, nu=curved.SPRINGS_ALONE),
         curved.quarter_supports(mesh),
-        (Traction(mesh.side("end"), (0.0, TENSION)),),
+        (kit.Traction(mesh.side("end"), (0.0, TENSION)),),
         name="strip with a hole",
     )
 
 
-def row(candidate: DisplacementSolver, cells: int, part: float) -> dict[str, object]:
+def row(candidate: kit.DisplacementSolver, cells: int, part: float) -> dict[str, object]:
     """One row of the table, of a hole that takes this part of the width.
 
     `cells`: of the springs' lattice, per half width.
@@ -140,23 +142,11 @@ def row(candidate: DisplacementSolver, cells: int, part: float) -> dict[str, obj
 def estimate(part: float) -> Estimate:
     """Stress (Pa) across the hole of a strip by finite elements, refined, with its uncertainty."""
 
-    def stress(cells: int) -> Array:
+    def stress(cells: int) -> kit.Array:
         mesh = holed_plate(part, 1.0, HALF_LENGTH, cells).mesh
         return np.asarray(curved.elastic(problem(mesh)).stress(np.array([[part, 0.0]]))[:, 1])
 
     return refine(stress, CELLS, ACCURACY * 3.0 * TENSION)
-
-
-def observe(table: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    apart = (table["K_potentials"] / table["K_elements"] - 1).abs()
-    values = (
-        farthest_value(table["K_uncertainty"], 0.0),
-        farthest_value(apart / (table["K_uncertainty"] + table["potentials_uncertainty"]), 0.0),
-        farthest_value(table["heywood_off"], 0.0),
-        farthest_value(table["springs_off"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

@@ -24,16 +24,12 @@ import pandas as pd
 from scipy.special import ellipe
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Isotropic
+from msvalidate import kit
 from reference_fem import Solution
 from reference_fem.elasticity import solve_on
 from reference_fem.mesh import Discretisation, Facets
 
-from . import cases, plate_drawing
+from . import cases
 from .shapes import INNER, OUTER, THICKNESS, PatchMesh, elliptic_plate
 
 MODULUS, NU, PRESSURE = 210e9, 0.3, 1e6
@@ -47,37 +43,56 @@ HALVED, QUICK_HALVED = (4, 4), (2, 2)
 """Cells from hole to rim of the plates that are refined along the line, and how often they are."""
 LINE, FACE, SPREAD = "line held", "rim held", "rim pushed"
 KINDS = (LINE, FACE, SPREAD)
-TOLERANCES = (
-    Tolerance(
-        "LE10: stress by H2, finest mesh, against the published value, relative", 0.01, "1",
-        "what the benchmark is asked for; the last digit of -5.38 is 2e-3, and a halving along the "
-        "line moves the stress by as much",
+
+
+def _last_change(rows: pd.DataFrame) -> list[float]:
+    """Of each support, the last change of the stress over the one before."""
+    changes = [each["stress"].diff().to_numpy() for _, each in rows.groupby("support")]
+    return [abs(change[-1] / change[-2]) for change in changes]
+
+
+RULES = (
+    cases.judged(
+        "LE10: stress by H2, finest mesh, against the published value, relative", 0.01,
+        table="le10", value="against_accepted",
+        because="what the benchmark is asked for; the last digit of -5.38 is 2e-3, and a halving "
+        "along the line moves the stress by as much",
     ),
-    Tolerance(
+    kit.Rule(
         "LE10: sinking by each halving along the line, against Kelvin's line force, relative",
         0.15, "1",
-        "by Betti's theorem the factor to Kelvin's is a mean of the reaction over a uniform one, "
-        "weighted by the reaction to a force at the place; along the rim that ratio runs from 0.88 "
-        "to 1.14 where it was measured, all weights are positive, and refinement changes neither",
-        layer="regression",
+        "by Betti's theorem the factor to Kelvin's is a mean of the reaction over a uniform "
+        "one, weighted by the reaction to a force at the place; along the rim that ratio runs "
+        "from 0.88 to 1.14 where it was measured, all weights are positive, and refinement "
+        "changes neither",
+        # The first halving mends the coarse plate too.
+        layer="regression", table="le10_supports", rows={"support": LINE, "halvings": (2, 3, 4)},
+        value=kit.Quotient("sunk_by_halving", "sunk_by_theory"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "LE10: last change of the stress over the one before, rim held or pushed", 0.5, "1",
         "what has a limit, of an order of 1 or more at the line: changes halve at least",
+        table="le10_supports", rows={"support": (FACE, SPREAD)}, value=_last_change,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "support": f'how the rim is held upwards: "{LINE}" along its middle, "{FACE}" all over, or '
-    f'"{SPREAD}" upwards by a uniform traction that bears the pressure',
-    "halvings": "how often the cells along the middle of the rim are halved (1)",
-    "stress": "σyy at (2, 0, 0.6) m (MPa)",
-    "sinking": "downward displacement at (2, 0, 0.3) m (m)",
-    "sunk_by_halving": 'change of sinking from the row above, or "coarsest" (m)',
-    "sunk_by_theory": "the same by Kelvin's line force with a uniform reaction; 0 where there is "
-    "no line (m)",
-    **plate_drawing.COLUMNS,
-}
+FIGURES = {
+    "le10": kit.series(
+        "le10_supports", title="NAFEMS LE10: stress as cells along the line are halved",
+        x="halvings", y="stress", by="support", level={PUBLISHED: "published, line held"},
+        labels=("halvings of cells along the line (1)", "σyy at (2, 0, 0.6) m (MPa)"),
+        size=(4.8, 3.6),
+    ),
+    "le10_sinking": kit.series(
+        "le10_supports", title="NAFEMS LE10, line held: sinking by each halving",
+        x="halvings", y={"sunk_by_halving": "elements"}, rows={"support": LINE},
+        labels=("halvings of cells along the line (1)", "change of sinking at (2, 0, 0.3) m (m)"),
+        beside={"sunk_by_theory": "Kelvin's line force"}, ylim=(0, None), size=(4.8, 3.6),
+    ),
+    "le10_field": kit.field(
+        "le10_field", title="NAFEMS LE10, line held: upper face", at=("x", "y"), value="stress",
+        label="σyy (MPa)", size=(4.8, 3.6),
+    ),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -88,7 +103,9 @@ class Plate:
     sinking: float
 
 
-def run(_candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    _candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Solve the plate by quadratic hexahedra, and with other supports; no candidate is asked."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     found = setting.sweep(as_published, sizes, "LE10 by elements")
@@ -102,14 +119,13 @@ def run(_candidate: DisplacementSolver = solve_springs, setting: Setting = FULL)
         "le10_supports": pd.DataFrame(
             row for kind in KINDS for row in support_rows(kind, [each[kind] for each in held])
         ),
-        "le10_field": found[-1][1],
     }
-    return Evidence(
+    return kit.Evidence(
         tables=tables,
-        observed=observe(tables),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        figures={"le10": plate_drawing.plate},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
+        drawn={"le10_field": found[-1][1]},
+        figures=FIGURES,
         findings=findings(tables),
     )
 
@@ -120,7 +136,9 @@ def as_published(cells: int) -> tuple[Plate, pd.DataFrame]:
     body = reference_fem.make_discretisation(meshed.points, meshed.cells, "H2")
     solution = solve_plate(LINE, meshed, body)
     face = body.points[np.unique(meshed.boundaries["upper"])]
-    return read_solution(solution), plate_drawing.table(face, solution.stress(face)[:, 1] / MEGA)
+    return read_solution(solution), pd.DataFrame(
+        {"x": face[:, 0], "y": face[:, 1], "stress": solution.stress(face)[:, 1] / MEGA}
+    )
 
 
 def by_support(cells: int, halvings: int) -> dict[str, Plate]:
@@ -148,7 +166,7 @@ def solve_plate(support: str, meshed: PatchMesh, body: Discretisation) -> Soluti
         )
     # Of a rim that is pushed one node is held, to keep the plate; it bears what rounding leaves.
     held[{LINE: line, FACE: on_rim, SPREAD: line[:1]}[support], 2] = True
-    material = Isotropic(E=MODULUS, nu=NU, state="solid")
+    material = kit.Isotropic(E=MODULUS, nu=NU, state="solid")
     move = solve_on(body, material, held, np.zeros(held.shape), force)
     return Solution(body, move, material)
 
@@ -159,7 +177,7 @@ def read_solution(solution: Solution) -> Plate:
     return Plate(float(stress[0, 1] / MEGA), -float(moved[0, 2]))
 
 
-def uniform_traction(facets: Facets, upwards: float) -> Array:
+def uniform_traction(facets: Facets, upwards: float) -> kit.Array:
     """A traction (f, q, 3) in Pa along z."""
     return np.broadcast_to([0.0, 0.0, upwards], facets.places.shape)
 
@@ -191,21 +209,6 @@ def support_rows(kind: str, plates: list[Plate]) -> list[dict[str, object]]:
         }
         for times, plate in enumerate(plates)
     ]
-
-
-def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
-    """The judged quantities."""
-    last = cases.finest(tables["le10"])
-    kinds = dict(list(tables["le10_supports"].groupby("support")))
-    # The first halving mends the coarse plate too.
-    sunk = kinds[LINE]["sunk_by_halving"].iloc[2:].to_numpy(dtype=float)
-    changes = [np.abs(np.diff(kinds[kind]["stress"])) for kind in (FACE, SPREAD)]
-    values = (
-        farthest_value(last["against_accepted"], 0.0),
-        farthest_value(sunk / sunk_by_theory() - 1, 0.0),
-        farthest_value([change[-1] / change[-2] for change in changes], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -21,20 +21,16 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate import kit
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
-from msvalidate.problem import Box, Isotropic, Problem, Region, Segment, Support, Traction
 from reference_fem.elasticity import elastic_tensor
 
 from . import cases, models
 
 LENGTH, HEIGHT, LOADED, LOAD, MODULUS = 8.0, 1.0, 1.0, 100.0, 1e5
 """m, m, m of the top, N and Pa, one metre thick; the answer is linear."""
-BEAM = Box((LENGTH, HEIGHT))
+BEAM = kit.Box((LENGTH, HEIGHT))
 INERTIA, SHAPE_FACTOR = HEIGHT**3 / 12, 5 / 6
 """κ of a rectangular section in shear [Reissner1945]."""
 MIDSPAN = np.array([[LENGTH / 2, HEIGHT / 2]])
@@ -44,39 +40,59 @@ COARSEST, GRADING, ACCURACY, QUICK_ACCURACY = 4, 2.0, 1e-4, 4e-4
 """Of the mesh for the limit, drawn to corners and to the ends of the load."""
 RATIOS, QUICK_RATIOS = (1 / 3, 0.45), (1 / 3,)
 KINDS = ("supported", "clamped")
-TOLERANCES = (
-    Tolerance(
-        "three-point bending, supported: order of the springs' deflection, finest pair", 0.15, "1",
-        "the ends of the load are no worse than a jump of traction, far from the axis: order 2, "
-        "and a term of two powers more that moves a pair by 0.1 if as large as the first at one "
-        "cell",
+SPRINGS = tuple(models.method("square", nu) for nu in RATIOS)
+
+
+def _from_corner(rows: pd.DataFrame) -> kit.Array:
+    """Orders as part of the way from the corner's, twice the displacement's exponent, to 2."""
+    tensors = [elastic_tensor(kit.Isotropic(E=1.0, nu=nu)) for nu in rows["nu"]]
+    twice = 2 * np.array([clamped_free_exponent(tensor, np.pi / 2) for tensor in tensors])
+    return np.asarray((cases.orders(rows) - twice) / (2.0 - twice))
+
+
+judged = partial(cases.judged, table="three_point")
+theory_of = partial(judged, value=kit.Quotient("limit", "accepted"), reference=1.0)
+RULES = (
+    judged(
+        "three-point bending, supported: order of the springs' deflection, finest pair", 0.15,
+        rows={"method": SPRINGS, "quantity": "midspan, supported"},
+        value=cases.orders, reference=2.0,
+        because="the ends of the load are no worse than a jump of traction, far from the axis: "
+        "order 2, and a term of two powers more that moves a pair by 0.1 if as large as the first "
+        "at one cell",
     ),
-    Tolerance(
-        "three-point bending, clamped: order of the springs, part of the way from 2λ to 2",
-        0.5, "1",
-        "bending, of order 2, and the clamps' corners, of order 2λ, have the same sign: the order "
-        "is somewhere between theirs, and this holds it from both sides",
+    judged(
+        "three-point bending, clamped: order of the springs, part of the way from 2λ to 2", 0.5,
+        rows={"method": SPRINGS, "quantity": "midspan, clamped"},
+        value=_from_corner, reference=0.5,
+        because="bending, of order 2, and the clamps' corners, of order 2λ, have the same sign: "
+        "the order is somewhere between theirs, and this holds it from both sides",
     ),
-    Tolerance(
-        "three-point bending, supported: FEM against beam theory, relative", 0.01, "1",
-        "what the load does to the beam below it: for a point load and nu = 0.3 the exact series "
-        "(Timoshenko and Goodier 1970) is 1 + 2.85 (h/L)² - 0.84 (h/L)³ where shear alone makes it "
-        "1 + 3.12 (h/L)², 0.6 % less here; as much again for another load and nu",
+    theory_of(
+        "three-point bending, supported: FEM against beam theory, relative", 0.01,
+        rows={"method": "FEM Q2", "quantity": "midspan, supported"},
+        because="what the load does to the beam below it: for a point load and nu = 0.3 the exact "
+        "series (Timoshenko and Goodier 1970) is 1 + 2.85 (h/L)² - 0.84 (h/L)³ where shear "
+        "alone makes it 1 + 3.12 (h/L)², 0.6 % less here; as much again for another load and nu",
     ),
-    Tolerance(
-        "three-point bending, clamped: FEM against beam theory, relative", 0.03, "1",
-        "the same of a deflection a quarter as large: 2.4 %, and a quarter more for sections that "
-        "clamps keep from contracting",
+    theory_of(
+        "three-point bending, clamped: FEM against beam theory, relative", 0.03,
+        rows={"method": "FEM Q2", "quantity": "midspan, clamped"},
+        because="the same of a deflection a quarter as large: 2.4 %, and a quarter more for "
+        "sections that clamps keep from contracting",
     ),
-    Tolerance(
-        "three-point bending: uncertainty of FEM, relative", QUICK_ACCURACY, "1",
-        "what the question asks of it, a tenth of the springs' difference at 16 cells; the full "
-        "form asks for a quarter of this",
+    judged(
+        "three-point bending: uncertainty of FEM, relative", QUICK_ACCURACY,
+        value="limit_uncertainty",
+        because="what the question asks of it, a tenth of the springs' difference at 16 cells; the "
+        "full form asks for a quarter of this",
     ),
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's beams with finite elements and beam theory."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
@@ -88,11 +104,10 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
             found = setting.sweep(partial(spring_deflection, candidate, kind, nu), sizes, kind)
             rows += cases.rows(quantity, models.method("square", nu), sizes, found)
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"three_point": table},
-        observed=observe(table),
-        tolerances=TOLERANCES,
-        columns=cases.COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         figures={
             "three_point": cases.drawing(
                 "three_point", "Three-point bending", "cells through the height (1)"
@@ -122,23 +137,23 @@ def theory(kind: str, nu: float) -> float:
     return float(LOAD * (whole(last) - whole(first)) / (last - first))
 
 
-def problem(kind: str, nu: float) -> Problem:
+def problem(kind: str, nu: float) -> kit.Problem:
     """The beam under a load on the middle of its top."""
     middle = LENGTH / 2
-    top = Segment((middle + LOADED / 2, HEIGHT), (middle - LOADED / 2, HEIGHT))
-    loads: tuple[Traction, ...] = (Traction(top, (0.0, -LOAD / LOADED)),)
+    top = kit.Segment((middle + LOADED / 2, HEIGHT), (middle - LOADED / 2, HEIGHT))
+    loads: tuple[kit.Traction, ...] = (kit.Traction(top, (0.0, -LOAD / LOADED)),)
     left, right = BEAM.side("left"), BEAM.side("right")
-    material = Isotropic(E=MODULUS, nu=nu)
+    material = kit.Isotropic(E=MODULUS, nu=nu)
     if kind == "clamped":
-        held = tuple(Support(side, (0.0, 0.0)) for side in (left, right))
-        return Problem(BEAM, material, held, loads, name="clamped beam")
+        held = tuple(kit.Support(side, (0.0, 0.0)) for side in (left, right))
+        return kit.Problem(BEAM, material, held, loads, name="clamped beam")
     reaction = (0.0, LOAD / (2 * HEIGHT))
-    loads += (Traction(left, reaction), Traction(right, reaction))
+    loads += (kit.Traction(left, reaction), kit.Traction(right, reaction))
     held = (
-        Support(Region((0.0, HEIGHT / 2)), (0.0, 0.0)),
-        Support(Region((LENGTH, HEIGHT / 2)), (None, 0.0)),
+        kit.Support(kit.Region((0.0, HEIGHT / 2)), (0.0, 0.0)),
+        kit.Support(kit.Region((LENGTH, HEIGHT / 2)), (None, 0.0)),
     )
-    return Problem(BEAM, material, held, loads, name="supported beam")
+    return kit.Problem(BEAM, material, held, loads, name="supported beam")
 
 
 def reference(
@@ -181,33 +196,10 @@ def elastic_deflection(kind: str, nu: float, cells: int) -> float:
     return -float(reference_fem.solve_problem(problem(kind, nu), mesh).at(MIDSPAN)[0, 1])
 
 
-def spring_deflection(candidate: DisplacementSolver, kind: str, nu: float, cells: int) -> float:
+def spring_deflection(candidate: kit.DisplacementSolver, kind: str, nu: float, cells: int) -> float:
     """Deflection (m, downward) of the axis at midspan of the candidate's network."""
     asked = problem(kind, nu)
     network = models.network_of(asked, square(BEAM, (int(LENGTH) * cells, cells)))
     move = candidate(asked, network, "linear")
     middle = (np.abs(network.points - MIDSPAN) <= BEAM.tolerance).all(axis=1)
     return -float(move[middle, 1][0])
-
-
-def corner_order(nu: float) -> float:
-    """Twice the displacement's exponent at a corner between a held edge and a free one."""
-    tensor = elastic_tensor(Isotropic(E=1.0, nu=nu))
-    return float(2 * clamped_free_exponent(tensor, np.pi / 2))
-
-
-def observe(table: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    last = cases.finest(table)
-    fem = last["method"] == "FEM Q2"
-    supported = last["quantity"] == "midspan, supported"
-    clamped = last[~fem & ~supported]
-    twice = np.array([corner_order(nu) for nu in clamped["nu"]])
-    values = (
-        farthest_value(cases.orders(last[~fem & supported]), 2.0),
-        farthest_value((cases.orders(clamped) - twice) / (2.0 - twice), 0.5),
-        farthest_value(last[fem & supported]["limit"] / last[fem & supported]["accepted"], 1.0),
-        farthest_value(last[fem & ~supported]["limit"] / last[fem & ~supported]["accepted"], 1.0),
-        farthest_value(last["limit_uncertainty"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)

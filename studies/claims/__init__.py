@@ -21,15 +21,7 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.judging.evidence import (
-    Evidence,
-    Observed,
-    Tolerance,
-    by_quantity,
-    gather_evidence,
-)
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output.results import Results, check_results
+from msvalidate import kit
 
 from .controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
 from .reading import read
@@ -40,55 +32,20 @@ READS_RESULTS = True
 ROUNDING = 2e-6
 """Of numbers, in their units: many are differences of values near 1, which the baseline of their
 own studies holds to a millionth."""
-TOLERANCES = (
-    Tolerance(
-        "sentences that stand twice, or with no verdict of the list", 0, "1",
-        "the ledger has every sentence of the report that can be checked, each once",
-    ),
-    Tolerance(
-        "computed verdicts other than theory lets expect", 0, "1",
-        "a result that moved across a bound is a finding to explain, whichever way it moved",
-    ),
-    Tolerance(
-        "computed verdicts that stay when their numbers are moved past their bounds", 0, "1",
-        "a verdict that does not follow its number is no verdict",
-    ),
+FLIPS = kit.Rule(
+    "computed verdicts that stay when their numbers are moved past their bounds", 0, "1",
+    "a verdict that does not follow its number is no verdict",
+    table="controls", value=lambda rows: rows["flips"] == "no",
 )  # fmt: skip
-COLUMNS = {
-    "sentence": "its number in the ledger; 42 and 63 were no sentences of the report",
-    "place": "section of the report, and what stands there",
-    "phrase": "what it says, quoted",
-    "verdict": f"computed: {', '.join(VERDICTS)}; where true on a condition, with that",
-    "number": 'that decides, from its table, in its unit, or "none"',
-    "unit": 'of number and bound, or "none"',
-    "side": 'the number is to be "at most" or "at least" the bound, or "none"',
-    "bound": 'within which the sentence holds, in its unit, or "none"',
-    "measure": 'what the number says, or "none"',
-    "study": 'whose table has the number, or "none"',
-    "table": 'of that study, or "none"',
-    "because": 'why that bound, or "none"',
-    "theory": "why that verdict is expected; where nothing is judged, why not",
-    "taken_from_here": 'this run, stored results, the committed baseline, or "none"',
-    "part": 'whether the number is of the sentence "as said" or "under" its condition',
-    "holds": 'whether it keeps to its bound: "yes" or "no"',
-    "sentences": "how many have this verdict",
-    "moved": "how many numbers are reflected in their bounds at once",
-    "verdict_moved": "verdict with those numbers",
-    "flips": 'whether it is another one: "yes" or "no"',
-    "topic": "what the report speaks of",
-    "says": "what it says, quoted",
-    "found": "what the studies found, in words with their numbers",
-    "studies": "that found it, as the command line names them",
-}
 
 
 def run(
-    candidate: Results | None = None,
-    setting: Setting = FULL,
+    candidate: kit.Results | None = None,
+    setting: kit.Setting = kit.FULL,
     alter: Alteration | None = None,
     sentences: Sequence[Sentence] = SENTENCES,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """The ledger: the one question of this study.
 
     Parameters
@@ -102,11 +59,11 @@ def run(
     questions
         "ledger", or None.
     """
-    results = altered(check_results(candidate, quick=setting.quick), alter)
-    return gather_evidence({"ledger": partial(judge_sentences, results, sentences)}, questions)
+    results = altered(kit.check_results(candidate, quick=setting.quick), alter)
+    return kit.gather_evidence({"ledger": partial(judge_sentences, results, sentences)}, questions)
 
 
-def judge_sentences(results: Results, sentences: Sequence[Sentence]) -> Evidence:
+def judge_sentences(results: kit.Results, sentences: Sequence[Sentence]) -> kit.Evidence:
     """Every sentence beside what the studies found."""
     found = {sentence.number: sentence.numbers(results) for sentence in sentences}
     verdicts = {each.number: each.decide(*found[each.number]) for each in sentences}
@@ -114,9 +71,20 @@ def judge_sentences(results: Results, sentences: Sequence[Sentence]) -> Evidence
     counts = [list(verdicts.values()).count(verdict) for verdict in VERDICTS]
     wrong = [each.number for each in sentences if verdicts[each.number] != each.expected]
     unclear = len(sentences) - len(verdicts) + sum(v not in VERDICTS for v in verdicts.values())
-    observed = (unclear, len(wrong), int((controls["flips"] == "no").sum()))
+    counted = (
+        kit.Tolerance(
+            "sentences that stand twice, or with no verdict of the list", 0, "1",
+            "the ledger has every sentence of the report that can be checked, each once",
+            observed=kit.Observed(float(unclear)),
+        ),
+        kit.Tolerance(
+            "computed verdicts other than theory lets expect", 0, "1",
+            "a result that moved across a bound is a finding to explain, whichever way it moved",
+            observed=kit.Observed(float(len(wrong))),
+        ),
+    )  # fmt: skip
     topics = [topic_row(topic, results, found, wrong) for topic in TOPICS]
-    return Evidence(
+    return kit.Evidence(
         tables={
             "topics": pd.DataFrame(topics),
             "ledger": pd.DataFrame(
@@ -126,11 +94,9 @@ def judge_sentences(results: Results, sentences: Sequence[Sentence]) -> Evidence
             "verdicts": pd.DataFrame({"verdict": VERDICTS, "sentences": counts}),
             "controls": controls,
         },
-        observed=by_quantity(TOLERANCES, [Observed(float(value)) for value in observed]),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=(*counted, FLIPS),
+        columns=kit.columns(__file__),
         findings=findings(counts, topics),
-        rounding={"number": ROUNDING},
     )
 
 
@@ -157,7 +123,7 @@ def number_rows(sentence: Sentence, found: Numbers) -> list[dict[str, object]]:
 
 
 def ledger_row(
-    sentence: Sentence, results: Results, found: Numbers, verdict: str
+    sentence: Sentence, results: kit.Results, found: Numbers, verdict: str
 ) -> dict[str, object]:
     """A sentence's row of the ledger: its verdict, and the number that decides it.
 
@@ -179,7 +145,7 @@ def ledger_row(
 
 
 def topic_row(
-    topic: Mapping[str, Any], results: Results, found: Numbers, wrong: Sequence[int]
+    topic: Mapping[str, Any], results: kit.Results, found: Numbers, wrong: Sequence[int]
 ) -> dict[str, str]:
     """A topic of the report in a row; words only where its verdicts are the expected ones."""
     asked = [number for number in topic["sentences"] if number in wrong or number not in found]
@@ -197,7 +163,7 @@ def topic_row(
     return {**row, "found": words, "studies": topic["studies"]}
 
 
-def topic_number(of: Any, results: Results, found: Numbers) -> float:
+def topic_number(of: Any, results: kit.Results, found: Numbers) -> float:
     """A number of a topic with four digits, as its entry in the ledger names it."""
     if not isinstance(of, str):
         return float(f"{read(results, of):.4g}")

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.output.results import Results
+from msvalidate import kit
 
 from .record import SENTENCES, TRUE, Check, Sentence
 
@@ -25,7 +25,7 @@ class Alteration:
 
 
 @dataclass(frozen=True)
-class AlteredResults(Results):
+class AlteredResults(kit.Results):
     """Results of which one table is changed."""
 
     alter: Alteration | None = None
@@ -38,7 +38,7 @@ class AlteredResults(Results):
         return table
 
 
-def altered(results: Results, alter: Alteration | None) -> Results:
+def altered(results: kit.Results, alter: Alteration | None) -> kit.Results:
     """Results with a change, if there is one."""
     if alter is None:
         return results

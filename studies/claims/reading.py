@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.output.results import Results
-from msvalidate.problem import Array, ProblemError
+from msvalidate import kit
 
 Query = Mapping[str, Any]
 COMBINE = {"over": np.divide, "less": np.subtract}
 """What is done with a second number, column, or the same column of other rows, in this order."""
-TAKES: Mapping[str, Callable[[Array], Any]] = {
+TAKES: Mapping[str, Callable[[kit.Array], Any]] = {
     "only": lambda values: values,
     "max": np.max,
     "min": np.min,
@@ -26,7 +25,7 @@ TAKES: Mapping[str, Callable[[Array], Any]] = {
 """How one number comes of many; beside these "share" of rows, and "growth" from size to size."""
 
 
-def read(results: Results, query: Query) -> float:
+def read(results: kit.Results, query: Query) -> float:
     """The number (in its unit) that a query asks for.
 
     Raises
@@ -48,11 +47,11 @@ def read(results: Results, query: Query) -> float:
         values, take = np.array([means.iloc[-1] / means.iloc[0]]), "only"
     found = np.ravel(TAKES[take](values)) * query.get("times", 1)
     if found.size != 1 or not np.isfinite(found).all():
-        raise ProblemError(f"{query['from']}: {found.size} numbers with {dict(where)}, not one")
+        raise kit.ProblemError(f"{query['from']}: {found.size} numbers with {dict(where)}, not one")
     return float(found[0])
 
 
-def select(results: Results, query: Query, where: Mapping[str, Any]) -> pd.DataFrame:
+def select(results: kit.Results, query: Query, where: Mapping[str, Any]) -> pd.DataFrame:
     """Rows of a table in which columns have some values, of the last size."""
     study, _, name = query["from"].partition("/")
     table = results.table(study, name)
@@ -66,14 +65,14 @@ def select(results: Results, query: Query, where: Mapping[str, Any]) -> pd.DataF
         require(table, column, query)
         table = table[table[column] == table[column].max()]
     if table.empty:
-        raise ProblemError(f"{query['from']}: no row with {dict(where)}; run {study} again")
+        raise kit.ProblemError(f"{query['from']}: no row with {dict(where)}; run {study} again")
     return table
 
 
 def require(table: pd.DataFrame, column: str, query: Query) -> None:
     """Raise ProblemError if a table lacks a column."""
     if column not in table:
-        raise ProblemError(
+        raise kit.ProblemError(
             f"{query['from']}: no column {column} among {', '.join(map(str, table))}"
         )
 
@@ -97,19 +96,21 @@ def within(found: Any, ends: Any) -> bool:
     return bool(ends[0] <= found <= ends[1])
 
 
-def numbers(table: pd.DataFrame, query: Query) -> Array:
+def numbers(table: pd.DataFrame, query: Query) -> kit.Array:
     """A column's numbers (n,), those of several one after another or their sum; no word to skip."""
     found = []
     for column in np.atleast_1d(query["column"]):
         require(table, column, query)
         found.append([value for value in table[column] if value != query.get("skip")])
     if not found[0] or any(isinstance(value, str) for values in found for value in values):
-        raise ProblemError(f"{query['from']}: {found[0][:3]} are no numbers to judge by")
+        raise kit.ProblemError(f"{query['from']}: {found[0][:3]} are no numbers to judge by")
     every = np.array(found, dtype=float)
     return every.sum(axis=0) if "sum" in query else every.ravel()
 
 
-def second(results: Results, query: Query, table: pd.DataFrame, other: Any) -> float | Array:
+def second(
+    results: kit.Results, query: Query, table: pd.DataFrame, other: Any
+) -> float | kit.Array:
     """What a column is divided by, or less: a number, a column, or the same column elsewhere."""
     if isinstance(other, str):
         return numbers(table, {**query, "column": other})

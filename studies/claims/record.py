@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from msvalidate.output.results import Results
-from msvalidate.problem import ProblemError
+from msvalidate import kit
 
 from .reading import Query, read
 
@@ -106,16 +105,16 @@ class Sentence:
         """A verdict with the condition that goes with it."""
         return f"{verdict} {self.condition}" if verdict == IF else verdict
 
-    def numbers(self, results: Results) -> tuple[list[float], list[float]]:
+    def numbers(self, results: kit.Results) -> tuple[list[float], list[float]]:
         """Of both kinds of checks; raises ProblemError, naming the sentence, if one is missing."""
         found: tuple[list[float], list[float]] = ([], [])
         for kept, checks in zip(found, (self.said, self.under), strict=True):
             for check in checks:
                 try:
                     kept.append(read(results, check.query))
-                except (ProblemError, LookupError, ValueError) as error:
+                except (kit.ProblemError, LookupError, ValueError) as error:
                     place = f"sentence {self.number}, from {check.table}"
-                    raise ProblemError(f"{place}: {error}") from error
+                    raise kit.ProblemError(f"{place}: {error}") from error
         return found
 
 

@@ -22,9 +22,7 @@ from functools import cache, partial
 
 import pandas as pd
 
-from msvalidate.judging.candidate import check_table
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
@@ -41,17 +39,17 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Mapping[str, Method] = METHODS,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one table of relaxations."""
-    candidate = check_table(candidate, Method, METHODS)
+    candidate = kit.check_table(candidate, Method, METHODS)
     counted = cache(partial(steps.run, candidate, setting))
 
     def table(name: str) -> pd.DataFrame:
         return steps.together(name, counted().tables)
 
-    return gather_evidence(
+    return kit.gather_evidence(
         {
             "steps": counted,
             "space": lambda: space.run(table("steps"), table("growth"), setting),

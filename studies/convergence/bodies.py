@@ -6,13 +6,12 @@ from functools import cache
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import square_tensor
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, fill, patterns, square
-from msvalidate.network import Network
-from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
@@ -44,26 +43,28 @@ def dim(body: str) -> int:
     return len(SIZES[body])
 
 
-def box(body: str) -> Box:
+def box(body: str) -> kit.Box:
     """The body's outline."""
-    return Box(SIZES[body])
+    return kit.Box(SIZES[body])
 
 
-def problem(body: str) -> Problem:
+def problem(body: str) -> kit.Problem:
     """Clamped on the left, sheared along y on the right; density 1 kg/m³, plates 1 m thick."""
     outline = box(body)
     plane = dim(body) == 2
     still, shear = np.zeros(dim(body)), np.zeros(dim(body))
     shear[1] = -SHEAR[body]
-    return Problem(
+    return kit.Problem(
         outline,
-        Isotropic(E=1.0, nu=NU) if plane else Isotropic(E=1.0, nu=NU_IN_SPACE, state="solid"),
-        (Support(outline.side("left"), tuple(still)),),
-        (Traction(outline.side("right"), tuple(shear)),),
+        kit.Isotropic(E=1.0, nu=NU)
+        if plane
+        else kit.Isotropic(E=1.0, nu=NU_IN_SPACE, state="solid"),
+        (kit.Support(outline.side("left"), tuple(still)),),
+        (kit.Traction(outline.side("right"), tuple(shear)),),
     )
 
 
-def tensor() -> Array:
+def tensor() -> kit.Array:
     """Plane stiffness (3, 3) in N/m of the plate and the beam, and of their networks."""
     return square_tensor(*default_constants(problem("plate").material, lattice("plate", 1)))
 
@@ -82,7 +83,7 @@ def cells(body: str, fineness: int) -> tuple[int, ...]:
     return tuple(round(side / across) * fineness for side in SIZES[body])
 
 
-def network(body: str, fineness: int) -> Network:
+def network(body: str, fineness: int) -> kit.Network:
     """The lattice's network, with shared weights."""
     return lattice_network(problem(body), lattice(body, fineness))
 
@@ -93,7 +94,7 @@ def is_factor_worthwhile(body: str, fineness: int) -> bool:
 
 
 @cache
-def rest_displacement(body: str, fineness: int) -> Array:
+def rest_displacement(body: str, fineness: int) -> kit.Array:
     """The network's own equilibrium (n, d) in m, by Newton's method.
 
     By a direct solver; of cubes beyond `FACTORISED` by multigrid, which `space` judges.
@@ -103,7 +104,7 @@ def rest_displacement(body: str, fineness: int) -> Array:
     return rest_by_multigrid(body, fineness)
 
 
-def rest_by_multigrid(body: str, fineness: int) -> Array:
+def rest_by_multigrid(body: str, fineness: int) -> kit.Array:
     """The same (n, d) in m, with no factor."""
     method = RELAXATIONS["newton_multigrid"]
     return relax(network(body, fineness), method, tolerance=BY_MULTIGRID).equilibrium.displacement
@@ -121,12 +122,12 @@ def root_kappa(body: str, fineness: int) -> float:
     return high / low
 
 
-def relative_error(displacement: Array, reference: Array) -> float:
+def relative_error(displacement: kit.Array, reference: kit.Array) -> float:
     """Largest distance from the reference over the largest displacement there."""
     apart = np.linalg.norm(displacement - reference, axis=1).max()
     return float(apart / np.linalg.norm(reference, axis=1).max())
 
 
-def relative_distance(displacement: Array, reference: Array) -> float:
+def relative_distance(displacement: kit.Array, reference: kit.Array) -> float:
     """Euclidean distance from the reference over its Euclidean norm."""
     return float(np.linalg.norm(displacement - reference) / np.linalg.norm(reference))

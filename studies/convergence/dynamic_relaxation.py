@@ -23,46 +23,50 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import LEAPFROG
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.compare import farthest_value, fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import COLOURS, new_figure
-from msvalidate.problem import SolverError
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.run import Run
 from msvalidate.relaxation.viscous import viscous
 
-from . import bodies, steps
+from . import bodies
 
 COUNTED = {8: 240, 16: 440, 32: 830, 64: 1590}
 """Cells along a side -> steps of an independent program, one count of ten steps apart."""
 NAME = "dynamic_relaxation"
 RESIDUAL = 1e-6
 LOOK_EVERY = 10
-TOLERANCES = (
-    Tolerance(
-        "steps of dynamic relaxation less those of an independent program, worst", LOOK_EVERY, "1",
-        "both look every ten steps, and rounding may let one arrive a look later",
-    ),
-    Tolerance(
-        "exponent of the steps of dynamic relaxation in kappa", 0.05, "1",
-        "1/2 for one mode; ln of the largest residual's share adds a few per cent on small plates",
-    ),
-    Tolerance(
-        "exponent of steps x springs of dynamic relaxation in nodes", 0.1, "1",
-        "3/2; boundary springs add 0.04 and the clamped edge takes 0.02 at these sizes",
-    ),
+COUNT = kit.Rule(
+    "steps of dynamic relaxation less those of an independent program, worst", LOOK_EVERY, "1",
+    "both look every ten steps, and rounding may let one arrive a look later",
+    table=NAME, value="steps", reference="independent_steps",
 )  # fmt: skip
-COLUMNS = {
-    **steps.COLUMNS,
-    "kappa": "ratio of the squares of highest and lowest natural frequency (1)",
-    "independent_steps": "steps of the independent program",
-    "least_steps": "1/2 sqrt(kappa) ln(1/tolerance), from the spectral radius alone",
-}
+
+
+def judge_growth(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
+    """Exponents of steps in kappa and of cost in nodes, if all runs arrived."""
+    arrived = (table["outcome"] == "reached").all()
+    cost = table["steps"] * table["springs"]
+    in_kappa, in_nodes = (
+        kit.fitted_power(*pair).exponent if arrived else math.nan
+        for pair in ((table["kappa"], table["steps"]), (table["nodes"], cost))
+    )
+    return (
+        kit.Tolerance(
+            "exponent of the steps of dynamic relaxation in kappa", 0.05, "1",
+            "1/2 for one mode; ln of the largest residual's share adds a few per cent on small "
+            "plates", observed=kit.Observed(in_kappa, 0.5),
+        ),
+        kit.Tolerance(
+            "exponent of steps x springs of dynamic relaxation in nodes", 0.1, "1",
+            "3/2; boundary springs add 0.04 and the clamped edge takes 0.02 at these sizes",
+            observed=kit.Observed(in_nodes, 1.5),
+        ),
+    )  # fmt: skip
 
 
 def steps_at_best_damping(scheme: Integrator, damping: float, run: Run) -> Iterator[None]:
@@ -77,25 +81,15 @@ METHOD = Method(
 )
 
 
-def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
+def run(candidate: Mapping[str, Method], setting: kit.Setting) -> kit.Evidence:
     """Count the steps of the four plates."""
     rows = setting.sweep(partial(count_steps, candidate[NAME]), COUNTED, "dynamic relaxation")
     table = pd.DataFrame(rows)
-    arrived = (table["outcome"] == "reached").all()
-    cost = table["steps"] * table["springs"]
-    growth = ((table["kappa"], table["steps"]), (table["nodes"], cost))
-    in_kappa, in_nodes = (fitted_power(*pair).exponent if arrived else math.nan for pair in growth)
-    seen = [
-        farthest_value(table["steps"], table["independent_steps"]),
-        Observed(in_kappa, 0.5),
-        Observed(in_nodes, 1.5),
-    ]
-    return Evidence(
+    return kit.Evidence(
         tables={"dynamic_relaxation": table},
-        observed=by_quantity(TOLERANCES, seen),
-        tolerances=TOLERANCES,
+        tolerances=(COUNT, *judge_growth(table)),
         figures={"dynamic_relaxation": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
     )
 
 
@@ -114,7 +108,7 @@ def count_steps(method: Method, n: int) -> dict[str, object]:
 
     try:
         relax(network, method, watch=watch, look_every=LOOK_EVERY, frequencies=(low, high))
-    except SolverError:
+    except kit.SolverError:
         found.append(0)
     return {
         "cells_x": n,
@@ -129,7 +123,7 @@ def count_steps(method: Method, n: int) -> dict[str, object]:
     }
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Steps against the condition number: counted here, by the other program, and the least."""
     table = tables[NAME]
     kappa, other = table["kappa"], table["independent_steps"]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Array, Index
+from msvalidate import kit
 
 
 class Counts(NamedTuple):
@@ -23,7 +23,7 @@ class Counts(NamedTuple):
     products: float
 
 
-def count_factor(links: csr_matrix, order: Index, components: int) -> Counts:
+def count_factor(links: csr_matrix, order: kit.Index, components: int) -> Counts:
     """Counts of a sparse factor.
 
     Source: [Liu1990], [GeorgeLiu1981].
@@ -51,11 +51,11 @@ def count_full(unknowns: int) -> Counts:
     return _sums(np.arange(unknowns, 0, -1.0))
 
 
-def _sums(columns: Array) -> Counts:
+def _sums(columns: kit.Array) -> Counts:
     return Counts(float(columns.sum()), float((columns**2).sum()))
 
 
-def nodes_below(links: csr_matrix, order: Index) -> Index:
+def nodes_below(links: csr_matrix, order: kit.Index) -> kit.Index:
     """Nodes (n,) below the diagonal in each column of the factor.
 
     A column has what its own row of the matrix has, and what the columns have whose first node
@@ -64,7 +64,7 @@ def nodes_below(links: csr_matrix, order: Index) -> Index:
     links = links[order][:, order].tocsr()
     size = len(order)
     below = np.zeros(size, dtype=np.intp)
-    left: list[list[Index]] = [[] for _ in range(size)]  # by children, to be taken up
+    left: list[list[kit.Index]] = [[] for _ in range(size)]  # by children, to be taken up
     for node in range(size):
         own = links.indices[links.indptr[node] : links.indptr[node + 1]]
         column = np.unique(np.concatenate([own, *left[node]]))

@@ -27,16 +27,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate.judging.compare import farthest_value, fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate import kit
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
-from msvalidate.problem import Array
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
 
-from . import bodies, steps
+from . import bodies
 
 FINENESSES = {"plate": (8, 16, 32, 64, 128), "beam": (4, 8, 16, 32)}
 QUICK = {"plate": (8, 16, 32), "beam": (4, 8, 16)}
@@ -64,44 +61,34 @@ three sizes (Student), to 6 times 8e-6."""
 HUNDREDTH = 0.01
 AT_REST = 1e-7
 """Tolerance of the explicit relaxation: its own error is then far below that of the spacing."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "springs over Q1 elements on the same cells, error, worst factor between them", 2.5, "1",
         "bent, N cells of springs are too stiff by 1.25/N^2, Q1 with full integration by about "
         "half of that; on the plate they are nearer to each other",
-        layer="agreement",
+        layer="agreement", table="frontier", rows={"model": (NEWTON, "Q1 elements")},
+        value=lambda rows: _worst_factor(rows), reference=1.0,  # noqa: PLW0108  defined below
     ),
-    Tolerance(
+    kit.Rule(
         "order of Q2 elements against twice the exponent of the clamped corner, worst body",
         0.1, "1",
         "the fit is over three to five sizes, and the smooth part of the error, of order 4, is a "
         "tenth of the whole on the coarsest",
+        table="frontier_orders", rows={"model": "Q2 elements"}, value="order",
+        reference=lambda _: 2 * clamped_free_exponent(bodies.tensor(), np.pi / 2),
     ),
-    Tolerance(
-        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7", 1.0, "1",
-        "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2)",
-    ),
-    Tolerance(
+    kit.Rule(
         "uncertainty of the reference over the smallest error that it judges, worst body", 1.0, "1",
         "an error below it is none; the uncertainty is what the last refinement changed, several "
         "times what it left",
+        table="frontier", value=kit.Quotient("reference_error", "error"),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **steps.COLUMNS,
-    "model": "springs and how they came to rest, or the elements",
-    "error": "Euclidean distance from the elastic solution over its norm, at the probes (1)",
-    "order": "of the error in the cells across, over all sizes (1)",
-    "low_order": "lower end of the order's 95 % interval (1)",
-    "high_order": "upper end of the order's 95 % interval (1)",
-    "reference_error": "estimated error of the elastic solution, in the same measure (1)",
-    "wall_seconds": "median time: in times after the set-up, in frontier from the problem on (s)",
-}
-Answer = Callable[[int], tuple[Array, int]]
+Answer = Callable[[int], tuple[kit.Array, int]]
 """Displacement (q, 2) in m at the probes and number of nodes, for a fineness."""
 
 
-def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
+def run(candidate: Mapping[str, Method], setting: kit.Setting) -> kit.Evidence:
     """Errors and times of each model at each fineness."""
     sizes = QUICK if setting.quick else FINENESSES
     accuracy = QUICK_ACCURACY if setting.quick else ACCURACY
@@ -122,26 +109,28 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         for key, what in found.items()
         if key[0] == KINETIC
     ]
-    seen = observe(table, fitted, apart)
-    return Evidence(
+    relaxed = kit.Tolerance(
+        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7", 1.0, "1",
+        "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2)",
+        observed=kit.Observed(max(apart)),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"frontier": table, "frontier_orders": fitted},
-        observed=by_quantity(TOLERANCES, seen),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, relaxed),
         figures={"frontier": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table),
-        rounding=ROUNDING,
     )
 
 
-def elastic(accuracy: Mapping[str, float], body: str) -> tuple[Array, float]:
+def elastic(accuracy: Mapping[str, float], body: str) -> tuple[kit.Array, float]:
     """Displacement (q, 2) in m of the elastic body at the probes, and its relative uncertainty."""
     problem, size = (
         bodies.problem(body),
         float(np.abs(bodies.rest_displacement(body, COARSEST[body])).max()),
     )
 
-    def displacement(fineness: int) -> Array:
+    def displacement(fineness: int) -> kit.Array:
         mesh = reference_fem.box_discretisation(
             bodies.box(body), bodies.cells(body, fineness), "Q2", grading=GRADING[body]
         )
@@ -152,7 +141,7 @@ def elastic(accuracy: Mapping[str, float], body: str) -> tuple[Array, float]:
     return value, float(size * np.linalg.norm(estimate.uncertainty) / np.linalg.norm(value))
 
 
-def probes(body: str) -> Array:
+def probes(body: str) -> kit.Array:
     """Points (q, 2) in m of the coarsest lattice, which every finer one has too.
 
     Those on the loaded edge are left out: at its corners the shear ends in a jump, and the error
@@ -172,7 +161,7 @@ def models(candidate: Mapping[str, Method], body: str) -> dict[str, Answer]:
     }
 
 
-def solve_springs(method: Method, body: str, fineness: int) -> tuple[Array, int]:
+def solve_springs(method: Method, body: str, fineness: int) -> tuple[kit.Array, int]:
     """The network's displacement (q, 2) in m at the probes, and its number of points."""
     network = bodies.network(body, fineness)
     found = relax(network, method, tolerance=AT_REST).equilibrium.displacement
@@ -182,7 +171,7 @@ def solve_springs(method: Method, body: str, fineness: int) -> tuple[Array, int]
     return grid[::every, :-1:every].reshape(-1, 2), len(network.points)
 
 
-def solve_elements(element: str, body: str, fineness: int) -> tuple[Array, int]:
+def solve_elements(element: str, body: str, fineness: int) -> tuple[kit.Array, int]:
     """The elements' displacement (q, 2) in m at the probes, and the number of nodes."""
     problem = bodies.problem(body)
     mesh = reference_fem.box_discretisation(bodies.box(body), bodies.cells(body, fineness), element)
@@ -193,7 +182,7 @@ def solve_elements(element: str, body: str, fineness: int) -> tuple[Array, int]:
 class Measurement:
     """A model's displacement (q, 2) in m at the probes, its nodes, and the median time (s)."""
 
-    displacement: Array
+    displacement: kit.Array
     nodes: int
     seconds: float
 
@@ -209,7 +198,7 @@ def measure(answer: Answer, fineness: int, repeats: int) -> Measurement:
 
 
 def row(
-    key: tuple[str, str, int], found: Measurement, truth: tuple[Array, float]
+    key: tuple[str, str, int], found: Measurement, truth: tuple[kit.Array, float]
 ) -> dict[str, object]:
     """One row: the error of a model, and the time to have its displacement."""
     model, body, fineness = key
@@ -230,23 +219,17 @@ def orders(table: pd.DataFrame) -> pd.DataFrame:
     """Observed order of each model's error in the cells across."""
     rows = []
     for (body, model), part in table.groupby(["body", "model"], sort=False):
-        power, low, high = fitted_power(part["cells_y"], part["error"])
+        power, low, high = kit.fitted_power(part["cells_y"], part["error"])
         order = {"order": -power, "low_order": -high, "high_order": -low}
         rows.append({"body": body, "model": model} | order)
     return pd.DataFrame(rows)
 
 
-def observe(table: pd.DataFrame, fitted: pd.DataFrame, apart: list[float]) -> list[Observed]:
-    """What the tolerances judge, in their order."""
-    corner = 2 * clamped_free_exponent(bodies.tensor(), np.pi / 2)
-    errors = {str(model): part["error"].to_numpy() for model, part in table.groupby("model")}
-    factor = np.exp(np.abs(np.log(errors[NEWTON] / errors["Q1 elements"])).max())
-    return [
-        Observed(float(factor), 1.0),
-        farthest_value(fitted["order"][fitted["model"] == "Q2 elements"], corner),
-        Observed(max(apart)),
-        Observed(float((table["reference_error"] / table["error"]).max())),
-    ]
+def _worst_factor(table: pd.DataFrame) -> float:
+    springs, elements = (
+        table[table["model"] == model]["error"].to_numpy() for model in (NEWTON, "Q1 elements")
+    )
+    return float(np.exp(np.abs(np.log(springs / elements)).max()))
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
@@ -277,7 +260,7 @@ def seconds_to(error: float, rows: pd.DataFrame) -> float | None:
     return float(np.exp(np.interp(np.log(error), falling, seconds)))
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Error against the elastic solution for the time spent; each point one fineness."""
     table = tables["frontier"]
     figure, axes = new_figure(len(bodies.PLANE), size=(3.5, 3.8), sharex=True, sharey=True)

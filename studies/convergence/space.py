@@ -16,6 +16,7 @@ Expected   The lowest frequency falls as 1/L, the highest is fixed by the spacin
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,13 +24,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate.judging.compare import fitted_power
+from msvalidate import kit
 from msvalidate.judging.counting import TIGHT
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 from msvalidate.output.figures import COLOURS
-from msvalidate.problem import Index, Mask, prescribed_displacements
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.dissection import node_order
 
@@ -49,75 +46,33 @@ EXPECTED = {
     (MULTIGRID, "products"): 1.0,
 }
 """Exponents in the unknowns."""
-RESTARTING = ("kinetic_damping", "adaptive", "conjugate_gradients")
 CHECKED, QUICK_CHECKED = (6, 8, 10), (6, 8)
 """Cells along an edge of cubes that multigrid and a factor both bring to rest."""
-TOLERANCES = (
-    Tolerance(
-        "exponent of steps in kappa, viscous methods on the cube, worst", 0.08, "1",
-        "1/2 less what Algorithm 1 loses: of first order, damped critically for the exact motion, "
-        "its two rates lie sqrt(e) apart, e = 1.8/sqrt(kappa) = 0.09 on the coarsest cube, which "
-        "costs sqrt(e)/4 of the exponent there",
+exponent = partial(
+    kit.Rule, limit=1 / 6, unit="1", table="growth_of_factors", value="exponent",
+    reference="expected",
+)  # fmt: skip
+RULES = (
+    exponent(
+        "cube of elements: exponent of the factor's entries in unknowns",
+        rows={"way": DISSECTED, "quantity": "entries"},
+        because="nearer to 4/3 than to 5/3, the band's; terms below the first fall as "
+        "unknowns^(-1/3)",
     ),
-    Tolerance(
-        "exponent of steps in nodes, viscous leapfrog on the cube", 0.08, "1",
-        "1/3: n cells have n + 1 nodes along an edge, so that it is (1 + 1/n)/3 at first, 0.06 "
-        "more with 6 cells; the clamped side adds two hundredths",
+    exponent(
+        "cube of elements: exponent of the factor's products in unknowns",
+        rows={"way": DISSECTED, "quantity": "products"},
+        because="nearer to 2 than to 7/3, the band's",
     ),
-    Tolerance(
-        "exponent of cost in nodes, viscous methods on the cube, worst", 0.15, "1",
-        "4/3, and as above; nodes of the surface have fewer springs, which adds 0.07",
-    ),
-    Tolerance(
-        "exponent of steps in nodes, kinetic and adaptive damping and conjugate gradients on the "
-        "cube, worst", 1 / 6, "1",
-        "nearer to 1/3 than to 0, the report's constant time, and to 2/3, as steepest descent "
-        "steps",
-    ),
-    Tolerance(
-        "exponent of steps in nodes, FIRE on the cube", 0.27, "1",
-        "as above, and 0.1 more: its counts hang on the last digits, by a fifth on six times the "
-        "nodes; still no constant",
-    ),
-    Tolerance(
-        "exponent of cycles in nodes, Newton's method by multigrid on the cube", 1 / 6, "1",
-        "nearer to constant than to 1/3, as explicit methods step",
-    ),
-    Tolerance(
-        "cube at rest by multigrid from that by a factor, over the largest displacement, worst",
-        1e-8, "1",
-        "a hundredth of the smallest error that steps are counted to; forces are left at 1e-13, "
-        "times a lever of the order of kappa, 1e4 at most",
-    ),
-    Tolerance(
-        "cube of elements: exponent of the factor's entries in unknowns", 1 / 6, "1",
-        "nearer to 4/3 than to 5/3, the band's; terms below the first fall as unknowns^(-1/3)",
-    ),
-    Tolerance(
-        "cube of elements: exponent of the factor's products in unknowns", 1 / 6, "1",
-        "nearer to 2 than to 7/3, the band's",
-    ),
-    Tolerance(
-        "cube of elements: exponent of multigrid's cycles in unknowns", 1 / 6, "1",
-        "nearer to constant than to 1/3, conjugate gradients without it",
+    exponent(
+        "cube of elements: exponent of multigrid's cycles in unknowns",
+        table="growth_of_multigrid", rows={"quantity": "cycles"}, value=steps.HERE["exponent"],
+        because="nearer to constant than to 1/3, conjugate gradients without it",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **steps.COLUMNS,
-    "way": "of solving the elements of a cube: factor of the full matrix, factor in nested "
-    "dissection, or multigrid",
-    "cells": "along an edge",
-    "unknowns": "components that are not held",
-    "entries": "of the factor; of multigrid, of the stiffness",
-    "products": "multiplications to make the factor, one of a symmetric pair counted twice",
-    "cycles_here": "of multigrid, one a step of conjugate gradients",
-    "products_here": "entries of the stiffness times cycles; coarser levels add a part that is the "
-    "same at any size",
-    "expected": "exponent by theory (1)",
-}
 
 
-def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: Setting) -> Evidence:
+def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: kit.Setting) -> kit.Evidence:
     """Judge what `steps` counted on the cube, and count what elements take there."""
     edges, solved, checked = (
         (QUICK_EDGES, QUICK_SOLVED, QUICK_CHECKED) if setting.quick else (EDGES, SOLVED, CHECKED)
@@ -129,24 +84,28 @@ def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: Setting) -> Evidenc
     growing = growth(factors)
     counts = cycles.rename(columns={"cycles_here": "cycles", "products_here": "products"})
     growing_here = growth(counts).rename(columns=steps.HERE)
-    at_rest = (
+    away = max(
         bodies.relative_error(
             bodies.rest_by_multigrid(CUBE, edge), bodies.rest_displacement(CUBE, edge)
         )
         for edge in checked
     )
-    seen = [*relaxations(grown), Observed(max(at_rest)), *elements(growing, growing_here)]
-    return Evidence(
+    at_rest = kit.Tolerance(
+        "cube at rest by multigrid from that by a factor, over the largest displacement, worst",
+        1e-8, "1",
+        "a hundredth of the smallest error that steps are counted to; forces are left at 1e-13, "
+        "times a lever of the order of kappa, 1e4 at most", observed=kit.Observed(away),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={
             "factors": factors,
             "multigrid": cycles,
             "growth_of_factors": growing,
             "growth_of_multigrid": growing_here,
         },
-        observed=by_quantity(TOLERANCES, seen),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, at_rest),
         figures={"elements_in_space": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(counted, grown, factors, growing, growing_here),
     )
 
@@ -167,13 +126,13 @@ def count_elimination(edge: int) -> list[dict[str, object]]:
     ]
 
 
-def free_nodes(mesh: Discretisation) -> Mask:
+def free_nodes(mesh: Discretisation) -> kit.Mask:
     """Nodes (n,) off the clamped side."""
-    held, _ = prescribed_displacements(bodies.problem(CUBE), mesh.points)
+    held, _ = kit.prescribed_displacements(bodies.problem(CUBE), mesh.points)
     return np.asarray(~held.any(axis=1))
 
 
-def in_order(mesh: Discretisation, order: Index) -> elimination.Counts:
+def in_order(mesh: Discretisation, order: kit.Index) -> elimination.Counts:
     """Counts of the clamped cube's factor, its nodes (n,) eliminated in such an order."""
     free = free_nodes(mesh)
     number = np.cumsum(free) - 1
@@ -206,37 +165,12 @@ def growth(factors: pd.DataFrame) -> pd.DataFrame:
                 "way": way,
                 "quantity": quantity,
                 "expected": exponent,
-                **fitted_power(part["unknowns"], part[quantity])._asdict(),
+                **kit.fitted_power(part["unknowns"], part[quantity])._asdict(),
             }
             for (way, quantity), exponent in EXPECTED.items()
             if len(part := factors[factors["way"] == way])
         ]
     )
-
-
-def relaxations(grown: pd.DataFrame) -> list[Observed]:
-    """What the tolerances of springs judge, in their order."""
-    asked = (
-        ("steps in kappa", steps.VISCOUS),
-        ("steps in nodes", ("viscous_leapfrog",)),
-        ("cost in nodes", steps.VISCOUS),
-        ("steps in nodes", RESTARTING),
-        ("steps in nodes", ("fire",)),
-        ("cycles in nodes", ("newton_multigrid",)),
-    )
-    return [steps.exponent(grown, quantity, (CUBE,), methods) for quantity, methods in asked]
-
-
-def elements(growing: pd.DataFrame, growing_here: pd.DataFrame) -> list[Observed]:
-    """What the tolerances of elements judge, in their order."""
-    fits = growing.set_index(["way", "quantity"])["exponent"]
-    here = growing_here.set_index(["way", "quantity"])["exponent_here"]
-    judged = (
-        (fits, (DISSECTED, "entries")),
-        (fits, (DISSECTED, "products")),
-        (here, (MULTIGRID, "cycles")),
-    )
-    return [Observed(float(found[what]), EXPECTED[what]) for found, what in judged]
 
 
 def findings(
@@ -316,11 +250,11 @@ SLOPES = {FULL: "-.", DISSECTED: "--", MULTIGRID: ":"}
 LABELS = {"products": "products to solve for one load", "entries": "entries that are stored"}
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """What the elements of a cube take to solve, against the nodes along its edge."""
     multigrid = tables["multigrid"].rename(columns={"products_here": "products"})
     table = pd.concat([tables["factors"], multigrid], ignore_index=True)
-    figure, axes = figures.new_figure(len(LABELS), size=(3.5, 3.2))
+    figure, axes = kit.figures.new_figure(len(LABELS), size=(3.5, 3.2))
     for axis, (quantity, label) in zip(axes, LABELS.items(), strict=True):
         for way, part in table.dropna(subset=[quantity]).groupby("way", sort=False):
             edge = part["cells"].to_numpy() + 1.0
@@ -332,5 +266,5 @@ def draw(tables: Tables) -> Figure:
                 axis.loglog(edge, line, SLOPES[str(way)], color="black", label=f"n^{slope:.0f}")
         axis.set(xlabel="nodes along the edge, n (1)", ylabel=label)
     figure.suptitle("A cube of linear elements: work and memory to solve it")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure

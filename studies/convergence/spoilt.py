@@ -10,10 +10,10 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import LEAPFROG, step_factors
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.network import spring_vectors, tangent
-from msvalidate.problem import Array
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import Run
@@ -29,7 +29,7 @@ def _half_damped(run: Run) -> Iterator[None]:
     yield from viscous(LEAPFROG, damping=lowest).walk(run)
 
 
-def _half_kick(h: float, c: Array) -> tuple[Array, Array]:
+def _half_kick(h: float, c: kit.Array) -> tuple[kit.Array, kit.Array]:
     keep, push = step_factors(LEAPFROG)(h, c)
     return keep, push / 2
 
@@ -100,7 +100,7 @@ FAULTS: dict[str, tuple[str, dict[str, Method]]] = {
     for name, question, leapfrog, relaxing in WALKS
 } | {
     "a damping that follows the spacing and not the body": (
-        "space",
+        "steps",
         {"viscous_leapfrog": BY_SPACING},
     ),
     "the geometric part of the tangent with a wrong sign": ("strained", {"newton": WRONG_TANGENT}),

@@ -19,92 +19,78 @@ from contextlib import suppress
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
-from msvalidate.network import Network, spring_vectors
-from msvalidate.problem import Array, Box, Isotropic, Problem, SolverError, Support, Traction
+from msvalidate.network import spring_vectors
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
 
-from . import bodies, steps
+from . import bodies
 
-BOX, CELLS = Box((0.74, 0.37)), (12, 6)
+BOX, CELLS = kit.Box((0.74, 0.37)), (12, 6)
 PULL = 0.07
 """Traction over the modulus."""
 TOLERANCE = 1e-13
 FLOOR = 1e-13
 """Distance, over the largest displacement, at which what is left is rounding."""
-TOLERANCES = (
-    Tolerance(
-        "order of Newton's method at 5 to 10 % strain, last three distances", 0.1, "1",
-        "2; what the square is multiplied by changes on the last steps by a factor of two at most, "
-        "ln 2 over the logarithm of a step's gain, from 2 % of the way to its square over a few "
-        "tens: 7.5",
-    ),
-    Tolerance(
-        "rest at 5 to 10 % strain: Newton's method against conjugate gradients, relative",
-        1e-10, "1",
-        "both stop at 1e-13 of the forces that meet at a point, times the condition number, which "
-        "of 12 clamped cells is (4·12/π)² or a few times as much",
-    ),
+ORDER = kit.Rule(
+    "order of Newton's method at 5 to 10 % strain, last three distances", 0.1, "1",
+    "2; what the square is multiplied by changes on the last steps by a factor of two at most, "
+    "ln 2 over the logarithm of a step's gain, from 2 % of the way to its square over a few "
+    "tens: 7.5",
+    table="strained", last=1, value=lambda rows: pd.to_numeric(rows["gain"], errors="coerce"),
+    reference=2.0,
 )  # fmt: skip
-COLUMNS = {
-    **steps.COLUMNS,
-    "distance": "largest distance from the last position, over the largest displacement (1)",
-    "strain": "largest change of a spring's length over its rest length, after the step (1)",
-    "gain": 'order: ln of this gain over ln of the one before; "none" where there are not two (1)',
-}
 
 
-def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
+def run(candidate: Mapping[str, Method], setting: kit.Setting) -> kit.Evidence:
     """Pull the plate and watch the steps."""
     network = pulled_plate()
     seen = follow_displacements(candidate["newton"], network)
     other = follow_displacements(candidate["conjugate_gradients"], network)
     table = pd.DataFrame(rows(network, seen))
-    orders = table["gain"][table["gain"] != "none"]
-    values = (
-        Observed(float(orders.iloc[-1]) if len(orders) else math.nan, 2.0),
-        Observed(bodies.relative_error(seen[-1], other[-1]) if seen and other else math.nan),
-    )
-    return Evidence(
+    away = bodies.relative_error(seen[-1], other[-1]) if seen and other else math.nan
+    rest = kit.Tolerance(
+        "rest at 5 to 10 % strain: Newton's method against conjugate gradients, relative",
+        1e-10, "1",
+        "both stop at 1e-13 of the forces that meet at a point, times the condition number, which "
+        "of 12 clamped cells is (4·12/π)² or a few times as much", observed=kit.Observed(away),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"strained": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={"distance": FLOOR, "gain": 0.03},
+        tolerances=(ORDER, rest),
+        columns=kit.columns(__file__),
     )
 
 
-def pulled_plate() -> Network:
+def pulled_plate() -> kit.Network:
     """A plate, clamped on the left and pulled on the right by `PULL` of its modulus."""
-    problem = Problem(
+    problem = kit.Problem(
         BOX,
-        Isotropic(E=1.0, nu=bodies.NU),
-        (Support(BOX.side("left"), (0.0, 0.0)),),
-        (Traction(BOX.side("right"), (PULL, 0.0)),),
+        kit.Isotropic(E=1.0, nu=bodies.NU),
+        (kit.Support(BOX.side("left"), (0.0, 0.0)),),
+        (kit.Traction(BOX.side("right"), (PULL, 0.0)),),
         name="plate at large strain",
     )
     return lattice_network(problem, square(BOX, CELLS))
 
 
-def follow_displacements(method: Method, network: Network) -> list[Array]:
+def follow_displacements(method: Method, network: kit.Network) -> list[kit.Array]:
     """Displacements (n, 2) in m after every step; none if it did not come to rest."""
-    seen: list[Array] = []
+    seen: list[kit.Array] = []
 
     def watch(run: object) -> bool:
         seen.append(np.array(run.displacement))  # type: ignore[attr-defined]
         return False
 
-    with suppress(SolverError):
+    with suppress(kit.SolverError):
         relax(network, method, tolerance=TOLERANCE, watch=watch, look_every=1)
         return seen
     return []
 
 
-def rows(network: Network, seen: list[Array]) -> list[dict[str, object]]:
+def rows(network: kit.Network, seen: list[kit.Array]) -> list[dict[str, object]]:
     """Rows of the table: what is left after each step, and the order of the last three."""
     if len(seen) < 2:
         return [{"steps": 0, "distance": 1.0, "strain": 0.0, "gain": "none"}]

@@ -26,13 +26,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging import counting
-from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.counting import TIGHT
-from msvalidate.judging.evidence import Evidence, Tables
-from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import add_shared_legend, new_figure
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
@@ -62,18 +60,11 @@ ELEMENTS_DRAWN: dict[str, dict[str, Any]] = {
 BY_FREQUENCIES = ("algorithm1", "viscous_leapfrog", "kinetic_damping", "fire")
 """Methods whose step or damping is set by natural frequencies."""
 BODY = ["body", "cells_x", "cells_y", "nodes", "threshold"]
-COLUMNS = {
-    **steps.COLUMNS,
-    "setup_seconds": "lattice or mesh, and the frequencies that a method asks for (s)",
-    "wall_seconds": "median time: in times after the set-up, in frontier from the problem on (s)",
-    "least_seconds": "shortest of the repeated times after the set-up (s)",
-    "exponent_of_seconds": "of the nodes in the seconds (1)",
-    "low_of_seconds": "lower end of its 95 % interval (1)",
-    "high_of_seconds": "upper end of its 95 % interval (1)",
-}
 
 
-def run(candidate: Mapping[str, Method], counted: pd.DataFrame, setting: Setting) -> Evidence:
+def run(
+    candidate: Mapping[str, Method], counted: pd.DataFrame, setting: kit.Setting
+) -> kit.Evidence:
     """Time each run of the table of steps that came to its end, and the same bodies by elements."""
     repeats = 1 if setting.quick else REPEATS
     if setting.quick:
@@ -83,12 +74,10 @@ def run(candidate: Mapping[str, Method], counted: pd.DataFrame, setting: Setting
     rows += time_elements(counted, repeats)
     table = pd.DataFrame(rows)
     grown = growth(table)
-    return Evidence(
+    return kit.Evidence(
         tables={"times": table, "growth_of_times": grown},
-        observed={},
-        tolerances=(),
         figures={"times": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, grown),
     )
 
@@ -178,7 +167,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     ):
         if len(part) < 3:
             continue
-        fit = fitted_power(part["nodes"].iloc[-4:], part["wall_seconds"].iloc[-4:])
+        fit = kit.fitted_power(part["nodes"].iloc[-4:], part["wall_seconds"].iloc[-4:])
         row = {"body": body, "method": method, "threshold": threshold}
         rows.append(row | {f"{name}_of_seconds": end for name, end in fit._asdict().items()})
     return pd.DataFrame(rows)
@@ -212,7 +201,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     return tuple(said)
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Seconds to an error of 1e-6 against the nodes, with lattice or mesh and frequencies."""
     table = tables["times"]
     tight = table[table["threshold"] == TIGHT]

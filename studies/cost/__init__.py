@@ -8,10 +8,8 @@ the same process and in turn. One question a file:
 - `limits`: what holds each path, instructions or memory, and up to what size it is real time;
 - `fem`: seconds to assemble and to solve, beside SciPy and NGSolve;
 - `relaxation`: steps and seconds to rest, and their growth;
-- `refinement`: corrections of a linear solution, and their part of its time;
 - `solvers`: seconds, memory and steps of an equilibrium by a factor or multigrid; whether its
   stated error is true;
-- `solver_peers`: the same cubes by NGSolve and SciPy;
 - `large`: large networks by Newton's method with multigrid, and bytes a point;
 - `targets`: what was aimed at, and what this machine reached;
 - `machine`: processor, caches, versions.
@@ -29,14 +27,9 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Any
 
-from msvalidate import kernels
-from msvalidate.judging.candidate import check_functions
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network
+from msvalidate import kernels, kit
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.statics.equilibrium import equilibrium
 
 from . import (
     agreement,
@@ -46,9 +39,7 @@ from . import (
     large,
     limits,
     machine,
-    refinement,
     relaxation,
-    solver_peers,
     solvers,
     spoilt,
     targets,
@@ -69,10 +60,8 @@ class Implementations:
         Name -> way to rest.
     elements
         Name -> way to solve a finite element body; "auto" is the one that is timed.
-    linear
-        The linear equilibrium of a network.
     rest
-        The same by the solver of a name.
+        The linear equilibrium of a network by the solver of a name.
     multigrid_steps
         Steps of conjugate gradients that multigrid takes to it.
     """
@@ -80,9 +69,8 @@ class Implementations:
     motion: Moving = kernels.Motion
     relaxations: Mapping[str, Method] = field(default_factory=lambda: dict(RELAXATIONS))
     elements: Mapping[str, Solve] = field(default_factory=lambda: dict(fem_ways.WAYS))
-    linear: refinement.Linear = equilibrium
-    rest: solver_peers.Rest = solvers.solve_refined
-    multigrid_steps: Callable[[Network], int] = solvers.steps
+    rest: solvers.Rest = solvers.solve_refined
+    multigrid_steps: Callable[[kit.Network], int] = solvers.steps
 
 
 OURS = Implementations()
@@ -103,7 +91,6 @@ FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
         "fem",
         {"elements": fem_ways.WAYS | {"auto": spoilt.round_positions}},
     ),
-    "a linear solution that is not refined": ("refinement", {"linear": refinement.solve_unrefined}),
     "a solver that stops early and states no error": ("solvers", {"rest": spoilt.careless_steps}),
     "a solver without coarse levels": ("solvers", {"multigrid_steps": spoilt.without_levels}),
 }
@@ -118,19 +105,17 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Implementations = OURS,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named."""
-    candidate = check_functions(candidate, Implementations)
-    asked: dict[str, Callable[[], Evidence]] = {
+    candidate = kit.check_functions(candidate, Implementations)
+    asked: dict[str, Callable[[], kit.Evidence]] = {
         "agreement": partial(agreement.run, candidate.motion, setting),
         "kernel": partial(kernel.run, candidate.motion, setting),
         "fem": partial(fem.run, candidate.elements, setting),
         "relaxation": partial(relaxation.run, candidate.relaxations, setting),
-        "refinement": partial(refinement.run, candidate.linear, setting),
         "solvers": partial(solvers.run, candidate.rest, candidate.multigrid_steps, setting),
-        "solver_peers": partial(solver_peers.run, candidate.rest, setting),
         "large": partial(
             large.run, candidate.relaxations[large.METHOD], candidate.elements, setting
         ),
@@ -140,4 +125,4 @@ def run(
     # `limits` and `targets` look at what others measured.
     asked = {name: cache(answer) for name, answer in asked.items()}
     told = {name: asked[name] for name in targets.FROM}
-    return gather_evidence(asked | {"targets": partial(targets.run, told, setting)}, questions)
+    return kit.gather_evidence(asked | {"targets": partial(targets.run, told, setting)}, questions)

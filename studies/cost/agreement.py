@@ -16,10 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import Network
-from msvalidate.problem import Array
+from msvalidate import kit
 
 from . import bodies, kernel, plain
 from .kernel import OURS, Moving
@@ -34,50 +31,40 @@ FAR = 1e3
 """Displacement, in sizes of the body, that says that a run has diverged."""
 FEW = 400
 APART = ["apart_here", "threads_apart_here"]
-TOLERANCES = (
-    Tolerance(
-        f"a path from the plain form after {STEPS} steps, over the largest displacement, worst",
-        1e-12, "1",
-        "2000 steps that each round by 2^-53, all one way, make 2e-13 of what moves; random "
-        "tetrahedra have slivers whose forces are some times larger than those of a whole cell",
-    ),
-    Tolerance(
-        "two threads from one, the same path, worst", 1e-13, "1",
-        "sums over a point's springs are the same but where two threads' shares meet: a part of "
-        "what the paths may differ by",
-    ),
-    Tolerance(
-        "runs that diverged or held a NaN and were not noticed", 0, "1",
-        "a number that is not finite or is far too large must come out as it is",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **kernel.COLUMNS,
-    "apart_here": "largest distance from the plain form over the largest displacement, after 2000 "
-    'steps (1), or "no number"',
-    "threads_apart_here": 'the same from the path\'s run on one thread (1), or "no number"',
-    "diverged": "whether a run with a step four times too long is seen to diverge",
-    "nan": "whether a NaN among the displacements comes out as one",
-}
 
 
-def run(candidate: Moving, setting: Setting) -> Evidence:
+def run(candidate: Moving, setting: kit.Setting) -> kit.Evidence:
     """Move each small network by every path."""
     rows = [row for name in bodies.NETWORKS for row in compare_paths(candidate, name)]
     table = pd.DataFrame(rows)
     unseen = int((table[["diverged", "nan"]] != "noticed").to_numpy().sum())
-    values = (
-        # NaN counts as largest: it fails.
-        *(Observed(float(table[column].max(skipna=False))) for column in APART),
-        Observed(unseen),
-    )
+    worst = table[APART].max(skipna=False)  # NaN counts as largest: it fails
+    judged = (
+        kit.Tolerance(
+            f"a path from the plain form after {STEPS} steps, over the largest displacement, worst",
+            1e-12, "1",
+            "2000 steps that each round by 2^-53, all one way, make 2e-13 of what moves; random "
+            "tetrahedra have slivers whose forces are some times larger than those of a whole cell",
+            observed=kit.Observed(float(worst["apart_here"])),
+        ),
+        kit.Tolerance(
+            "two threads from one, the same path, worst", 1e-13, "1",
+            "sums over a point's springs are the same but where two threads' shares meet: a part "
+            "of what the paths may differ by",
+            observed=kit.Observed(float(worst["threads_apart_here"])),
+        ),
+        kit.Tolerance(
+            "runs that diverged or held a NaN and were not noticed", 0, "1",
+            "a number that is not finite or is far too large must come out as it is",
+            observed=kit.Observed(unseen),
+        ),
+    )  # fmt: skip
     finite = np.isfinite(table[APART])
     shown = table.assign(**table[APART].astype(object).where(finite, "no number"))
-    return Evidence(
+    return kit.Evidence(
         tables={"agreement": shown},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=judged,
+        columns=kit.columns(__file__),
     )
 
 
@@ -88,7 +75,7 @@ def compare_paths(candidate: Moving, name: str) -> list[dict[str, Any]]:
         net, lambda *given: plain.advance(net, plain.whole(net), *given)
     )
     size = float(np.abs(true).max())
-    alone: dict[str, Array] = {}
+    alone: dict[str, kit.Array] = {}
     rows = []
     for title in (way for way in kernel.WAYS[name] if way in OURS):
         way = OURS[title]
@@ -111,14 +98,14 @@ def compare_paths(candidate: Moving, name: str) -> list[dict[str, Any]]:
     return rows
 
 
-def displacement_after_steps(net: Network, walk: Callable[..., object]) -> Array:
+def displacement_after_steps(net: kit.Network, walk: Callable[..., object]) -> kit.Array:
     """Displacement after `STEPS` from a random start."""
     (u, v), dt = bodies.start(net), bodies.time_step(net)
     walk(u, v, np.full(len(u), KEEP), np.full(len(u), dt), dt, STEPS)
     return u
 
 
-def runs_far(net: Network, walk: Callable[..., object]) -> bool:
+def runs_far(net: kit.Network, walk: Callable[..., object]) -> bool:
     """Whether too long a step ends far away, or in what is no number."""
     (u, v), dt = bodies.start(net), TOO_LONG * bodies.time_step(net)
     with np.errstate(all="ignore"):
@@ -126,7 +113,7 @@ def runs_far(net: Network, walk: Callable[..., object]) -> bool:
         return not float(np.abs(u).max()) < FAR * bodies.SIDE
 
 
-def keeps_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> bool:
+def keeps_nan(net: kit.Network, walk: Callable[..., tuple[int, float, bool]]) -> bool:
     """Whether a NaN at a free point, and the energy of such a motion, come out as NaN."""
     (u, v), dt = bodies.start(net), bodies.time_step(net)
     u[np.flatnonzero(~net.held.all(axis=1))[0]] = np.nan

@@ -10,11 +10,11 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import Delaunay
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.lattice import fill, patterns, square
-from msvalidate.network import Network, spring_network
-from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
+from msvalidate.network import spring_network
 
 SIDE = 0.1
 """Of the plate (m)."""
@@ -26,7 +26,7 @@ MATERIALS = {"soft tissue": 1e4, "rubber": 1e6, "steel": 2e11}
 """Young's moduli (Pa) whose real time is told; steel's density is its own."""
 DENSITIES = {"soft tissue": 1000.0, "rubber": 1000.0, "steel": 7800.0}
 E = MATERIALS["rubber"]
-SOLID = Isotropic(E=1.0, nu=0.25, state="solid")
+SOLID = kit.Isotropic(E=1.0, nu=0.25, state="solid")
 """Of cubes and bars: a ratio that springs alone can be."""
 SLENDER = 100
 """Length over thickness of a bar."""
@@ -38,42 +38,42 @@ VOLUME_PART = 0.5
 
 def plate(
     cells: int, *, volume: float = 0.0, strain: tuple[float, float] = (0.0, -STRAIN)
-) -> Network:
+) -> kit.Network:
     """Square plate of `cells` x `cells` squares with eight neighbours, clamped on the left.
 
     On the right it is loaded by the modulus times `strain`, along it and across.
     """
-    box = Box((SIDE, SIDE))
-    problem = Problem(
+    box = kit.Box((SIDE, SIDE))
+    problem = kit.Problem(
         box,
-        Isotropic(E=E, nu=1 / 3, density=DENSITY, thickness=THICKNESS),
-        (Support(box.side("left"), (0.0, 0.0)),),
-        (Traction(box.side("right"), (strain[0] * E, strain[1] * E)),),
+        kit.Isotropic(E=E, nu=1 / 3, density=DENSITY, thickness=THICKNESS),
+        (kit.Support(box.side("left"), (0.0, 0.0)),),
+        (kit.Traction(box.side("right"), (strain[0] * E, strain[1] * E)),),
     )
     return lattice_network(problem, square(box, (cells, cells)), volume=volume)
 
 
-def lattice(nodes: int) -> Network:
+def lattice(nodes: int) -> kit.Network:
     """The plate with about so many nodes, eight neighbours each."""
     return plate(along(nodes, 2))
 
 
-def with_volume(nodes: int) -> Network:
+def with_volume(nodes: int) -> kit.Network:
     """The same with an energy of the volume of each cell."""
     return plate(along(nodes, 2), volume=VOLUME_PART * E * THICKNESS)
 
 
-def triangles(nodes: int) -> Network:
+def triangles(nodes: int) -> kit.Network:
     """A spring along each edge of the Delaunay triangles of random points in a square."""
     return strewn(nodes, 2)
 
 
-def tetrahedra(nodes: int) -> Network:
+def tetrahedra(nodes: int) -> kit.Network:
     """A spring along each edge of the Delaunay tetrahedra of random points in a cube."""
     return strewn(nodes, 3)
 
 
-def strewn(nodes: int, dim: int, seed: int = 0) -> Network:
+def strewn(nodes: int, dim: int, seed: int = 0) -> kit.Network:
     """Random points, in random order, joined as Delaunay [Delaunay1934] does; one tenth is held."""
     rng = np.random.default_rng(seed)
     spacing = SIDE * nodes ** (-1 / dim)
@@ -93,7 +93,7 @@ def strewn(nodes: int, dim: int, seed: int = 0) -> Network:
     )
 
 
-NETWORKS: Mapping[str, Callable[[int], Network]] = {
+NETWORKS: Mapping[str, Callable[[int], kit.Network]] = {
     "lattice": lattice,
     "lattice with volume energy": with_volume,
     "random triangles": triangles,
@@ -101,12 +101,12 @@ NETWORKS: Mapping[str, Callable[[int], Network]] = {
 }
 
 
-def cube(nodes: int) -> Network:
+def cube(nodes: int) -> kit.Network:
     """Cube of a cubic lattice with 18 neighbours, clamped at one end and sheared at the other."""
     return solid(cube_cells(along(nodes, 3)))
 
 
-def bar(nodes: int) -> Network:
+def bar(nodes: int) -> kit.Network:
     """The same, a hundred times as long as it is thick."""
     across = max(2, round(float((nodes / SLENDER) ** (1 / 3)) - 2 / 3))
     return solid(bar_cells(across))
@@ -122,19 +122,19 @@ def bar_cells(across: int) -> tuple[int, int, int]:
     return (SLENDER * across, across, across)
 
 
-def solid(cells: tuple[int, ...]) -> Network:
+def solid(cells: tuple[int, ...]) -> kit.Network:
     """Cubic lattice of so many cells, E = 1 Pa, one metre across."""
-    box = Box(tuple(one / min(cells) for one in cells))
-    problem = Problem(
+    box = kit.Box(tuple(one / min(cells) for one in cells))
+    problem = kit.Problem(
         box,
         SOLID,
-        (Support(box.side("left"), (0.0,) * 3),),
-        (Traction(box.side("right"), (0.0, 0.0, -STRAIN)),),
+        (kit.Support(box.side("left"), (0.0,) * 3),),
+        (kit.Traction(box.side("right"), (0.0, 0.0, -STRAIN)),),
     )
     return lattice_network(problem, fill(patterns.cubic18(), box, cells))
 
 
-def with_core(nodes: int, times: float) -> Network:
+def with_core(nodes: int, times: float) -> kit.Network:
     """The cube, with springs stiffer by `times` whose middles lie in a ball inside."""
     net = cube(nodes)
     middle = net.points[net.springs].mean(axis=1)
@@ -143,7 +143,7 @@ def with_core(nodes: int, times: float) -> Network:
 
 
 @cache
-def network(name: str, nodes: int) -> Network:
+def network(name: str, nodes: int) -> kit.Network:
     """A network by name, with about so many nodes."""
     return NETWORKS[name](nodes)
 
@@ -153,7 +153,7 @@ def along(nodes: int, dim: int) -> int:
     return max(2, round(float(nodes ** (1 / dim))) - 1)
 
 
-def time_step(net: Network) -> float:
+def time_step(net: kit.Network) -> float:
     """Step (s) below the limit of any network, for timing: 2/ω with ω² <= 2d·max Σk/m.
 
     By Gershgorin's circles without the tangent, which would take longer than the steps; an energy
@@ -164,7 +164,7 @@ def time_step(net: Network) -> float:
     return 0.5 * SAFETY * 2 / math.sqrt(fastest)
 
 
-def start(net: Network, seed: int = 0) -> tuple[Array, Array]:
+def start(net: kit.Network, seed: int = 0) -> tuple[kit.Array, kit.Array]:
     """Displacement (m) and velocity (m/s) to start from, (n, d) each.
 
     Small and random, so that no product is of zeros.

@@ -10,13 +10,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.judging.counting import TIGHT
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
 
 from .timing import ABSENT, SINGLE
 
-C = figures.COLOURS
+C = kit.figures.COLOURS
 Style = dict[str, Any]
 WAYS: dict[str, Style] = {
     "general": {"color": C[0], "marker": "o"},
@@ -85,10 +84,10 @@ def lines(
         axis.loglog(rows[x], rows[y].astype(float), label=label, **styles[str(name)])
 
 
-def kernel(tables: Tables) -> Figure:
+def kernel(tables: kit.Tables) -> Figure:
     """The lattice by every program, with what memory allows; networks on the general path."""
     table = tables["kernel"]
-    figure, (left, right) = figures.new_figure(2, size=(3.4, 4.4), sharey=True)
+    figure, (left, right) = kit.figures.new_figure(2, size=(3.4, 4.4), sharey=True)
     lines(left, table[table["network"] == "lattice"], "way", "nodes", "ns_here", WAYS)
     allowed(left, tables)
     lines(right, table[table["way"] == "general"], "network", "nodes", "ns_here", NETWORKS)
@@ -104,7 +103,7 @@ def kernel(tables: Tables) -> Figure:
     return figure
 
 
-def allowed(axis: Axes, tables: Tables) -> None:
+def allowed(axis: Axes, tables: kit.Tables) -> None:
     """Draw what the memory's bandwidth allows where each step passes over it, if measured."""
     if "limits" not in tables:
         return
@@ -114,9 +113,9 @@ def allowed(axis: Axes, tables: Tables) -> None:
     axis.loglog(rows["nodes"], ns, ":", color="black", lw=1.1, label="memory, a step for each pass")
 
 
-def roofline(tables: Tables) -> Figure:
+def roofline(tables: kit.Tables) -> Figure:
     """Operations a second against operations a byte, below what machine and memory allow."""
-    figure, (axis,) = figures.new_figure(size=(5.2, 5.8))
+    figure, (axis,) = kit.figures.new_figure(size=(5.2, 5.8))
     top = float(tables["arithmetic"]["gigaflops_per_second"].iloc[0])
     speeds = tables["bandwidth"]["gigabytes_per_second"]
     low, high = DENSE
@@ -136,30 +135,30 @@ def roofline(tables: Tables) -> Figure:
     axis.set(xlim=DENSE, ylim=(1.0, 2 * top))
     axis.set_title("a mark for each number of points")
     figure.suptitle("Speed of the kernel below what the machine allows")
-    figures.add_shared_legend(figure, [axis], columns=1)
+    kit.figures.add_shared_legend(figure, [axis], columns=1)
     return figure
 
 
-def real_time(tables: Tables) -> Figure:
+def real_time(tables: kit.Tables) -> Figure:
     """Seconds of motion that a second makes, against the points."""
     table = tables["real_time"]
     table = table[table["threads"] == 1]
     materials = list(table["material"].unique())
-    figure, axes = figures.new_figure(len(materials), size=(2.3, 3.4), sharey=True)
+    figure, axes = kit.figures.new_figure(len(materials), size=(2.3, 3.4), sharey=True)
     for axis, name in zip(axes, materials, strict=True):
         lines(axis, table[table["material"] == name], "way", "nodes", "real_time_here", WAYS)
         axis.axhline(1.0, color="black", lw=0.9, ls=":", label="real time")
         axis.set(title=name, xlabel="points (1)")
     axes[0].set_ylabel("seconds of motion a second (1)")
     figure.suptitle("How near to real time a plate of 0.1 m is computed")
-    figures.add_shared_legend(figure, axes, columns=4)
+    kit.figures.add_shared_legend(figure, axes, columns=4)
     return figure
 
 
-def elements(tables: Tables) -> Figure:
+def elements(tables: kit.Tables) -> Figure:
     """Assembly and solution, plane and solid."""
     table = tables["fem"]
-    figure, axes = figures.new_figure(2, 2, size=(3.3, 2.8), sharex="col", sharey="row")
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.3, 2.8), sharex="col", sharey="row")
     for axis, (task, dim) in zip(axes, product(TASKS, (2, 3)), strict=True):
         part = table[(table["task"] == task) & (table["axes"] == dim)]
         lines(axis, part, "program", "unknowns", "cpu_seconds", PROGRAMS)
@@ -169,16 +168,16 @@ def elements(tables: Tables) -> Figure:
         if task == TASKS[-1]:
             axis.set_xlabel("unknowns (1)")
     figure.suptitle("Linear finite elements: time by program")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
-def relaxation(tables: Tables) -> Figure:
+def relaxation(tables: kit.Tables) -> Figure:
     """Steps and seconds to an error of 1e-6, the exponents of each method in the legend."""
     table = tables["relaxation"]
     table = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
     nodes = np.array([table["nodes"].min(), table["nodes"].max()], dtype=float)
-    figure, axes = figures.new_figure(2, size=(3.3, 4.4))
+    figure, axes = kit.figures.new_figure(2, size=(3.3, 4.4))
     values = {"steps_here": ("steps (1)", 0.5), "cpu_seconds": ("time (s)", 1.5)}
     for axis, (column, (quantity, law)) in zip(axes, values.items(), strict=True):
         for method, rows in table.groupby("method", sort=False):
@@ -190,11 +189,11 @@ def relaxation(tables: Tables) -> Figure:
         axis.loglog(nodes, power, ":", color="black", label="powers 0.5 and 1.5 of the points")
         axis.set(xlabel="points (1)", ylabel=quantity, title="to an error of 1e-6")
     figure.suptitle("Relaxations to rest; in brackets: powers of steps and of seconds")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure
 
 
-def exponents(tables: Tables, method: str) -> str:
+def exponents(tables: kit.Tables, method: str) -> str:
     """Exponents of steps and seconds, in brackets."""
     grown = tables["relaxation_growth"]
     grown = grown[(grown["method"] == method) & (grown["threshold"] == TIGHT)]
@@ -204,10 +203,10 @@ def exponents(tables: Tables, method: str) -> str:
     return f" ({power['steps']:.2f}, {power['seconds']:.2f})"
 
 
-def large(tables: Tables) -> Figure:
+def large(tables: kit.Tables) -> Figure:
     """Newton's method with multigrid and elements on the same cells, in seconds."""
     table = tables["large"]
-    figure, (axis,) = figures.new_figure(size=(4.4, 3.4))
+    figure, (axis,) = kit.figures.new_figure(size=(4.4, 3.4))
     drawn = (
         ("newton_seconds", "s-", C[1], "springs: Newton with multigrid, 1 % strain"),
         ("elements_seconds", "o-", C[0], "elements: one linear solution"),
@@ -220,13 +219,13 @@ def large(tables: Tables) -> Figure:
     return figure
 
 
-def equilibria(tables: Tables) -> Figure:
+def equilibria(tables: kit.Tables) -> Figure:
     """Every body as the package solves it; and the cube by all programs, where that was asked."""
     drawn = [(tables["equilibria"], "shape", "-", "springs, as chosen")]
     if (beside := tables.get("equilibrium_peers")) is not None:
         there = (beside["shape"] == "cube") & (beside["cpu_seconds"] != ABSENT)
         drawn.append((beside[there], "by", "--", "the cube by all programs"))
-    figure, axes = figures.new_figure(len(drawn), size=(3.3, 4.4), sharey=True)
+    figure, axes = kit.figures.new_figure(len(drawn), size=(3.3, 4.4), sharey=True)
     for axis, (table, by, line, title) in zip(axes, drawn, strict=True):
         for place, (name, rows) in enumerate(table.groupby(by, sort=False)):
             mark, colour = MARKS[place % len(MARKS)], C[place % len(C)]

@@ -24,15 +24,12 @@ import pandas as pd
 from scipy.sparse.linalg import spsolve
 
 import reference_fem
-from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Array, Box, Isotropic, Mask
+from msvalidate import kit
 from reference_fem.elasticity import stiffness
 
-from . import drawing, fem_ways, kernel, ngsolve_peer
+from . import drawing, fem_ways, ngsolve_peer
 from .fem_ways import Solve
-from .timing import ABSENT, GROWTH, QUICK_ROUNDS, ROUNDS, SECONDS, in_turn, summary
+from .timing import ABSENT, GROWTH, QUICK_ROUNDS, ROUNDS, in_turn, summary
 
 CELLS = {2: (22, 70, 223), 3: (9, 14, 20, 24)}
 """Along a side: 1e3 to 1e5 unknowns in the plane, 3e3 to 4.7e4 in space."""
@@ -47,26 +44,6 @@ LONG = 30_000
 MANY = 20
 """Loads on one body, in the row of a factor used again."""
 ELEMENT = {2: "Q1", 3: "H1"}
-TOLERANCES = (
-    Tolerance(
-        "displacement by each way from that by spsolve, over the largest, worst", 1e-9, "1",
-        "rounding times the condition number, 1e-16 x 1e6 at most at these sizes; multigrid stops "
-        "at a thousandth of what is asked here",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **kernel.COLUMNS,
-    **GROWTH,
-    **SECONDS,
-    "unknowns": "components of all nodes, held ones too",
-    "task": "assembly of the stiffness, solution for one load, or solution for 20 loads",
-    "program": "ours as it chooses, or by SciPy's SuperLU or multigrid; spsolve (SciPy on our "
-    "matrix); NGSolve (its own)",
-    "choice_here": "how ours solved, by what is installed here and the size",
-    "residual_here": "largest force left over the largest that cancels there (1)",
-    "difference_here": 'from the displacement by spsolve, over the largest (1), or "absent" where '
-    "a way needs what is not installed",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,10 +51,10 @@ class Block:
     """A unit square or cube, clamped on the left and pulled on the right: what is solved."""
 
     cells: tuple[int, ...]
-    material: Isotropic
+    material: kit.Isotropic
     body: Any
-    held: Mask
-    force: Array
+    held: kit.Mask
+    force: kit.Array
 
     @property
     def unknowns(self) -> int:
@@ -85,9 +62,9 @@ class Block:
         return int(self.held.size)
 
 
-def block(dim: int, cells: int, material: Isotropic | None = None) -> Block:
+def block(dim: int, cells: int, material: kit.Isotropic | None = None) -> Block:
     """A block of so many cells along each side."""
-    box = Box((1.0,) * dim)
+    box = kit.Box((1.0,) * dim)
     shape = (cells,) * dim
     material = material or elastic(dim)
     body = reference_fem.box_discretisation(box, shape, ELEMENT[dim])
@@ -102,12 +79,12 @@ def block(dim: int, cells: int, material: Isotropic | None = None) -> Block:
     return Block(shape, material, body, held, force)
 
 
-def elastic(dim: int) -> Isotropic:
+def elastic(dim: int) -> kit.Isotropic:
     """Plane stress, or a solid, with E = 1 Pa."""
-    return Isotropic(E=1.0, nu=NU, state="plane_stress" if dim == 2 else "solid")
+    return kit.Isotropic(E=1.0, nu=NU, state="plane_stress" if dim == 2 else "solid")
 
 
-def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
+def run(candidate: Mapping[str, Solve], setting: kit.Setting) -> kit.Evidence:
     """Time assembly and solution at every size, and hold the ways of ours together."""
     sizes, rounds = (QUICK_CELLS, QUICK_ROUNDS) if setting.quick else (CELLS, ROUNDS)
     cases = [(dim, cells) for dim, many in sizes.items() for cells in many]
@@ -121,7 +98,15 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
     seen = pd.to_numeric(apart["difference_here"], errors="coerce")
     absent = apart["difference_here"] == ABSENT
     largest = float(seen[~absent].max(skipna=False))
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "displacement by each way from that by spsolve, over the largest, worst", 1e-9, "1",
+            "rounding times the condition number, 1e-16 x 1e6 at most at these sizes; multigrid "
+            "stops at a thousandth of what is asked here",
+            observed=kit.Observed(largest),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={
             "fem": table,
             "fem_rounds": laps,
@@ -129,10 +114,9 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
             "fem_agreement": apart,
             "fem_growth": growth(table),
         },
-        observed={TOLERANCES[0].quantity: Observed(largest)},
-        tolerances=TOLERANCES,
+        tolerances=own,
         figures={"fem": drawing.elements},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, chosen),
     )
 
@@ -211,7 +195,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         if len(part) < 3 or (part["cpu_seconds"] == ABSENT).any():
             rows.append(row | dict.fromkeys(GROWTH, ABSENT))
             continue
-        fit = fitted_power(part["unknowns"], part["cpu_seconds"].astype(float))
+        fit = kit.fitted_power(part["unknowns"], part["cpu_seconds"].astype(float))
         rows.append(row | dict(zip(GROWTH, fit, strict=True)))
     return pd.DataFrame(rows)
 

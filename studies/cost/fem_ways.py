@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Array, Mask
+from msvalidate import kit
 from reference_fem import Solver
 from reference_fem.systems import has_cholmod
 
@@ -24,16 +24,16 @@ class Found(NamedTuple):
     The displacement is None where the way needs what is not installed.
     """
 
-    displacement: Array | None
+    displacement: kit.Array | None
     choice: str
     residual: float
 
 
-Solve = Callable[[Any, csr_matrix, Mask, Array], Found]
+Solve = Callable[[Any, csr_matrix, kit.Mask, kit.Array], Found]
 """Takes body, stiffness (N/m), held components (n, d) and forces (n, d) in N."""
 
 
-def by(name: str, body: Any, K: csr_matrix, held: Mask, force: Array) -> Found:
+def by(name: str, body: Any, K: csr_matrix, held: kit.Mask, force: kit.Array) -> Found:
     """One load, by a way of ours."""
     if name == "cholmod" and not has_cholmod():
         return Found(None, ABSENT, 0.0)
@@ -41,7 +41,7 @@ def by(name: str, body: Any, K: csr_matrix, held: Mask, force: Array) -> Found:
     return Found(u, how.choice, how.residual)
 
 
-def many(body: Any, K: csr_matrix, held: Mask, force: Array, count: int) -> object:
+def many(body: Any, K: csr_matrix, held: kit.Mask, force: kit.Array, count: int) -> object:
     """So many loads on one body, made ready once."""
     ready = Solver(body, K, held)
     return [ready.solve(np.zeros(held.shape), (i + 1) * force) for i in range(count)]

@@ -22,10 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from msvalidate import kernels
-from msvalidate.judging.evidence import Evidence
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import Network
+from msvalidate import kernels, kit
 
 from . import bodies, drawing, lammps_peer, plain
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn, summary
@@ -68,28 +65,9 @@ WAYS = {
     "random tetrahedra": ("general",),
 }
 """Network -> who moves it: LAMMPS makes its bonds by their lengths, and so only lattices'."""
-COLUMNS = {
-    "network": "plate of squares with eight neighbours, without and with an energy of each cell's "
-    "volume, or a spring per edge of the Delaunay triangles or tetrahedra of random points",
-    "axes": "of the network",
-    "nodes": "points of the network, or nodes of the mesh",
-    "springs": "springs of the network",
-    "way": "path and threads of ours, or another program; our paths take several steps in a pass "
-    "over memory, but one where it says so",
-    "threads": "threads that it steps on",
-    "steps": "time steps of a round; in the tables of relaxation, until the error is met, or "
-    '"varies" where the count hangs on the last digits',
-    "round": "number of the round; contestants take turns in each",
-    "ns_here": "nanoseconds a spring and step, of the process where one thread steps and on the "
-    'wall where two do; median of the rounds, or one round\'s; "absent" where a peer is not '
-    "installed",
-    "least_ns_here": 'shortest of the rounds, or "absent" (ns)',
-    "most_ns_here": 'longest of the rounds, or "absent" (ns)',
-    "wall_ns_here": 'nanoseconds a spring and step by the clock on the wall, or "absent"',
-}
 
 
-def run(candidate: Moving, setting: Setting) -> Evidence:
+def run(candidate: Moving, setting: kit.Setting) -> kit.Evidence:
     """Time every network at every size."""
     sizes = QUICK_NODES if setting.quick else NODES
     work = QUICK_WORK if setting.quick else WORK
@@ -104,12 +82,10 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
     )
     rounds = pd.DataFrame([row for rows in laps for row in rows])
     table = summary(rounds.drop(columns="wall_ns_here"), "ns_here")
-    return Evidence(
+    return kit.Evidence(
         tables={"kernel": table, "kernel_rounds": rounds},
-        observed={},
-        tolerances=(),
         figures={"kernel": drawing.kernel},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table),
     )
 
@@ -146,14 +122,14 @@ def time_kernel(candidate: Moving, work: int, name: str, nodes: int) -> list[dic
     return rows
 
 
-def steps_of(way: str, work: int, net: Network) -> int:
+def steps_of(way: str, work: int, net: kit.Network) -> int:
     """Steps of a round."""
     least = OUR_LEAST if way in (*OURS, SINGLE) else LEAST_STEPS
     return max(least, round(work / SLOWER.get(way, 1) / len(net.springs)))
 
 
 def stepping_function(
-    candidate: Moving, way: str, net: Network, steps: int, at_end: ExitStack
+    candidate: Moving, way: str, net: kit.Network, steps: int, at_end: ExitStack
 ) -> Callable[[], object] | None:
     """What takes so many steps of a network, each time from where it was; None for absent peers."""
     if way == "LAMMPS":
@@ -175,7 +151,7 @@ def stepping_function(
     return partial(plain.advance, net, force, u, v, keep, push, dt, steps)
 
 
-def motion_function(candidate: Moving, net: Network, way: Way) -> kernels.Motion:
+def motion_function(candidate: Moving, net: kit.Network, way: Way) -> kernels.Motion:
     """A network made ready for a path and so many threads."""
     return candidate(net, path=way.path, threads=way.threads)
 

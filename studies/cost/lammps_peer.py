@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.network import Network
-from msvalidate.problem import SolverError
+from msvalidate import kit
 
 from .bodies import STRAIN, time_step
 
@@ -48,7 +47,9 @@ def version() -> str | None:
         lmp.close()
 
 
-def stepping(net: Network, steps: int) -> tuple[Callable[[], object], Callable[[], None]] | None:
+def stepping(
+    net: kit.Network, steps: int
+) -> tuple[Callable[[], object], Callable[[], None]] | None:
     """What takes so many steps of a square lattice's network, and what ends LAMMPS; or None.
 
     Raises
@@ -67,7 +68,7 @@ def stepping(net: Network, steps: int) -> tuple[Callable[[], object], Callable[[
     made = int(lmp.extract_global("nbonds"))
     if made != len(net.springs):
         lmp.close()
-        raise SolverError(f"LAMMPS made {made} bonds of {len(net.springs)} springs; report it")
+        raise kit.SolverError(f"LAMMPS made {made} bonds of {len(net.springs)} springs; report it")
     lmp.commands_list(motion(net))
 
     def act() -> None:
@@ -76,7 +77,7 @@ def stepping(net: Network, steps: int) -> tuple[Callable[[], object], Callable[[
     return act, lmp.close
 
 
-def box(net: Network) -> list[str]:
+def box(net: kit.Network) -> list[str]:
     """Commands for units, a box with room around the points, and lists that find the bonds."""
     h = float(net.rest_length.min())
     low, high = net.points.min(axis=0) - 5 * h, net.points.max(axis=0) + 5 * h
@@ -99,7 +100,7 @@ def box(net: Network) -> list[str]:
     ]
 
 
-def bonds(net: Network) -> list[str]:
+def bonds(net: kit.Network) -> list[str]:
     """Commands for a bond between all points at the distance of a side, or of a diagonal."""
     h = float(net.rest_length.min())
     laws, made = [], []
@@ -111,7 +112,7 @@ def bonds(net: Network) -> list[str]:
     return laws + made
 
 
-def motion(net: Network) -> list[str]:
+def motion(net: kit.Network) -> list[str]:
     """Commands for the step and for nothing else than bonds: no pairs, no lists made again."""
     held = " ".join(str(i + 1) for i in np.flatnonzero(net.held.any(axis=1)))
     size = STRAIN * float(net.rest_length.min())

@@ -23,17 +23,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate import kernels
-from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import Network, tangent
-from msvalidate.problem import SolverError
+from msvalidate import kernels, kit
+from msvalidate.network import tangent
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
 from reference_fem.elasticity import stiffness
 
-from . import bodies, drawing, fem, kernel, start_up
+from . import bodies, drawing, fem, kernel
 from .fem_ways import Solve
 from .timing import ROUNDS, in_turn
 
@@ -47,41 +43,9 @@ AT_REST = 1e-8
 """Tolerance of the residual: displacements are then far better than the 1e-6 that is asked for."""
 WEIGHED, QUICK_WEIGHED = 30_000, 5_000
 METHOD = "newton_multigrid"
-TOLERANCES = (
-    Tolerance(
-        "iterations of Newton's method with multigrid at 1 % strain, most less fewest over sizes",
-        1, "1",
-        "the same continuous problem at any size; a residual near the tolerance may ask for one "
-        "more",
-    ),
-    Tolerance(
-        "exponent of its multigrid cycles in nodes", 0.15, "1",
-        "no growth but a logarithm: a cycle or two more on ten for each decade of nodes",
-    ),
-    Tolerance(
-        "bytes that a network keeps, a point, counted over predicted", 1e-12, "1",
-        "a plate of n x n points has 4n² - 6n + 2 springs: a count, to the rounding of a quotient",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **kernel.COLUMNS,
-    "iterations": "of Newton's method at 1 % strain; 0 if it failed",
-    "cycles_here": "of multigrid, in all of them",
-    "newton_seconds": "median time of the process of Newton's method with multigrid (s)",
-    "elements_seconds": "median time of the process of one linear solution by elements (s)",
-    "rounds": "times that each was timed, in turn",
-    "over_elements_here": "seconds of Newton's method over those of elements (1)",
-    "least_over_elements_here": "the least of the rounds (1)",
-    "most_over_elements_here": "the most of the rounds (1)",
-    "what": start_up.COLUMNS["what"],
-    "kept_bytes": "what is kept of it, a point (bytes)",
-    "peak_bytes": "most that is held while it is made, a point (bytes)",
-    "counted": "bytes a point of the network's arrays, counted",
-    "predicted": "the same from 4 springs a point",
-}
 
 
-def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence:
+def run(method: Method, ways: Mapping[str, Solve], setting: kit.Setting) -> kit.Evidence:
     """Time both at every size, and weigh what they hold."""
     sizes = QUICK_NODES if setting.quick else NODES
     repeated = 0 if setting.quick else REPEATED
@@ -90,21 +54,40 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
     weighed = memory(method, ways["auto"], QUICK_WEIGHED if setting.quick else WEIGHED)
     arrays = pd.DataFrame([count_cycles(nodes) for nodes in sizes[:2]])
     done = (table["iterations"] > 0).all()
-    cycles = fitted_power(table["nodes"], table["cycles_here"]).exponent if done else math.nan
+    cycles = kit.fitted_power(table["nodes"], table["cycles_here"]).exponent if done else math.nan
     spread = float(np.ptp(table["iterations"])) if done else math.nan
     ratio = float((arrays["counted"] / arrays["predicted"]).max())
-    values = Observed(spread), Observed(cycles), Observed(ratio, 1.0)
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "iterations of Newton's method with multigrid at 1 % strain, most less fewest over "
+            "sizes",
+            1, "1",
+            "the same continuous problem at any size; a residual near the tolerance may ask for "
+            "one more",
+            observed=kit.Observed(spread),
+        ),
+        kit.Tolerance(
+            "exponent of its multigrid cycles in nodes", 0.15, "1",
+            "no growth but a logarithm: a cycle or two more on ten for each decade of nodes",
+            observed=kit.Observed(cycles),
+        ),
+        kit.Tolerance(
+            "bytes that a network keeps, a point, counted over predicted", 1e-12, "1",
+            "a plate of n x n points has 4n² - 6n + 2 springs: a count, to the rounding of a "
+            "quotient",
+            observed=kit.Observed(ratio, 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"large": table, "memory": weighed, "network_arrays": arrays},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=own,
         figures={"large": drawing.large},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, weighed),
     )
 
 
-def stretched_body(nodes: int) -> Network:
+def stretched_body(nodes: int) -> kit.Network:
     """The plate pulled along its length."""
     return bodies.plate(bodies.along(nodes, 2), strain=(PULL, 0.0))
 
@@ -118,7 +101,7 @@ def beside(method: Method, solve: Solve, repeated: int, nodes: int) -> dict[str,
     def newton() -> None:
         try:
             found[:] = [relax(net, method, tolerance=AT_REST)]
-        except SolverError:
+        except kit.SolverError:
             found[:] = []
 
     acts: dict[str, Callable[[], object]] = {
@@ -171,7 +154,7 @@ def weigh_memory(act: Callable[[], object]) -> tuple[int, int]:
     """Bytes that are left after an act, and the most that were held during it."""
     tracemalloc.start()
     try:
-        with suppress(SolverError):  # what fails has held what it held
+        with suppress(kit.SolverError):  # what fails has held what it held
             made = act()
             found = tracemalloc.get_traced_memory()
             del made

@@ -23,13 +23,9 @@ import numpy as np
 import pandas as pd
 from scipy.linalg.blas import daxpy, dgemm
 
-from msvalidate import kernels
+from msvalidate import kernels, kit
 from msvalidate.dynamics.spectrum import highest_frequency
 from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import Network
-from msvalidate.problem import Array
 
 from . import bodies, drawing, kernel
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn
@@ -49,35 +45,9 @@ FLAT = 1.5
 """Growth of the time a spring beyond which it is no longer that of instructions alone."""
 COARSE = 8
 """Cells along the plate whose highest frequency is solved for."""
-TOLERANCES = (
-    Tolerance(
-        "highest frequency x spacing of plates, finest over coarsest", 0.02, "1",
-        "the highest mode lives in a few cells: the edge shares its mass, whatever the size; the "
-        "coarsest plate of 8 cells is as wide as the mode",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **kernel.COLUMNS,
-    "kilobytes": "size of both arrays of y = a x + y together (1000 bytes)",
-    "gigabytes_per_second": "bytes read and written by one core, 24 a pair of numbers (1e9/s)",
-    "gigaflops_per_second": "operations of one core (1e9/s)",
-    "bytes_a_node": "counted bytes that a step must read and write, over the points",
-    "operations_a_node": "counted operations of a step, over the points",
-    "share_here": "counted bytes over the time, relative to the memory's bandwidth (1): beyond 1 "
-    "where caches hold them, or several steps take one pass over memory",
-    "arithmetic_share_here": "counted operations over the time, relative to a product of matrices "
-    "(1)",
-    "grown_here": "time a spring over that of the smallest network of the kind (1)",
-    "held_here": "what holds the path: bandwidth where it reaches half or more of that of the "
-    "cache or the memory that its bytes come from, else latency where a spring takes 1.5 times as "
-    "long as in the smallest network, whose springs wait for no place, or instructions",
-    "material": "of the plate of 0.1 m: soft tissue E = 10 kPa, rubber 1 MPa, steel 200 GPa",
-    "time_step": "0.9 of the largest stable step (s)",
-    "real_time_here": "seconds of motion that a second of the processor makes (1)",
-}
 
 
-def run(timed: pd.DataFrame, setting: Setting) -> Evidence:
+def run(timed: pd.DataFrame, setting: kit.Setting) -> kit.Evidence:
     """Measure the machine, and hold the times of `kernel` beside it."""
     machine = ceilings()
     memory = float(machine["gigabytes_per_second"].iloc[-1])
@@ -85,17 +55,24 @@ def run(timed: pd.DataFrame, setting: Setting) -> Evidence:
     reached = pd.DataFrame(shares(timed, machine, arithmetic))
     small, fine = (plate_frequency(n) for n in (COARSE, 4 * COARSE))
     real = pd.DataFrame(real_time(timed, fine))
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "highest frequency x spacing of plates, finest over coarsest", 0.02, "1",
+            "the highest mode lives in a few cells: the edge shares its mass, whatever the size; "
+            "the coarsest plate of 8 cells is as wide as the mode",
+            observed=kit.Observed(fine / small, 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={
             "bandwidth": machine,
             "arithmetic": pd.DataFrame([{"gigaflops_per_second": arithmetic, "threads": 1}]),
             "limits": reached,
             "real_time": real,
         },
-        observed={TOLERANCES[0].quantity: Observed(fine / small, 1.0)},
-        tolerances=TOLERANCES,
+        tolerances=own,
         figures={"roofline": drawing.roofline, "real_time": drawing.real_time},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(*findings(reached, memory, arithmetic), *describe_limits(real)),
     )
 
@@ -114,7 +91,7 @@ def ceilings() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _updated(x: Array, y: Array, passes: int) -> None:
+def _updated(x: kit.Array, y: kit.Array, passes: int) -> None:
     for _ in range(passes):
         daxpy(x, y, a=1e-9)
 
@@ -130,7 +107,7 @@ def products_per_second() -> float:
     return 2 * MATRIX**3 / float(np.median([one.cpu for one in laps]))
 
 
-def traffic(net: Network, way: str) -> float:
+def traffic(net: kit.Network, way: str) -> float:
     """Bytes that a step must read and write by a path of ours, a point: its tables, once each."""
     path = kernel.OURS["general" if way == SINGLE else way]
     return kernel.motion_function(kernels.Motion, net, path).bytes_a_step / len(net.points)
@@ -147,7 +124,7 @@ def level(machine: pd.DataFrame, way: str, held: float) -> float:
     return float(speeds[enough].iloc[0] if enough.any() else speeds.iloc[-1])
 
 
-def operations(net: Network) -> float:
+def operations(net: kit.Network) -> float:
     """Operations of springs and steps, a point; see the module's text."""
     return 5 * net.dim + (7 * net.dim + 2) * len(net.springs) / len(net.points)
 
@@ -189,7 +166,7 @@ def held(part: float, grown: float) -> str:
     return "latency" if grown >= FLAT else "instructions"
 
 
-def network_of(row: dict[Any, Any]) -> Network:
+def network_of(row: dict[Any, Any]) -> kit.Network:
     """The network that a row is of."""
     near = [n for n in (*kernel.NODES, *kernel.QUICK_NODES) if abs(n - row["nodes"]) <= 0.1 * n]
     networks = (bodies.network(str(row["network"]), n) for n in near)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence
+from msvalidate import kit
 from msvalidate.output.provenance import available_cores, processor_name
 
 from .timing import ABSENT
@@ -19,13 +19,9 @@ EXTRAS = ("cvxopt", "scikit-sparse", "pypardiso")
 """Solvers that may be chosen where they are installed."""
 CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
 UNKNOWN = "unknown"
-COLUMNS = {
-    "part": "of the machine, or a program",
-    "found_here": 'what it is, or its version; "absent" where it is not installed',
-}
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """The table `machine`."""
     rows = {
         "processor": processor_name(),
@@ -39,11 +35,9 @@ def run() -> Evidence:
     table = pd.DataFrame({"part": list(rows), "found_here": list(rows.values())})
     absent = [name for name in PEERS if rows[name] == ABSENT]
     note = f"Not installed, and not measured: {', '.join(absent)}. pip install '.[peers]' does it."
-    return Evidence(
+    return kit.Evidence(
         tables={"machine": table},
-        observed={},
-        tolerances=(),
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(note,) if absent else (),
     )
 

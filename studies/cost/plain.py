@@ -7,15 +7,22 @@ from collections.abc import Callable
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.network import Network, internal_force
-from msvalidate.problem import Array
+from msvalidate import kit
+from msvalidate.network import internal_force
 
-Force = Callable[[Array], Array]
+Force = Callable[[kit.Array], kit.Array]
 """Force (n, d) in N of all springs at displacements (n, d) in m."""
 
 
 def advance(
-    net: Network, force: Force, u: Array, v: Array, keep: Array, push: Array, dt: float, steps: int
+    net: kit.Network,
+    force: Force,
+    u: kit.Array,
+    v: kit.Array,
+    keep: kit.Array,
+    push: kit.Array,
+    dt: float,
+    steps: int,
 ) -> None:
     """Steps v = keep·v + push·F/m, u += dt·v in place, what is held stays: as `kernels`."""
     kick = np.where(net.held, 0.0, (push / net.mass)[:, None])
@@ -25,18 +32,18 @@ def advance(
         u += dt * v
 
 
-def whole(net: Network) -> Force:
+def whole(net: kit.Network) -> Force:
     """The package's plain form, of springs and cells."""
     return lambda u: internal_force(net, net.points + u)
 
 
-def by_bincount(net: Network) -> Force:
+def by_bincount(net: kit.Network) -> Force:
     """Springs alone, sums over points by `bincount`, a component at a time."""
     i, j = (np.ascontiguousarray(end) for end in net.springs.T)
     vector = np.ascontiguousarray(net.vector.T)
     both, count = np.concatenate([i, j]), len(net.points)
 
-    def force(u: Array) -> Array:
+    def force(u: kit.Array) -> kit.Array:
         now = [x + (c[j] - c[i]) for x, c in zip(vector, u.T.copy(), strict=True)]
         length = np.sqrt(sum(x * x for x in now))
         pull = net.stiffness - net.stiffness * net.rest_length / length
@@ -49,7 +56,7 @@ def by_bincount(net: Network) -> Force:
     return force
 
 
-def by_sparse(net: Network) -> Force:
+def by_sparse(net: kit.Network) -> Force:
     """Springs alone, differences and sums by the matrix of which springs meet which points."""
     m, n = len(net.springs), len(net.points)
     rows = np.repeat(np.arange(m), 2)
@@ -57,7 +64,7 @@ def by_sparse(net: Network) -> Force:
     apart = csr_array((ends, (rows, net.springs.ravel())), shape=(m, n))
     gather = csr_array(apart.T)
 
-    def force(u: Array) -> Array:
+    def force(u: kit.Array) -> kit.Array:
         now = net.vector + apart @ u
         length = np.sqrt((now * now).sum(axis=1))
         pull = net.stiffness - net.stiffness * net.rest_length / length

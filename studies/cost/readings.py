@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Tables
+from msvalidate import kit
 
-from .start_up import UNMEASURED
 from .timing import ABSENT, SINGLE, ratios
 
 
@@ -27,7 +26,9 @@ SMALL_FORM = "its size is left to the full form"
 NO_PEER = "the peer is not installed"
 
 
-def chosen(tables: Tables, name: str, near: Mapping[str, int], **wanted: object) -> pd.DataFrame:
+def chosen(
+    tables: kit.Tables, name: str, near: Mapping[str, int], **wanted: object
+) -> pd.DataFrame:
     """Rows of a table that match, in columns of sizes to a tenth."""
     table = tables[name]
     for column, size in near.items():
@@ -47,26 +48,26 @@ def compared(
     return NO_PEER if (table[value] == ABSENT).any() else SMALL_FORM
 
 
-def ours_over(way: str, peer: str, nodes: int, tables: Tables) -> Measured:
+def ours_over(way: str, peer: str, nodes: int, tables: kit.Tables) -> Measured:
     """Nanoseconds of a peer over those of a way of ours."""
     table = chosen(tables, "kernel_rounds", {"nodes": nodes}, network="lattice")
     return compared(table, "ns_here", {"way": peer}, {"way": way})
 
 
-def network_over(name: str, nodes: int, tables: Tables) -> Measured:
+def network_over(name: str, nodes: int, tables: kit.Tables) -> Measured:
     """Time a spring of a network over that of the lattice, both on the general path."""
     table = chosen(tables, "kernel_rounds", {"nodes": nodes}, way="general")
     return compared(table, "ns_here", {"network": name}, {"network": "lattice"})
 
 
-def speed_up(nodes: int, tables: Tables) -> Measured:
+def speed_up(nodes: int, tables: kit.Tables) -> Measured:
     """Wall time of one thread over that of two."""
     table = chosen(tables, "kernel_rounds", {"nodes": nodes}, network="lattice")
     one, two = {"way": "general"}, {"way": "general, 2 threads"}
     return compared(table, "wall_ns_here", one, two)
 
 
-def share(nodes: int, tables: Tables) -> Measured:
+def share(nodes: int, tables: kit.Tables) -> Measured:
     """Share of the memory's bandwidth by counted bytes, where each step is a pass over memory."""
     limits, rounds = (
         chosen(tables, name, {"nodes": nodes}, network="lattice", way=SINGLE)
@@ -80,14 +81,14 @@ def share(nodes: int, tables: Tables) -> Measured:
 
 
 def elements(
-    axes: int, unknowns: int, task: str, over: str, under: str, tables: Tables
+    axes: int, unknowns: int, task: str, over: str, under: str, tables: kit.Tables
 ) -> Measured:
     """Seconds of one program over another's."""
     table = chosen(tables, "fem_rounds", {"unknowns": unknowns}, axes=axes, task=task)
     return compared(table, "cpu_seconds", {"program": over}, {"program": under})
 
 
-def newton_over_elements(nodes: int, tables: Tables) -> Measured:
+def newton_over_elements(nodes: int, tables: kit.Tables) -> Measured:
     """Newton's method with multigrid at 1 % strain over a linear solution by elements."""
     table = chosen(tables, "large", {"nodes": nodes})
     if table.empty:
@@ -97,7 +98,7 @@ def newton_over_elements(nodes: int, tables: Tables) -> Measured:
     return Reading([float(row[name]) for name in names], int(row["rounds"]))
 
 
-def newton_growth(tables: Tables) -> Measured:
+def newton_growth(tables: kit.Tables) -> Measured:
     """Exponent of its seconds between the smallest and the largest plate."""
     table = tables["large"]
     first, last = table.iloc[0], table.iloc[-1]
@@ -107,7 +108,7 @@ def newton_growth(tables: Tables) -> Measured:
     return Reading([gain / math.log(last["nodes"] / first["nodes"])], int(last["rounds"]))
 
 
-def seconds_at_rest(shape: str, points: int, tables: Tables) -> Measured:
+def seconds_at_rest(shape: str, points: int, tables: kit.Tables) -> Measured:
     """Seconds of an equilibrium of springs."""
     table = chosen(tables, "equilibria", {"points": points}, shape=shape)
     if table.empty:
@@ -115,7 +116,7 @@ def seconds_at_rest(shape: str, points: int, tables: Tables) -> Measured:
     return Reading([float(table["cpu_seconds"].iloc[0])], int(table["rounds"].iloc[0]))
 
 
-def growth_at_rest(shape: str, points: int, tables: Tables) -> Measured:
+def growth_at_rest(shape: str, points: int, tables: kit.Tables) -> Measured:
     """Exponent of these seconds, where the largest body has so many points."""
     if chosen(tables, "equilibria", {"points": points}, shape=shape).empty:
         return SMALL_FORM
@@ -123,24 +124,7 @@ def growth_at_rest(shape: str, points: int, tables: Tables) -> Measured:
     return Reading([float(grown["exponent_here"].iloc[0])], 1)
 
 
-def over_peer(peer: str, points: int, tables: Tables) -> Measured:
-    """Seconds of an equilibrium of a cube over those of another program."""
-    table = chosen(tables, "equilibrium_rounds", {"points": points}, shape="cube")
-    if peer not in set(table["by"]):
-        return SMALL_FORM
-    return compared(table, "cpu_seconds", {"by": "ours"}, {"by": peer})
-
-
-def from_peer(peer: str, points: int, tables: Tables) -> Measured:
-    """Distance of another program's answer on a cube from ours."""
-    table = chosen(tables, "equilibrium_agreement", {"points": points}, shape="cube", by=peer)
-    if table.empty:
-        return SMALL_FORM
-    value = table["from_ours_here"].iloc[0]
-    return NO_PEER if value == ABSENT else Reading([float(value)], 1)
-
-
-def beside_steps(nodes: int, tables: Tables) -> Measured:
+def beside_steps(nodes: int, tables: kit.Tables) -> Measured:
     """Seconds over steps times the kernel's, of the explicit method that is fastest."""
     tight = tables["relaxation"]["threshold"].min()
     table = chosen(tables, "relaxation", {"nodes": nodes}, threshold=tight)
@@ -153,15 +137,7 @@ def beside_steps(nodes: int, tables: Tables) -> Measured:
     return Reading([float(best[name] / best["kernel_seconds"]) for name in names], rounds)
 
 
-def largest(name: str, column: str, tables: Tables) -> Measured:
+def largest(name: str, column: str, tables: kit.Tables) -> Measured:
     """Largest number of a column of a table."""
     values = pd.to_numeric(tables[name][column], errors="coerce")
     return Reading([float(values.max())], 1) if values.notna().any() else SMALL_FORM
-
-
-def started(what: str, tables: Tables) -> Measured:
-    """Rounds of the table of start-up."""
-    table = tables["start_up"]
-    rows = table[(table["what"] == what) & (table["value_here"] != UNMEASURED)]
-    values = [float(value) for value in rows["value_here"]]
-    return Reading(values, len(values)) if values else SMALL_FORM

@@ -24,15 +24,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import farthest_value, fitted_power
+from msvalidate import kit
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
-from . import drawing, kernel, resting
-from .timing import GROWTH, ROUNDS, SECONDS
+from . import drawing, resting
+from .timing import GROWTH, ROUNDS
 
 NODES = (1_000, 3_000, 10_000, 30_000, 100_000)
 QUICK_NODES = (200, 600, 2_000)
@@ -46,47 +44,9 @@ NEWTON = ("newton", "newton_multigrid")
 REPRODUCED = (*VISCOUS, "newton")
 """Methods whose counts do not hang on the last digits."""
 VARIES = "varies"
-TOLERANCES = (
-    Tolerance("runs that did not reach an error", 0, "1", "every method comes to rest here"),
-    Tolerance(
-        "exponent of viscous steps in nodes, worst", 0.05, "1",
-        "1/2 + O(1/cells): the clamped edge and a look every per cent cost a few per cent of the "
-        "steps on the coarsest plate",
-    ),
-    Tolerance(
-        "exponent of the steps of kinetic damping in nodes, worst", 0.1, "1",
-        "1/2 as above; restarts come in whole numbers, about ten to an error of 1e-3, so that one "
-        "more or less on a decade of nodes is 0.04",
-    ),
-    Tolerance(
-        "steps of viscous leapfrog to 1e-6 over the prediction, worst", 0.05, "1",
-        "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
-        "is taken every per cent of the way",
-    ),
-    Tolerance(
-        "iterations of Newton's methods to 1e-6, most less fewest over sizes, worst", 1, "1",
-        "shears of 1e-3 leave an error of that size after the first iteration, of its square after "
-        "the second: near 1e-6, so that one size may need one more",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **kernel.COLUMNS,
-    **GROWTH,
-    **SECONDS,
-    "method": "relaxation of the network",
-    "threshold": "error that is asked for, over the largest displacement (1)",
-    "outcome": "whether the error was reached",
-    "steps_here": "time steps or iterations until the error is met",
-    "evaluations_here": "force evaluations until then; of multigrid, cycles",
-    "predicted_steps": "of the slowest mode alone, critically damped",
-    "kernel_seconds": "steps times the kernel's own time for one, in the same rounds; 0 where a "
-    "method's steps are not the kernel's (s)",
-    "rounds": "times that each was timed, in turn",
-    "quantity": "what grows with the nodes: steps, cycles of multigrid, or seconds",
-}
 
 
-def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
+def run(candidate: Mapping[str, Method], setting: kit.Setting) -> kit.Evidence:
     """Count steps to each threshold, time them, and fit their growth."""
     sizes = QUICK_NODES if setting.quick else NODES
     cases = [
@@ -99,12 +59,11 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     counted = setting.one_by_one(partial(measure, rounds), cases, "steps and seconds to rest")
     table = pd.DataFrame([row for rows in counted for row in rows])
     grown = growth(table)
-    return Evidence(
+    return kit.Evidence(
         tables={"relaxation": format_table(table), "relaxation_growth": grown},
-        observed=by_quantity(TOLERANCES, judge(table, grown)),
-        tolerances=TOLERANCES,
+        tolerances=judge(table, grown),
         figures={"relaxation": drawing.relaxation},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, grown),
     )
 
@@ -151,34 +110,58 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         if method == "newton_multigrid":
             grows["cycles"] = part["evaluations_here"]
         for quantity, values in grows.items():
-            fitted = dict(zip(GROWTH, fitted_power(part["nodes"], values), strict=True))
+            fitted = dict(zip(GROWTH, kit.fitted_power(part["nodes"], values), strict=True))
             rows.append({"method": method, "threshold": threshold, "quantity": quantity} | fitted)
     return pd.DataFrame(rows)
 
 
-def judge(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
+def judge(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
     """What the tolerances judge, in their order."""
     tight = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
     leapfrog = tight[tight["method"] == "viscous_leapfrog"]
     newton = tight[tight["method"].isin(NEWTON)].groupby("method")["steps_here"]
     spread = (newton.max() - newton.min()).max()
     exponents = grown.set_index(["quantity", "method"])["exponent_here"]
-    return [
-        Observed(int((table["outcome"] == "failed").sum())),
-        _worst(exponents, "steps", VISCOUS, 0.5),
-        _worst(exponents, "steps", ("kinetic_damping",), 0.5),
-        farthest_value(leapfrog["steps_here"] / leapfrog["predicted_steps"], 1.0)
-        if len(leapfrog)
-        else Observed(math.nan, 1.0),
-        Observed(float(spread)),
-    ]
+    return (
+        kit.Tolerance(
+            "runs that did not reach an error", 0, "1", "every method comes to rest here",
+            observed=kit.Observed(int((table["outcome"] == "failed").sum())),
+        ),
+        kit.Tolerance(
+            "exponent of viscous steps in nodes, worst", 0.05, "1",
+            "1/2 + O(1/cells): the clamped edge and a look every per cent cost a few per cent of "
+            "the steps on the coarsest plate",
+            observed=_worst(exponents, "steps", VISCOUS, 0.5),
+        ),
+        kit.Tolerance(
+            "exponent of the steps of kinetic damping in nodes, worst", 0.1, "1",
+            "1/2 as above; restarts come in whole numbers, about ten to an error of 1e-3, so that "
+            "one more or less on a decade of nodes is 0.04",
+            observed=_worst(exponents, "steps", ("kinetic_damping",), 0.5),
+        ),
+        kit.Tolerance(
+            "steps of viscous leapfrog to 1e-6 over the prediction, worst", 0.05, "1",
+            "the prediction is of the slowest mode alone, as if it were the whole displacement; a "
+            "look is taken every per cent of the way",
+            observed=kit.farthest_value(leapfrog["steps_here"] / leapfrog["predicted_steps"],
+            1.0) if len(leapfrog) else kit.Observed(math.nan, 1.0),
+        ),
+        kit.Tolerance(
+            "iterations of Newton's methods to 1e-6, most less fewest over sizes, worst", 1, "1",
+            "shears of 1e-3 leave an error of that size after the first iteration, of its square "
+            "after the second: near 1e-6, so that one size may need one more",
+            observed=kit.Observed(float(spread)),
+        ),
+    )  # fmt: skip
 
 
-def _worst(exponents: pd.Series, quantity: str, methods: tuple[str, ...], law: float) -> Observed:
+def _worst(
+    exponents: pd.Series, quantity: str, methods: tuple[str, ...], law: float
+) -> kit.Observed:
     """The exponent farthest from its law; NaN, which fails, where too few runs came to rest."""
     known = [exponents.get((quantity, method)) for method in methods]
     values = [float(v) for found in known for v in ([np.nan] if found is None else found)]
-    return farthest_value(values, law)
+    return kit.farthest_value(values, law)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:

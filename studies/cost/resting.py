@@ -6,12 +6,10 @@ from functools import cache, partial
 
 import numpy as np
 
-from msvalidate import kernels
+from msvalidate import kernels, kit
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.judging import counting
-from msvalidate.network import Network
-from msvalidate.problem import Array
 from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relax import relax
 from msvalidate.statics.equilibrium import equilibrium
@@ -26,13 +24,13 @@ STEPPED = ("viscous_leapfrog", "algorithm1", "kinetic_damping")
 TIMED = ("cpu_seconds", "least_cpu_seconds", "most_cpu_seconds", "kernel_seconds", "rounds")
 
 
-def plate(nodes: int) -> Network:
+def plate(nodes: int) -> kit.Network:
     """The network of about so many nodes."""
     return bodies.network("lattice", nodes)
 
 
 @cache
-def rest(nodes: int) -> Array:
+def rest(nodes: int) -> kit.Array:
     """Its own equilibrium (n, d) in m, by Newton's method with a direct solver."""
     return equilibrium(plate(nodes), "nonlinear").displacement
 

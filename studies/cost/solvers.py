@@ -22,20 +22,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import Configuration, Network, spring_network
-from msvalidate.problem import Index
+from msvalidate import kit
+from msvalidate.network import Configuration, spring_network
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import Cycles
 from msvalidate.tangent.inverse import Solver
 
-from . import bodies, drawing, kernel, large, refinement, relaxation, solver_peers
-from .timing import GROWTH, QUICK_ROUNDS, SECONDS, Act, Lap, in_turn, lap
+from . import bodies, drawing, large
+from .timing import GROWTH, QUICK_ROUNDS, Act, Lap, in_turn, lap
 
-Rest = solver_peers.Rest
-BODIES: dict[str, Callable[[int], Network]] = {
+Rest = Callable[[kit.Network, str], Equilibrium]
+BODIES: dict[str, Callable[[int], kit.Network]] = {
     "plate": bodies.lattice,
     "cube": bodies.cube,
     "cube, core stiffer by 1e6": partial(bodies.with_core, times=1e6),
@@ -57,51 +54,6 @@ FACTORED = {2: 150_000, 3: 15_000}
 """Points up to which a factor is asked for where multigrid was chosen: ten seconds or so."""
 REPEATED = 12_000
 """Points beyond which an equilibrium is timed once, without an untimed turn before."""
-TOLERANCES = (
-    Tolerance(
-        "exponent of multigrid's steps in points, plates and cubes, worst", 0.15, "1",
-        "0: a W-cycle takes as much off at any size; a step or two more on ten for each decade",
-    ),
-    Tolerance(
-        "difference of two answers over the sum of their stated errors, worst", 1.0, "1",
-        "each says how far it may be off, at the most",
-    ),
-    Tolerance(
-        "stated error, worst", 1e-12, "1",
-        "refined until doubles have no more digits, 1e-16; of a bar the rounding of springs' "
-        "vectors counts by the square of its slenderness, 1e4",
-    ),
-    Tolerance(
-        "corrections of multigrid, most", 1.0, "1",
-        "2: a solution and each correction leave 1e-5 of what was there, the third time 1e-15; "
-        "one more where that is not yet below rounding",
-    ),
-    Tolerance(
-        "exponent of multigrid's bytes in springs, cubes", 0.1, "1",
-        "1: blocks of the tangent and of coarse levels, some part of these; the coarse ones lack "
-        "neighbours at the surface, a few hundredths a decade. Of a factor's entries it is 4/3",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **kernel.COLUMNS,
-    **GROWTH,
-    **SECONDS,
-    "shape": solver_peers.COLUMNS["shape"],
-    "points": refinement.COLUMNS["points"],
-    "solver": "that was chosen",
-    "corrections_here": refinement.COLUMNS["corrections_here"],
-    "steps_of_multigrid_here": "of conjugate gradients by multigrid, a cycle each, in its first "
-    "solve",
-    "beside": "what answers as well: the other solver, or multigrid on points in another order",
-    "beside_cpu_seconds": "its time in the same rounds (s)",
-    "rounds": large.COLUMNS["rounds"],
-    "stated_here": "largest error of the displacement that is stated, over the largest one (1)",
-    "beside_stated_here": "the same of what answers as well (1)",
-    "from_beside_here": "largest distance of the two displacements over the largest one (1)",
-    "quantity": relaxation.COLUMNS["quantity"],
-    "most_bytes": "most that NumPy holds during an equilibrium by multigrid (bytes)",
-    "most_a_spring_bytes": "the same over the springs (bytes)",
-}
 
 
 class Beside(NamedTuple):
@@ -109,10 +61,10 @@ class Beside(NamedTuple):
 
     name: str
     act: Callable[[], Equilibrium]
-    order: Index
+    order: kit.Index
 
 
-def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Evidence:
+def run(rest: Rest, steps: Callable[[kit.Network], int], setting: kit.Setting) -> kit.Evidence:
     """Solve each body twice, count steps, and weigh what multigrid holds."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     rounds = 1 if setting.quick else QUICK_ROUNDS
@@ -123,18 +75,17 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
         [held_at_most(rest, nodes) for nodes in (QUICK_WEIGHED if setting.quick else WEIGHED)]
     )
     grown = growth(table)
-    return Evidence(
+    return kit.Evidence(
         tables={"equilibria": table, "equilibria_growth": grown, "equilibria_memory": weighed},
-        observed=judge(table, grown, weighed),
-        tolerances=TOLERANCES,
+        tolerances=judge(table, grown, weighed),
         figures={"equilibria": drawing.equilibria},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, grown),
     )
 
 
 def measure(
-    rest: Rest, steps: Callable[[Network], int], rounds: int, case: tuple[str, int]
+    rest: Rest, steps: Callable[[kit.Network], int], rounds: int, case: tuple[str, int]
 ) -> dict[str, Any]:
     """Row of one body: its equilibrium as chosen, and what answers as well."""
     body, nodes = case
@@ -171,7 +122,7 @@ def solve_with(act: Callable[[], Equilibrium]) -> tuple[Equilibrium, Lap]:
     return found[0], taken
 
 
-def other(rest: Rest, net: Network, found: Equilibrium) -> Beside:
+def other(rest: Rest, net: kit.Network, found: Equilibrium) -> Beside:
     """The other solver, or, where a factor is dear, multigrid on the points in random order."""
     n, dim = net.points.shape
     if by(found) == "direct":
@@ -183,7 +134,7 @@ def other(rest: Rest, net: Network, found: Equilibrium) -> Beside:
     return Beside("multigrid, in random order", partial(rest, shuffled, "multigrid"), order)
 
 
-def renumber(net: Network, order: Index) -> Network:
+def renumber(net: kit.Network, order: kit.Index) -> kit.Network:
     """A network of springs alone with its points (n,) in another order, its springs in another."""
     place = np.argsort(order, kind="stable")
     turn = np.random.default_rng(1).permutation(len(net.springs))
@@ -221,26 +172,52 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     for body in GROWING:
         part = table[table["shape"] == body]
         for quantity, column in (("steps", "steps_of_multigrid_here"), ("seconds", "cpu_seconds")):
-            fit = fitted_power(part["points"], part[column].astype(float))
+            fit = kit.fitted_power(part["points"], part[column].astype(float))
             row = {"shape": body, "quantity": quantity}
             rows.append(row | dict(zip(GROWTH, fit, strict=True)))
     return pd.DataFrame(rows)
 
 
-def judge(table: pd.DataFrame, grown: pd.DataFrame, weighed: pd.DataFrame) -> dict[str, Observed]:
+def judge(
+    table: pd.DataFrame, grown: pd.DataFrame, weighed: pd.DataFrame
+) -> tuple[kit.Tolerance, ...]:
     """What is held to the tolerances; the worst of each."""
     steps = grown.loc[grown["quantity"] == "steps", "exponent_here"]
     both = table["stated_here"] + table["beside_stated_here"]
     most = table.loc[table["solver"] == "multigrid", "corrections_here"]
     stated = table[["stated_here", "beside_stated_here"]].to_numpy().max()
-    values = (
-        Observed(float(steps.abs().max())),
-        Observed(float((table["from_beside_here"] / both).max(skipna=False))),
-        Observed(float(stated)),
-        Observed(float(most.max()), 2.0),
-        Observed(fitted_power(weighed["springs"], weighed["most_bytes"]).exponent, 1.0),
-    )
-    return by_quantity(TOLERANCES, values)
+    return (
+        kit.Tolerance(
+            "exponent of multigrid's steps in points, plates and cubes, worst", 0.15, "1",
+            "0: a W-cycle takes as much off at any size; a step or two more on ten for each decade",
+            observed=kit.Observed(float(steps.abs().max())),
+        ),
+        kit.Tolerance(
+            "difference of two answers over the sum of their stated errors, worst", 1.0, "1",
+            "each says how far it may be off, at the most",
+            observed=kit.Observed(float((table["from_beside_here"] / both).max(skipna=False))),
+        ),
+        kit.Tolerance(
+            "stated error, worst", 1e-12, "1",
+            "refined until doubles have no more digits, 1e-16; of a bar the rounding of springs' "
+            "vectors counts by the square of its slenderness, 1e4",
+            observed=kit.Observed(float(stated)),
+        ),
+        kit.Tolerance(
+            "corrections of multigrid, most", 1.0, "1",
+            "2: a solution and each correction leave 1e-5 of what was there, the third time 1e-15; "
+            "one more where that is not yet below rounding",
+            observed=kit.Observed(float(most.max()), 2.0),
+        ),
+        kit.Tolerance(
+            "exponent of multigrid's bytes in springs, cubes", 0.1, "1",
+            "1: blocks of the tangent and of coarse levels, some part of these; the coarse ones "
+            "lack neighbours at the surface, a few hundredths a decade. Of a factor's entries it "
+            "is 4/3",
+            observed=kit.Observed(kit.fitted_power(weighed["springs"],
+            weighed["most_bytes"]).exponent, 1.0),
+        ),
+    )  # fmt: skip
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
@@ -256,12 +233,12 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     return tuple(said)
 
 
-def solve_refined(network: Network, solver: str) -> Equilibrium:
+def solve_refined(network: kit.Network, solver: str) -> Equilibrium:
     """The linear equilibrium by a solver."""
     return equilibrium(network, solver=solver)
 
 
-def steps(network: Network) -> int:
+def steps(network: kit.Network) -> int:
     """Steps of multigrid that the network's own load takes."""
     found = Solver(network, "multigrid").regular(Configuration(network)).inverse
     found.solve(network.force[~network.held])

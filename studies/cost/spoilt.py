@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate import kernels
+from msvalidate import kernels, kit
 from msvalidate.dynamics.integrators import LEAPFROG
 from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.network import Configuration, Network
-from msvalidate.problem import Array
+from msvalidate.network import Configuration
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import Run
 from msvalidate.relaxation.viscous import viscous
@@ -32,7 +31,7 @@ SLOPPY = 1e-3
 MOST_STEPS = 5_000
 
 
-def drop_spring(net: Network, **how: Any) -> kernels.Motion:
+def drop_spring(net: kit.Network, **how: Any) -> kernels.Motion:
     """Motion of the network without its last spring, which then is no uniform lattice."""
     kept = np.ones(len(net.springs))
     kept[-1] = 0.0
@@ -42,7 +41,7 @@ def drop_spring(net: Network, **how: Any) -> kernels.Motion:
 class Blind(kernels.Motion):
     """Motion that makes numbers of what is none, and brings back what is far away."""
 
-    def advance(self, displacement: Array, *state: Any, **how: Any) -> tuple[int, float, bool]:
+    def advance(self, displacement: kit.Array, *state: Any, **how: Any) -> tuple[int, float, bool]:
         """As `kernels.Motion` has it, but for that."""
         done, energy, fell = super().advance(displacement, *state, **how)
         seen = np.nan_to_num(displacement, copy=False)
@@ -64,14 +63,14 @@ def _ever_shorter(run: Run) -> Iterator[None]:
     yield from viscous(LEAPFROG, dt=dt, damping=2 * lowest).walk(run)
 
 
-def round_positions(body: Any, K: Any, held: Any, force: Array) -> Found:
+def round_positions(body: Any, K: Any, held: Any, force: kit.Array) -> Found:
     """A solution kept in single precision."""
     found = fem_ways.by("auto", body, K, held, force)
     single = np.asarray(found.displacement, dtype=np.float32).astype(float)
     return found._replace(displacement=single)
 
 
-def careless_steps(net: Network, solver: str) -> Equilibrium:
+def careless_steps(net: kit.Network, solver: str) -> Equilibrium:
     """By multigrid a thousandth off, and stated to be right to the last digit."""
     if solver == "direct":
         return equilibrium(net, solver=solver)
@@ -82,7 +81,7 @@ def careless_steps(net: Network, solver: str) -> Equilibrium:
     return Equilibrium(u, net.points + u, np.zeros_like(u), 0.0, 3, error=1e-16, solver=said)
 
 
-def without_levels(net: Network) -> int:
+def without_levels(net: kit.Network) -> int:
     """Steps of conjugate gradients over the diagonal, without coarse levels."""
     A = restrained_tangent(Configuration(net))
     over = 1 / A.diagonal()

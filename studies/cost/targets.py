@@ -20,44 +20,30 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Tables
-from msvalidate.judging.sweep import Setting
+from msvalidate import kit
 
-from . import start_up, target_list
-from .start_up import UNMEASURED
+from . import target_list
 from .target_list import Target
 
-FROM = ("agreement", "kernel", "limits", "fem", "relaxation", "solvers", "solver_peers", "large")
+UNMEASURED = "not measured"
+FROM = ("agreement", "kernel", "limits", "fem", "relaxation", "solvers", "large")
 """Questions whose tables are looked at."""
-COLUMNS = {
-    "target": "what is measured",
-    "wanted": "what was aimed at",
-    "direction": "at least or at most",
-    "measured_here": 'median of the rounds, in the unit of the target, or "not measured"',
-    "least_here": 'least of the rounds, or "not measured"',
-    "most_here": 'most of the rounds, or "not measured"',
-    "rounds_here": "rounds that these are of",
-    "met_here": "yes, no, or why it was not measured",
-}
 
 
-def run(asked: Mapping[str, Callable[[], Evidence]], setting: Setting) -> Evidence:
+def run(asked: Mapping[str, Callable[[], kit.Evidence]], setting: kit.Setting) -> kit.Evidence:
     """Hold what the other questions measured beside the targets."""
     tables: dict[str, pd.DataFrame] = {}
     for answer in asked.values():
         tables |= answer().tables
-    tables |= {"start_up": start_up.measure(setting)}
     table = pd.DataFrame([row(target, tables) for target in target_list.TARGETS])
     met = table["met_here"]
     missed = "; ".join(
         f"{r.target}: {r.measured_here:.3g}, wanted {r.direction} {r.wanted:g}"
         for r in table[met == "no"].itertuples(index=False)
     )
-    return Evidence(
-        tables={"targets": table, "start_up": tables["start_up"]},
-        observed={},
-        tolerances=(),
-        columns=COLUMNS | start_up.COLUMNS,
+    return kit.Evidence(
+        tables={"targets": table},
+        columns=kit.columns(__file__),
         findings=(
             f"Of {len(table)} targets this machine met {int((met == 'yes').sum())} and missed "
             f"{int((met == 'no').sum())}; {int(met.str.startswith(UNMEASURED).sum())} were not "
@@ -66,7 +52,7 @@ def run(asked: Mapping[str, Callable[[], Evidence]], setting: Setting) -> Eviden
     )
 
 
-def row(target: Target, tables: Tables) -> dict[str, Any]:
+def row(target: Target, tables: kit.Tables) -> dict[str, Any]:
     """One row: the target beside what was measured."""
     head = {"target": target.words, "direction": target.direction, "wanted": target.wanted}
     found = target.measure(tables)

@@ -9,7 +9,6 @@ a file:
 - `advice`: what too much and too little viscosity cost;
 - `decay`: whether the velocity falls exponentially, and at which rate;
 - `direction`: when points move in the false direction;
-- `cycles`: whether the energy falls;
 - `wave`: how fast the strain wave runs, and what the held edge returns;
 - `controls`: faulty motions, and the smallest fault that this study notices.
 
@@ -22,11 +21,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import check_motion
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
-from . import advice, controls, cycles, decay, direction, figure2, rest, stop_rule, wave
+from . import advice, controls, decay, direction, figure2, rest, stop_rule, wave
 from .bodies import MOTION, MotionSolver
 
 ASKED = {
@@ -36,7 +33,6 @@ ASKED = {
     "advice": advice.run,
     "decay": decay.run,
     "direction": direction.run,
-    "cycles": cycles.run,
     "wave": wave.run,
 }
 """Question -> who answers it for a candidate."""
@@ -57,10 +53,10 @@ notices is enough, so the rest is left out. (A force a whole step late diverges.
 
 def run(
     candidate: MotionSolver = MOTION,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = check_motion(candidate)
+    candidate = kit.check_motion(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return gather_evidence(asked | {"controls": controls.run}, questions)
+    return kit.gather_evidence(asked | {"controls": controls.run}, questions)

@@ -17,11 +17,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.damping import decay
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 
 from . import bodies, rest
 from .bodies import MotionSolver
@@ -31,27 +28,31 @@ GUESSED = (1 / 10, 1 / 3, 1.0, 3.0, 10.0)
 """Of the critical damping."""
 ERROR = 1e-6
 WRONG = (1 / 3, 3.0)
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "price of a wrong damping over the predicted, logarithm to base 2", 0.3, "1",
         "steps to rest are within a fifth of those of the slowest mode alone, with either damping",
+        table="advice", value=lambda rows: np.log2(rows["price"] / rows["price_predicted"]),
     ),
-    Tolerance(
+    kit.Rule(
         "bodies on which a third of the damping costs more than three times it", 0.0, "1",
         "the slowest mode's rates are ω/3 and ω/5.8, and the critical run's own factor 1 + ωt is "
         "common to both",
+        table="advice", value=lambda rows: _dearer(*_prices(rows)),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "price": "steps over those at critical damping, which are not the fewest (1)",
-    "price_predicted": "the same by the slowest mode alone, with the same time steps (1)",
-    "rate_price": "ω over the slower mode's rate of decay: the price where no step shrinks and the "
-    "error vanishes (1)",
-}
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def _dearer(under: pd.Series[float], over: pd.Series[float]) -> int:
+    return int((under > over).sum())
+
+
+def _prices(table: pd.DataFrame) -> list[pd.Series[float]]:
+    """Prices by body of a third of the damping, and of three times it."""
+    return [table[table["c_over_critical"] == guess].set_index("body")["price"] for guess in WRONG]
+
+
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Prices of wrong dampings."""
     found = setting.sweep(partial(price_guess, candidate), BODIES, "price of a guess")
     table = pd.DataFrame([row for rows in found for row in rows])
@@ -59,20 +60,12 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
         right = table[table["c_over_critical"] == 1].set_index("body")[steps]
         table[column] = table[steps] / table["body"].map(right)
     table = table.drop(columns="steps_slowest")
-    under, over = (
-        table[table["c_over_critical"] == guess].set_index("body")["price"] for guess in WRONG
-    )
-    values = (
-        farthest_value(np.log2(table["price"] / table["price_predicted"]), 0.0),
-        Observed(float((under > over).sum())),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"advice": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"advice": draw},
-        columns=COLUMNS,
-        findings=(finding(under, over),),
+        columns=kit.columns(__file__),
+        findings=(finding(*_prices(table)),),
     )
 
 
@@ -113,11 +106,11 @@ def finding(under: pd.Series, over: pd.Series) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Price of a wrong damping."""
-    figure, (axis,) = figures.new_figure(size=(4.2, 3.6))
+    figure, (axis,) = kit.figures.new_figure(size=(4.2, 3.6))
     for place, (name, own) in enumerate(tables["advice"].groupby("body", sort=False)):
-        style, c = figures.series_style(place), own["c_over_critical"]
+        style, c = kit.figures.series_style(place), own["c_over_critical"]
         axis.loglog(c, own["price"], ls="", label=f"{name} cells", **style)
         axis.loglog(c, own["price_predicted"], color=style["color"], lw=0.9)
     axis.plot([], [], color="black", lw=0.9, label="slowest mode alone")

@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eigh
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.dynamics.integrators import EULER_CROMER
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.lattice import square
-from msvalidate.network import Network, tangent
-from msvalidate.problem import Anisotropic, Array, Box, Problem, Support, Traction
+from msvalidate.network import tangent
 from msvalidate.statics.equilibrium import equilibrium
 
-MotionSolver = Callable[[Network, State, float, int, Any], State]
+MotionSolver = Callable[[kit.Network, State, float, int, Any], State]
 """A candidate: state after so many steps of dt (s) with a damping (1/s)."""
 MOTION = partial(euler_cromer, warn=False)
 """The compiled Euler-Cromer. Steps beyond its limit are asked for on purpose here."""
@@ -34,17 +34,6 @@ LOAD = 1e-6
 parts in a million, and rounding is a part in 1e9."""
 SAFETY = 0.9
 """Part of Euler-Cromer's limit, at the damping in question, that a step takes."""
-COLUMNS = {
-    "body": "which body, how it is loaded, and cells along and across",
-    "omega_rad_s": "frequency of the lowest mode that the load excites (rad/s)",
-    "c_over_critical": "damping over 2ω of the lowest mode that is excited, or "
-    '"free" where none is (1)',
-    "dt_s": "time step (s)",
-    "dt_omega": "time step times the frequency of that mode (1)",
-    "steps": "time steps taken",
-    "time_s": "simulated time (s)",
-}
-"""What columns of several tables mean."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +55,10 @@ class Body:
     """
 
     name: str
-    network: Network
-    rest: Array
-    frequencies: Array
-    shapes: Array
+    network: kit.Network
+    rest: kit.Array
+    frequencies: kit.Array
+    shapes: kit.Array
 
     @property
     def start(self) -> State:
@@ -77,15 +66,15 @@ class Body:
         return State(self.network.points, np.zeros_like(self.network.points))
 
     @property
-    def unloaded(self) -> Network:
+    def unloaded(self) -> kit.Network:
         """The network without its load."""
         return replace(self.network, force=np.zeros_like(self.network.force))
 
-    def amplitudes(self, field: Array) -> Array:
+    def amplitudes(self, field: kit.Array) -> kit.Array:
         """Modal amplitudes (m,) of a displacement or velocity (n, d), in its unit times √kg."""
         return np.asarray(self.shapes @ (self.network.mass[:, None] * field).ravel())
 
-    def norm(self, field: Array) -> float:
+    def norm(self, field: kit.Array) -> float:
         """√Σ m|u|² of a displacement or velocity (n, d): the amplitudes' length."""
         return float(np.sqrt(self.network.mass @ (field**2).sum(axis=1)))
 
@@ -107,7 +96,7 @@ class Body:
         return self.norm(self.rest)
 
     @cached_property
-    def shares(self) -> Array:
+    def shares(self) -> kit.Array:
         """Amplitudes (m,) of the modes in the way to rest, over its size."""
         return np.abs(self.amplitudes(self.rest)) / self.size
 
@@ -143,15 +132,15 @@ def loaded(
         Whether all springs and all masses count alike, as in the report; else by their cells.
     """
     weights = "equal" if equal else "shared"
-    box = Box((cells[0] / cells[1], 1.0))
+    box = kit.Box((cells[0] / cells[1], 1.0))
     grid = square(box, cells)
-    material = Anisotropic(interior_tensor(grid, constants, weights), density=DENSITY)
-    wall = Support(box.side("left"), (0.0, 0.0))
+    material = kit.Anisotropic(interior_tensor(grid, constants, weights), density=DENSITY)
+    wall = kit.Support(box.side("left"), (0.0, 0.0))
     direction = (1.0, 0.0) if load == "along" else (0.0, 1.0)
 
-    def under(stress: float) -> Network:
-        pull = Traction(box.side("right"), (stress * direction[0], stress * direction[1]))
-        problem = Problem(box, material, (wall,), (pull,), name=name)
+    def under(stress: float) -> kit.Network:
+        pull = kit.Traction(box.side("right"), (stress * direction[0], stress * direction[1]))
+        problem = kit.Problem(box, material, (wall,), (pull,), name=name)
         return lattice_network(
             problem, grid, constants, weights=weights, mass="equal" if equal else "shared"
         )
@@ -164,7 +153,7 @@ def loaded(
     return Body(f"{name}, {along} x {across}", network, rest, frequencies, shapes)
 
 
-def modes(network: Network) -> tuple[Array, Array]:
+def modes(network: kit.Network) -> tuple[kit.Array, kit.Array]:
     """All frequencies (m,) in rad/s and mass-normalised shapes (m, n·d), zero where it is held."""
     free = np.flatnonzero(~network.held.ravel())
     scale = 1 / np.sqrt(np.repeat(network.mass, network.dim)[free])
@@ -175,7 +164,7 @@ def modes(network: Network) -> tuple[Array, Array]:
     return np.sqrt(squares), shapes
 
 
-def one_step(omegas: Array, dt: float, damping: float) -> Array:
+def one_step(omegas: kit.Array, dt: float, damping: float) -> kit.Array:
     """Matrices (m, 2, 2) by which a step of Euler-Cromer takes (x, v) of modes to the next.
 
     v' = (1 - hc)·v - hω²·x and x' = x + h·v'.

@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dynamics.integrate import State, stagger_velocity
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.network import Network, internal_force
+from msvalidate.network import internal_force
 
 from . import direction, figure2
 from .bodies import MOTION, MotionSolver
@@ -31,39 +30,34 @@ PROBE = 1e-4
 RATIO = 0.5
 """Damping over the critical one at which the block's mode is watched."""
 NEW_VELOCITY = "viscous force from the new velocity"
-FACTOR = direction.TOLERANCES[0].limit
-TOLERANCES = (
-    Tolerance(
+FACTOR = direction.FACTOR
+RULES = (
+    kit.Rule(
         "smallest fault of the motion noticed, largest over the kinds", 1e-6, "1",
         "identities hold to 1e-8 and 1e-7, a fault moves the free velocity by half of itself and "
         "the mode by a thirtieth of itself and more: at most 3e-7, and a factor of three",
+        table="resolution", value="smallest_noticed",
     ),
 )  # fmt: skip
-COLUMNS = {
-    "fault": "what is wrong with the motion",
-    "unit": "how the fault is measured",
-    "smallest_noticed": "smallest fault that an identity notices (in its unit)",
-    "noticed_by": "the identity that fails first",
-}
-Fault = Callable[[float, Network, State, float, int, Any], State]
+Fault = Callable[[float, kit.Network, State, float, int, Any], State]
 
 
 def other_damping(
-    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+    size: float, network: kit.Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """Damping larger by the fraction `size`."""
     return MOTION(network, state, dt, steps, damping * (1 + size))
 
 
 def other_kick(
-    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+    size: float, network: kit.Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """Springs and loads push harder by the fraction `size`: rest is where it was."""
     return _stepped(1 + size, damping, network, state, dt, steps)
 
 
 def first_kick(
-    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+    size: float, network: kit.Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """The part `size` of the first kick of a run from rest is lost."""
     if state.velocity.any():
@@ -73,7 +67,7 @@ def first_kick(
 
 
 def new_velocity(
-    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+    size: float, network: kit.Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """The part `size` of the viscous force comes from the new velocity instead of the old.
 
@@ -84,7 +78,7 @@ def new_velocity(
 
 
 def _stepped(
-    push: float, drag: Any, network: Network, state: State, dt: float, steps: int
+    push: float, drag: Any, network: kit.Network, state: State, dt: float, steps: int
 ) -> State:
     """Steps v' = v + h(push·a - drag·v), x' = x + hv'.
 
@@ -97,7 +91,7 @@ def _stepped(
 
 
 def lagged_force(
-    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+    size: float, network: kit.Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """Forces are taken the part `size` of a step late, at the position x - size·dt·v."""
     free, mass = ~network.held, network.mass[:, None]
@@ -123,16 +117,13 @@ def apply_fault(kind: str, size: float) -> MotionSolver:
     return partial(KINDS[kind][0], size)
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """State the smallest fault of each kind that the study notices."""
     table = pd.DataFrame([smallest(kind) for kind in KINDS])
-    return Evidence(
+    return kit.Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        # Rounding of an identity is a part of its limit, over the error that the probe makes.
-        rounding={"smallest_noticed": 1e-9},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
     )
 
 

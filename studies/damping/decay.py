@@ -16,14 +16,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.damping import decay
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import Network, spring_network
-from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate.network import spring_network
 
 from . import bodies
 from .bodies import LOAD, MotionSolver
@@ -37,38 +33,30 @@ LOOK = 0.15
 """Time between looks times the frequency, or the damping of a free motion."""
 FOLDS = 6.0
 """E-foldings that are watched; a rate is fitted to the second half, where one root is left."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "fitted rate of decay over the predicted, from 1", 0.02, "1",
         "the old velocity damps by -ln(1 - hc)/h instead of c, h·c/2 more: 0.8 % at most where "
         "it swings; above critical damping that speeds up the fast root instead",
+        table="decay", value=kit.Quotient("rate_over_c", "rate_over_c_predicted"), reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "motion": "what moves: a free pair of points, or a body in its lowest mode",
-    "rate_over_c": "fitted rate of decay of the velocity, of its envelope if it swings, over c (1)",
-    "rate_over_c_predicted": "the same in closed form (1)",
-    "h_c": "time step times damping (1)",
-}
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Fit the rates."""
     found = setting.sweep(partial(fit_decay, candidate), (None, *RATIOS), "rates of decay")
     table = pd.DataFrame(found)
-    values = (farthest_value(table["rate_over_c"] / table["rate_over_c_predicted"], 1.0),)
-    return Evidence(
+    return kit.Evidence(
         tables={"decay": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"decay": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
 
-def free_pair() -> Network:
+def free_pair() -> kit.Network:
     """Two points joined by a spring of no stiffness: nothing but viscosity acts."""
     return spring_network([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 0.0)
 
@@ -109,7 +97,7 @@ def fit_decay(candidate: MotionSolver, ratio: float | None) -> dict[str, object]
     }
 
 
-def crests(times: Array, speeds: Array) -> tuple[Array, Array]:
+def crests(times: kit.Array, speeds: kit.Array) -> tuple[kit.Array, kit.Array]:
     """Crests of a swinging speed, each by a parabola through three of its points."""
     low, top, high = speeds[:-2], speeds[1:-1], speeds[2:]
     at = np.flatnonzero((low < top) & (top >= high))
@@ -128,18 +116,18 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Rate over c against the damping."""
     table = tables["decay"]
     modes = table[table["c_over_critical"] != "free"]
     free = table[table["c_over_critical"] == "free"]["rate_over_c"].iloc[0]
-    figure, (axis,) = figures.new_figure(size=(4.0, 3.3))
+    figure, (axis,) = kit.figures.new_figure(size=(4.0, 3.3))
     x = modes["c_over_critical"].astype(float)
-    axis.loglog(x, modes["rate_over_c"], "o", color=figures.COLOURS[0], label="lowest mode")
+    axis.loglog(x, modes["rate_over_c"], "o", color=kit.figures.COLOURS[0], label="lowest mode")
     ratios = np.geomspace(x.min(), x.max(), 100)
     told = [decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]
     axis.loglog(ratios, told, color="black", lw=0.9, label="closed form")
-    axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
+    axis.axhline(free, color=kit.figures.COLOURS[1], ls="--", label="free motion")
     axis.set(xlabel="damping c over 2ω (1)", ylabel="rate of decay of the velocity over c (1)")
     axis.set_title("How fast damping takes the velocity")
     axis.legend()

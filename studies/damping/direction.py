@@ -18,12 +18,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
 from . import bodies, decay
 from .bodies import LOAD, MotionSolver
@@ -34,45 +30,33 @@ PRODUCTS = (0.1, 0.5, 0.9, 1.1, 1.5, 1.8, 1.95, 2.1)
 STIFF = 0.5
 """Time step times the plate's highest frequency: a quarter of the undamped limit."""
 STEPS = 30
-TOLERANCES = (
-    Tolerance(
-        "factor of the velocity a step over the predicted, from 1", 1e-7, "1",
+FACTOR = 1e-7
+RULES = (
+    kit.Rule(
+        "factor of the velocity a step over the predicted, from 1", FACTOR, "1",
         "linear to parts of 1e-6 in thirty steps; rounding is an eps of positions over "
         "displacements of 1e-6",
+        table="direction", value=kit.Quotient("factor", "factor_predicted"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "part of the steps that turn the velocity round, from the predicted", 0.0, "1",
         "a count; no predicted product of two velocities is near zero",
+        table="direction", value="turned", reference="turned_predicted",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "moving": "what moves: a free pair of points, or a body let go with random speeds",
-    "h_c": "time step times damping (1)",
-    "turned": "part of the steps after which the velocity, as a whole, points back (1)",
-    "turned_predicted": "the same by 1 - hc, or by all modes (1)",
-    "factor": "velocity after thirty steps over that at the start, a step (1)",
-    "factor_predicted": "the same by 1 - hc, or by all modes (1)",
-    "limit": "largest stable time step times damping in closed form (1)",
-}
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Try both motions over time step times damping."""
     cases = list(product(("free", "plate"), PRODUCTS))
     table = pd.DataFrame(
         setting.sweep(partial(try_direction, candidate, setting.seed), cases, "direction")
     )
-    values = (
-        farthest_value(table["factor"] / table["factor_predicted"], 1.0),
-        farthest_value(table["turned"], table["turned_predicted"]),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"direction": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"direction": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
@@ -111,12 +95,12 @@ def try_direction(candidate: MotionSolver, seed: int, case: tuple[str, float]) -
     }
 
 
-def weight_damping(mass: Array, a: Array, b: Array) -> float:
+def weight_damping(mass: kit.Array, a: kit.Array, b: kit.Array) -> float:
     """Σ m a·b of two velocities (n, d)."""
     return float(mass @ (a * b).sum(axis=1))
 
 
-def predict(omegas: Array, dt: float, damping: float, speeds: Array) -> Array:
+def predict(omegas: kit.Array, dt: float, damping: float, speeds: kit.Array) -> kit.Array:
     """Velocities (steps + 1, m) of modes let go at rest with some speeds, by the recursion."""
     step = bodies.one_step(omegas, dt, damping)
     state = np.stack([np.zeros(len(omegas)), speeds], axis=1)[:, :, None]
@@ -141,11 +125,11 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Factor of the velocity a step against time step times damping."""
-    figure, (axis,) = figures.new_figure(size=(4.4, 4.0))
+    figure, (axis,) = kit.figures.new_figure(size=(4.4, 4.0))
     for place, (name, own) in enumerate(tables["direction"].groupby("moving", sort=False)):
-        style = figures.series_style(place)
+        style = kit.figures.series_style(place)
         axis.plot(own["h_c"], own["factor"], ls="", label=str(name), ms=6, **style)
         axis.plot(own["h_c"], own["factor_predicted"], ".", color="white", ms=3)
         limit = f"stability limit, {name}"
@@ -154,5 +138,5 @@ def draw(tables: Tables) -> Figure:
     axis.axhline(1.0, color="grey", lw=0.8, ls="--", label="no decay")
     axis.set(xlabel="time step times damping, hc (1)", ylabel="factor of the velocity a step (1)")
     axis.set_title("What damping leaves of a velocity in a step")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -19,12 +19,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.damping import approach
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
 from . import bodies
 from .bodies import Body, MotionSolver
@@ -46,52 +42,59 @@ REPORTED = (20, 55)
 """Time steps at which the report sees overshoots."""
 RECURSION = 1e-8
 """Difference to the recursion that is rounding: an eps of positions over displacements of 1e-6."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "slowest mode against the oscillator, over h·ω", 1.0, "1",
         "the kick comes half a step from where a midpoint rule has it, which moves the curve by "
         "h/2 times its largest speed ω, and the damping by h·c/2; twice that bounds it",
+        table="scheme",
+        value=lambda rows: _coarsest(rows)["from_oscillator"] / _coarsest(rows)["dt_omega"],
     ),
-    Tolerance(
-        "order in the step of that difference, from that of the recursion", 2e-5, "1",
-        "Euler-Cromer's first order and what the next terms make of it: the recursion has all of "
-        "them, and is met to 1e-8, which is 6e-6 of the smallest difference; over a factor of four "
-        "in the step the two ends move a slope by 0.7 of that each",
-    ),
-    Tolerance(
+    kit.Rule(
         "slowest mode against the scheme's recursion", RECURSION, "1",
         "rounding is an eps of positions over displacements of 1e-6, gathered over two periods; "
         "geometry changes the frequency of a shearing by the square of 1e-6",
-    ),
-    Tolerance(
-        "number of overshoots of the slowest mode from the predicted", 0.0, "1",
-        "a count; no predicted overshoot is near the size that counts",
-    ),
-    Tolerance(
-        "time of its first two overshoots from the predicted", 2.0, "steps",
-        "the scheme is half a step ahead, and its old velocity raises the frequency by the part "
-        "h·c/4 = 0.7 %, a step in 150; half a step is left for the parabola that finds a peak",
+        table="scheme", value="from_recursion",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "step": "time step number",
-    "x_particle": "displacement along the load of the upper loaded corner, over that at rest (1)",
-    "x_mode": "amplitude of the slowest mode over that at rest (1)",
-    "x_predicted": "the same by the closed form of the oscillator (1)",
-    "curve": "of what: the corner's displacement, the slowest mode, or the mode predicted",
-    "overshoots": "peaks above rest by 2 % of the way there or more",
-    "first_overshoot": 'the first one\'s height above rest over the way there (1), or "none"',
-    "first_step": 'time step of the first overshoot, or "none"',
-    "second_step": 'time step of the second overshoot to the same side, or "none"',
-    "second_over_first": 'ratio of these two, or "none" (1)',
-    "from_oscillator": "largest difference to the closed form, over the way to rest (1)",
-    "recursion_from_oscillator": "the same of the scheme's recursion (1)",
-    "from_recursion": "largest difference to the scheme's recursion, over the way to rest (1)",
-}
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def _coarsest(rows: pd.DataFrame) -> pd.DataFrame:
+    found: pd.DataFrame = rows[rows["dt_s"] == rows["dt_s"].max()]
+    return found
+
+
+def judge_curves(scheme: pd.DataFrame, swings: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
+    """What compares curves with one another: orders, and overshoots."""
+    orders = (
+        [kit.observed_order(own["dt_s"], own[column]) for own in by_ratio(scheme)]
+        for column in ("from_oscillator", "recursion_from_oscillator")
+    )
+    mode, predicted = (swings[swings["curve"] == name] for name in ("mode", "predicted"))
+    return (
+        kit.Tolerance(
+            "order in the step of that difference, from that of the recursion", 2e-5, "1",
+            "Euler-Cromer's first order and what the next terms make of it: the recursion has all "
+            "of them, and is met to 1e-8, which is 6e-6 of the smallest difference; over a factor "
+            "of four in the step the two ends move a slope by 0.7 of that each",
+            observed=kit.farthest_value(*orders),
+        ),
+        kit.Tolerance(
+            "number of overshoots of the slowest mode from the predicted", 0.0, "1",
+            "a count; no predicted overshoot is near the size that counts",
+            observed=kit.farthest_value(mode["overshoots"], predicted["overshoots"]),
+        ),
+        kit.Tolerance(
+            "time of its first two overshoots from the predicted", 2.0, "steps",
+            "the scheme is half a step ahead, and its old velocity raises the frequency by the "
+            "part h·c/4 = 0.7 %, a step in 150; half a step is left for the parabola that finds a "
+            "peak",
+            observed=kit.farthest_value(*times(mode, predicted)),
+        ),
+    )  # fmt: skip
+
+
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Curves, overshoots, and how the differences fall with the step."""
     body = block()
     dt = shared_step(body)
@@ -100,27 +103,12 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     curves = pd.concat([table for table, _ in found if table is not None], ignore_index=True)
     scheme = pd.DataFrame([row for _, row in found])
     swings = pd.DataFrame([row for ratio in RATIOS for row in overshoots(curves, ratio)])
-    coarse = scheme[scheme["dt_s"] == scheme["dt_s"].max()]
-    orders, expected = (
-        [observed_order(own["dt_s"], own[column]) for own in by_ratio(scheme)]
-        for column in ("from_oscillator", "recursion_from_oscillator")
-    )
-    mode, predicted = (swings[swings["curve"] == name] for name in ("mode", "predicted"))
-    values = (
-        farthest_value(coarse["from_oscillator"] / coarse["dt_omega"], 0.0),
-        farthest_value(orders, expected),
-        farthest_value(scheme["from_recursion"], 0.0),
-        farthest_value(mode["overshoots"], predicted["overshoots"]),
-        farthest_value(*times(mode, predicted)),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"figure2": curves, "overshoots": swings, "scheme": scheme},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *judge_curves(scheme, swings)),
         figures={"figure2": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(swings),),
-        rounding={"from_recursion": RECURSION},
     )
 
 
@@ -173,7 +161,7 @@ def curve(
 
 def watch_curve(
     candidate: MotionSolver, body: Body, damping: float, dt: float, looks: int, every: int
-) -> tuple[Array, Array]:
+) -> tuple[kit.Array, kit.Array]:
     """Displacement of the loaded corner and amplitude of the slowest mode, every few steps.
 
     Both (looks + 1,), over their values at rest.
@@ -189,7 +177,7 @@ def watch_curve(
     return np.array(corner), np.array(mode)
 
 
-def recursion(omega: float, damping: float, dt: float, looks: int, every: int) -> Array:
+def recursion(omega: float, damping: float, dt: float, looks: int, every: int) -> kit.Array:
     """Way (looks + 1,) of the mode from 0 to rest at 1, by the scheme's recursion."""
     jump = np.linalg.matrix_power(bodies.one_step(np.array([omega]), dt, damping)[0], every)
     left = [np.array([1.0, 0.0])]
@@ -253,7 +241,7 @@ def by_ratio(table: pd.DataFrame) -> list[pd.DataFrame]:
     return [own for _, own in table.groupby("c_over_critical")]
 
 
-def times(*swings: pd.DataFrame) -> list[Array]:
+def times(*swings: pd.DataFrame) -> list[kit.Array]:
     """Steps (k,) of first and second overshoots that any of two tables has; NaN where one lacks."""
     columns = ["first_step", "second_step"]
     found = [own[columns].apply(pd.to_numeric, errors="coerce").to_numpy() for own in swings]
@@ -280,12 +268,12 @@ def draw_figure(value: object) -> str:
     return value if isinstance(value, str) else f"{value:.3g}"
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """x-t curves of the loaded corner and of the slowest mode."""
-    figure, axes = figures.new_figure(2, size=(3.6, 3.3), sharey=True)
+    figure, axes = kit.figures.new_figure(2, size=(3.6, 3.3), sharey=True)
     titles = {"x_particle": "upper loaded corner", "x_mode": "slowest mode, and predicted"}
     for axis, (column, title) in zip(axes, titles.items(), strict=True):
-        for colour, own in zip(figures.COLOURS, by_ratio(tables["figure2"]), strict=False):
+        for colour, own in zip(kit.figures.COLOURS, by_ratio(tables["figure2"]), strict=False):
             label = f"c = {own['c_over_critical'].iloc[0]:g} of critical"
             axis.plot(own["step"], own[column], color=colour, label=label)
             if column == "x_mode":
@@ -296,5 +284,5 @@ def draw(tables: Tables) -> Figure:
     axes[1].plot([], [], "o", color="black", ms=2.5, label="closed form")
     axes[0].set_ylabel("displacement over that at rest (1)")
     figure.suptitle("A plate that comes to rest, after the report's Figure 2")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -22,12 +22,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.damping import approach, decay
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import SolverError
 
 from . import bodies
 from .bodies import Body, MotionSolver
@@ -57,45 +53,35 @@ LOOKS = 50
 """Looks in the predicted number of steps: rest is placed within a part in so many."""
 PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "steps to rest over those of all modes, from 1", 0.02, "1",
         "both are counted in looks, at least 50 in a run, and may end one look apart: the motion "
         "is linear to a part in a million only",
+        table="rest", value=kit.Quotient("steps", "steps_modes"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "steps to rest over those of the slowest mode alone, logarithm to base 2", 0.6, "1",
         "the other modes may move the end by a swing, π/ω_d, which is 0.45 of the time to 1e-3 at "
         "ζ = 0.7; the scheme's own critical damping is 2ω(1 - hω/2), so that at 2ω with hω = 0.16 "
         "the slow root is a third slower",
+        table="rest", value=lambda rows: np.log2(rows["steps"] / rows["steps_slowest"]),
     ),
-    Tolerance(
+    kit.Rule(
         "best damping from 2ω, logarithm to base 2", 0.7, "1",
         "an overshoot exp(-πζ/√(1 - ζ²)) as small as the error is free: ζ = 0.91 for 1e-3; the "
         "scheme's own critical damping is up to 8 % lower; the grid adds a spacing, up to 41 %",
+        table="optimum", value=lambda rows: np.log2(rows["best"]),
     ),
-    Tolerance(
+    kit.Rule(
         "best damping from the best of the slowest mode alone, in spacings of the grid",
         1.0 + 1e-9, "1",
         "both are points of one grid; looks and the other modes may let a neighbour win, in steps "
         "that are nearly as few, but none farther away: one spacing, to rounding",
+        table="optimum",
+        value=lambda rows: np.log(rows["best"] / rows["best_slowest"]) / np.log(rows["spacing"]),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "error": "displacement error that counts as rest, over the whole way to rest (1)",
-    "steps_slowest": "steps by the slowest mode that the load excites alone",
-    "steps_modes": "steps by all modes, each by the scheme's recursion",
-    "mode": "number of the lowest mode that the load excites, from 1",
-    "omega_min_rad_s": "lowest frequency of the body (rad/s)",
-    "omega_max_rad_s": "highest frequency of the body (rad/s)",
-    "share": "part of that mode in the way to rest, in the norm of masses (1)",
-    "best": "damping over 2ω of that mode at which the fewest steps were taken (1)",
-    "best_slowest": "the same, by the slowest mode alone (1)",
-    "fewest_steps": "the fewest steps",
-    "steps_at_critical": "steps at c = 2ω of that mode",
-    "spacing": "factor between neighbours in the grid of dampings (1)",
-}
 Case = tuple[tuple[str, tuple[int, int], str], Sequence[float]]
 
 
@@ -108,7 +94,7 @@ class Run(NamedTuple):
     modes: dict[float, int]
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Steps to rest over the range of dampings."""
     cases = QUICK_BODIES if setting.quick else BODIES
     points = QUICK_POINTS if setting.quick else POINTS
@@ -120,20 +106,12 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     table = pd.DataFrame([row for rows, _ in found for row in rows])
     spacing = float(near[1] / near[0])
     best = pd.DataFrame([row for _, body in found for row in optima(table, body, spacing)])
-    values = (
-        farthest_value(table["steps"] / table["steps_modes"], 1.0),
-        farthest_value(np.log2(table["steps"] / table["steps_slowest"]), 0.0),
-        farthest_value(np.log2(best["best"]), 0.0),
-        farthest_value(np.log(best["best"] / best["best_slowest"]) / np.log(best["spacing"]), 0.0),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"rest": table, "optimum": best},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"rest": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(best),),
-        rounding={"share": 1e-9},
     )
 
 
@@ -205,7 +183,7 @@ def count_steps(
     most = PATIENCE * steps_of_slowest(body, damping, dt, min(errors)) + PATIENCE * LOOKS
     while body.left(state) > min(errors):
         if done > most:
-            raise SolverError(f"{body.name}: damping {damping:g} 1/s: no rest in {done} steps")
+            raise kit.SolverError(f"{body.name}: damping {damping:g} 1/s: no rest in {done} steps")
         state = candidate(body.network, state, dt, look, damping)
         done += look
         now = body.error(state)
@@ -277,14 +255,14 @@ def finding(best: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Steps to rest against the damping, by the run and by the slowest mode alone."""
     rest = tables["rest"]
-    figure, axes = figures.new_figure(len(ERRORS), size=(3.6, 4.3), sharey=True)
+    figure, axes = kit.figures.new_figure(len(ERRORS), size=(3.6, 4.3), sharey=True)
     for axis, error in zip(axes, ERRORS, strict=True):
         shown = rest[rest["error"] == error].groupby("body", sort=False)
         for place, (name, own) in enumerate(shown):
-            style, c = figures.series_style(place), own["c_over_critical"]
+            style, c = kit.figures.series_style(place), own["c_over_critical"]
             axis.loglog(c, own["steps"], ls="", label=str(name), **style)
             axis.loglog(c, own["steps_slowest"], color=style["color"], lw=0.9)
         axis.plot([], [], color="black", lw=0.9, label="slowest excited mode alone")
@@ -293,5 +271,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_xlabel("damping c over 2ω of the\nslowest excited mode (1)")
     axes[0].set_ylabel("time steps to rest (1)")
     figure.suptitle("Time steps to rest against the damping")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure

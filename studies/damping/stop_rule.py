@@ -23,13 +23,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.damping import decay
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.network import internal_force
-from msvalidate.output import figures
-from msvalidate.problem import Array, Mask, SolverError
 
 from . import bodies
 from .bodies import Body, MotionSolver
@@ -41,46 +37,38 @@ RATIOS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0)
 """Damping over the critical one."""
 ASKED = (1e-1, 1e-2, 1e-3)
 """Errors τ that a user asks for."""
-JUDGED = 1e-2
-"""Largest of them at which stops are judged: by then the slowest mode alone is left."""
+LATE = tuple(asked for asked in ASKED if asked <= 1e-2)
+"""Those at which stops are judged: by then the slowest mode alone is left."""
 WRONG = 3.0
 """Error over what was asked for beyond which a stop is wrong."""
 MOST_STEPS = 200_000
 ROUNDED = ("stop_error", "error_over_asked", "residual_error_over_asked")
 ROUNDING = 1e-6
 """Over the largest value of such a column: what another machine may give instead."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "step of the printed rule's stop, from that of the recursion of all modes", 1.0, "steps",
         "the motion is linear to a part in a million, by which a speed may miss eps at one step "
         "and not at the next",
+        table="stop_rule", value=kit.Difference("stop_step", "stop_step_modes"),
     ),
-    Tolerance(
+    kit.Rule(
         "error at the printed rule's stop over that asked for, critical damping, log to base 2",
         0.6, "1",
         "e/(v/ω) = 1 + 1/ωt, 1.3 at the first stop; the scheme's own critical damping is "
         "2ω(1 - hω/2), so that at 2ω the slow root makes it up to 1.5",
+        table="stop_rule", rows={"c_over_critical": 1, "asked": LATE},
+        value=lambda rows: np.log2(rows["error_over_asked"]),
     ),
-    Tolerance(
+    kit.Rule(
         "error at the printed rule's stop over the predicted, overdamped, from 1", 0.15, "1",
         "the slow root alone is left; its speed is that of the middle of a step, and points where "
         "the mode is largest need not be those where it started",
+        table="stop_rule", reference=1.0,
+        rows={"c_over_critical": tuple(r for r in RATIOS if r > 1), "asked": LATE},
+        value=kit.Quotient("error_over_asked", "predicted"),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "asked": "error asked for, τ: eps is τ·ω·max|u| with the displacement u at rest (1)",
-    "printed_steps": "steps of the loop as printed, from rest",
-    "stop_step": "first step after the start at which max(velocity) <= eps",
-    "stop_step_modes": "the same by the recursion of all modes",
-    "stop_error": "largest distance from rest then, over the largest displacement at rest (1)",
-    "error_over_asked": "that over what was asked for (1)",
-    "predicted": 'the same by the slowest mode, or "turning point" where it swings (1)',
-    "wrong_stops": "separate times at which the printed rule holds with 3 times the error asked "
-    "for, or more, then or later",
-    "residual_step": "first step at which residual force and kinetic energy are small enough",
-    "residual_error_over_asked": "error then over what was asked for, in the norm of masses (1)",
-}
 Case = tuple[tuple[str, tuple[int, int], str], float]
 
 
@@ -91,32 +79,24 @@ class Watch(NamedTuple):
     the norm of masses, over ωU, U and ω²U with U that of the way to rest.
     """
 
-    speed: Array
-    error: Array
-    way: Array
-    moving: Array
-    pulling: Array
+    speed: kit.Array
+    error: kit.Array
+    way: kit.Array
+    moving: kit.Array
+    pulling: kit.Array
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Watch both rules over dampings and errors asked for."""
     shapes = QUICK_BODIES if setting.quick else BODIES
     ratios = QUICK_RATIOS if setting.quick else RATIOS
     found = setting.sweep(partial(stop_runs, candidate), product(shapes, ratios), "stop rules")
     table = pd.DataFrame([row for rows in found for row in rows])
-    late = table[table["asked"] <= JUDGED]
-    over, critical = late[late["c_over_critical"] > 1], late[late["c_over_critical"] == 1]
-    values = (
-        farthest_value(table["stop_step"] - table["stop_step_modes"], 0.0),
-        farthest_value(np.log2(critical["error_over_asked"]), 0.0),
-        farthest_value((over["error_over_asked"] / over["predicted"]).astype(float), 1.0),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"stop_rule": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"stop_rule": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
         # A displacement of 1e-6 m from a place near 1 m is known to 1e-10 of itself, and the
         # thousandth of it that is left at a stop to 1e-7.
@@ -183,7 +163,7 @@ def watch_run(
     return Watch(*np.array(rows).T)
 
 
-def largest(field: Array) -> float:
+def largest(field: kit.Array) -> float:
     """Largest length of a displacement (m) or velocity (m/s), over points (n, d)."""
     return float(np.linalg.norm(field, axis=1).max())
 
@@ -217,10 +197,10 @@ def stops_of_modes(body: Body, damping: float, dt: float, speeds: Sequence[float
             stops.append(step)
             if len(stops) == len(speeds):
                 return stops
-    raise SolverError(f"{body.name}: no stop of all modes in {MOST_STEPS} steps")
+    raise kit.SolverError(f"{body.name}: no stop of all modes in {MOST_STEPS} steps")
 
 
-def first(holds: Mask) -> int:
+def first(holds: kit.Mask) -> int:
     """Index of the first step at which a rule holds.
 
     Raises
@@ -229,7 +209,7 @@ def first(holds: Mask) -> int:
         If it never does.
     """
     if not holds.any():
-        raise SolverError(f"a stop rule does not hold in {len(holds)} steps")
+        raise kit.SolverError(f"a stop rule does not hold in {len(holds)} steps")
     return int(holds.argmax())
 
 
@@ -260,11 +240,11 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Error at the stop over that asked for, by both rules."""
     table = tables["stop_rule"]
     shown = table[table["asked"].isin((ASKED[0], ASKED[-1]))]
-    figure, axes = figures.new_figure(2, size=(3.6, 4.7), sharey=True)
+    figure, axes = kit.figures.new_figure(2, size=(3.6, 4.7), sharey=True)
     titles = {
         "error_over_asked": "stopped by the largest velocity",
         "residual_error_over_asked": "stopped by force and kinetic energy",
@@ -272,7 +252,7 @@ def draw(tables: Tables) -> Figure:
     for axis, (column, title) in zip(axes, titles.items(), strict=True):
         groups = shown.groupby(["body", "asked"], sort=False)
         for place, ((name, asked), own) in enumerate(groups):
-            style = figures.series_style(place // 2) | {"ls": ":", "lw": 0.8}
+            style = kit.figures.series_style(place // 2) | {"ls": ":", "lw": 0.8}
             fill = "none" if place % 2 else style["color"]
             label = f"{name}, τ = {asked:g}"
             axis.loglog(own["c_over_critical"], own[column], mfc=fill, label=label, **style)
@@ -283,5 +263,5 @@ def draw(tables: Tables) -> Figure:
     axes[0].plot(ratios, slow, color="black", lw=0.9, label="slow root alone")
     axes[0].set_ylabel("error at the stop over τ (1)")
     figure.suptitle("Error where a rule stops, over the error asked for")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure

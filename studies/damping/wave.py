@@ -27,18 +27,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
-from msvalidate.network import Network, internal_force
-from msvalidate.output import figures
-from msvalidate.problem import Anisotropic, Array, Box, Problem, Support
+from msvalidate.network import internal_force
 
-from . import bodies
 from .bodies import DENSITY, ISOTROPIC, MotionSolver
 
 LENGTH = 1.0
@@ -66,56 +61,44 @@ SHOWN = (40, 40)
 ROUNDING = {"loss": 3e-7, "velocity": 1e-6}
 """Displacements of 1e-8 m are handed on as positions of 1 m, once a look: 1e-8 of them each, which
 a hundred looks gather. The plain form and both compiled paths differ by up to 1.4e-7 and 4e-7."""
-TOLERANCES = (
-    Tolerance(
+HELD = {"sides": "held"}
+RULES = (
+    kit.Rule(
         "loss of speed over 3β/s², from 1", 0.1, "1",
         "the next terms of the dispersion are smaller by the order of (a/s)², at most 0.04, and "
         "(H/s)² = 0.16, with factors below one half",
+        table="wave", value=kit.Quotient("loss", "loss_predicted"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "order in the spacing of the loss of speed, sides held", 0.1, "1",
         "the loss is 3(a² - c0²h²)/24s², h in proportion to a; the next term is of order four, on "
         "the coarsest bar a fiftieth of it",
+        table="wave", rows=HELD, value="loss", power_of="spacing_m", reference=2.0,
     ),
-    Tolerance(
+    kit.Rule(
         "speed extrapolated to no spacing against c0, sides held", 2e-4, "1",
         "what the line through the two finest, in a², leaves of the fourth order",
+        table="wave", rows=HELD, value=lambda rows: extrapolate(rows),  # noqa: PLW0108  defined below
     ),
-    Tolerance(
+    kit.Rule(
         "velocity returned from the held end, over what came, from -1", 0.01, "1",
         "a held end inverts every frequency whole; the peak has sunk by 3(β/s³)²(1.3² - 0.7²) m², "
         "0.3 % on the coarsest chain and twice that on the coarsest slender bar",
+        table="wave", value="returned", reference=-1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "stress at the held end over ρ·c0·v of what came, from 2", 0.02, "1",
         "both waves add there; the peak sinks as above, c0 is the speed of long waves only, and a "
         "clamped end of a slender bar cannot narrow, over a length of the order of H",
+        table="wave", value="wall_stress", reference=2.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **bodies.COLUMNS,
-    "sides": "whether points may move across the bar: held or free",
-    "cells": "cells along the bar",
-    "cells_across": "cells across",
-    "spacing_m": "lattice spacing (m)",
-    "spacing_over_s": "spacing over the pulse's standard deviation (1)",
-    "speed_m_s": "speed of the pulse's peak between two stations (m/s)",
-    "c0_m_s": "speed of long waves by elasticity (m/s)",
-    "loss": "1 - speed/c0 (1)",
-    "loss_predicted": "3β/s² from spacing, time step and the inertia of moving across (1); with "
-    "free sides the loss over it does not tend to 1 with refinement, because the next term of the "
-    "strip's own dispersion is some 6 % of it",
-    "returned": "velocity of the peak come back from the held end over that gone there (1)",
-    "wall_stress": "largest stress at the held end over ρ·c0·v of the peak gone there (1)",
-    "x": "place along the bar (m)",
-    "velocity": "velocity along the bar over the largest of the pulse as struck (1)",
-}
 
 
 class Bar(NamedTuple):
     """A bar at rest: its network, long-wave speed (m/s), β (m²) but for the step, and moduli."""
 
-    network: Network
+    network: kit.Network
     speed: float
     beta: float
     modulus: float
@@ -126,34 +109,24 @@ class Bar(NamedTuple):
 class Flight(NamedTuple):
     """What was seen at each look (k): time (s), mid-line velocity (k, columns), wall force (N)."""
 
-    time: Array
-    velocity: Array
-    wall: Array
+    time: kit.Array
+    velocity: kit.Array
+    wall: kit.Array
     dt: float
 
 
-def run(candidate: MotionSolver, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: kit.Setting) -> kit.Evidence:
     """Strike both bars at every resolution."""
     cells = QUICK_CELLS if setting.quick else CELLS
     cases = list(product(SIDES, cells))
     found = setting.sweep(partial(strike_bar, candidate), cases, "strain wave")
     table = pd.DataFrame([row for row, _ in found])
-    held = table[table["sides"] == "held"]
-    values = (
-        farthest_value(table["loss"] / table["loss_predicted"], 1.0),
-        Observed(observed_order(held["spacing_m"], held["loss"]), 2.0),
-        Observed(extrapolate(held), 0.0),
-        farthest_value(table["returned"], -1.0),
-        farthest_value(table["wall_stress"], 2.0),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"wave": table, "wave_xt": found[len(cells) - 1][1]},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"wave": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
-        rounding=ROUNDING,
     )
 
 
@@ -161,10 +134,10 @@ def bar(sides: str, cells: int) -> Bar:
     """A bar held at its left end; one cell high where nothing may move across."""
     spacing = LENGTH / cells
     across = max(1, round(HEIGHT / spacing)) if sides == "free" else 1
-    box = Box((LENGTH, across * spacing))
+    box = kit.Box((LENGTH, across * spacing))
     tensor = square_tensor(*ISOTROPIC)
-    left = Support(box.side("left"), (0.0, 0.0))
-    problem = Problem(box, Anisotropic(tensor, density=DENSITY), (left,), name="bar")
+    left = kit.Support(box.side("left"), (0.0, 0.0))
+    problem = kit.Problem(box, kit.Anisotropic(tensor, density=DENSITY), (left,), name="bar")
     network = lattice_network(problem, square(box, (cells, across)), ISOTROPIC)
     beta, modulus = spacing**2 / 24, float(tensor[0, 0])
     if sides == "held":
@@ -238,13 +211,13 @@ def track_wave(candidate: MotionSolver, body: Bar) -> Flight:
     return Flight(np.asarray(time), np.array(velocity), np.array(wall_force), dt)
 
 
-def arrival_time(flight: Flight, x: Array, place: float, way: int) -> tuple[float, float]:
+def arrival_time(flight: Flight, x: kit.Array, place: float, way: int) -> tuple[float, float]:
     """Time (s) and speed (m/s) of the peak that passes a place to the left (-1) or right (1)."""
     at = int(np.abs(x - place).argmin())
     return peak(flight.time, way * flight.velocity[:, at])
 
 
-def peak(time: Array, values: Array) -> tuple[float, float]:
+def peak(time: kit.Array, values: kit.Array) -> tuple[float, float]:
     """Time and height of the highest peak: a Gaussian through three points."""
     i = int(np.clip(values.argmax(), 1, len(values) - 2))
     low, top, high = np.log(np.maximum(values[i - 1 : i + 2], 1e-300))
@@ -260,7 +233,7 @@ def extrapolate(held: pd.DataFrame) -> float:
     return float(loss[0] - square[0] * (loss[1] - loss[0]) / (square[1] - square[0]))
 
 
-def picture(flight: Flight, x: Array, unit: float) -> pd.DataFrame:
+def picture(flight: Flight, x: kit.Array, unit: float) -> pd.DataFrame:
     """Velocity in place and time, at no more than `SHOWN` of each."""
     columns, times = (
         np.arange(0, size, max(1, size // most))
@@ -283,10 +256,10 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """The wave in place and time, and the loss of speed against the spacing."""
     wave, table = tables["wave_xt"], tables["wave"]
-    figure, (diagram, losses) = figures.new_figure(2, size=(3.6, 3.3))
+    figure, (diagram, losses) = kit.figures.new_figure(2, size=(3.6, 3.3))
     grid = wave.pivot_table(index="time_s", columns="x", values="velocity")
     shades = diagram.pcolormesh(
         grid.columns, grid.index, grid, cmap="RdBu", vmin=-1, vmax=1, rasterized=True
@@ -295,7 +268,7 @@ def draw(tables: Tables) -> Figure:
     diagram.set_title("velocity; sides held, struck at the right")
     diagram.set(xlabel="place along the bar (m)", ylabel="time (s)")
     for place, (sides, own) in enumerate(table.groupby("sides", sort=False)):
-        style, fineness = figures.series_style(place), own["spacing_over_s"] ** 2
+        style, fineness = kit.figures.series_style(place), own["spacing_over_s"] ** 2
         losses.plot(fineness, own["loss"], ls="", label=f"sides {sides}", **style)
         losses.plot(fineness, own["loss_predicted"], color=style["color"], lw=0.9)
     losses.plot([], [], color="black", lw=0.9, label="3β/s², predicted")

@@ -19,9 +19,7 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
 from . import (
     bent_bar,
@@ -62,15 +60,15 @@ must too."""
 
 
 def run(
-    candidate: DisplacementSolver = solve_springs,
-    setting: Setting = FULL,
+    candidate: kit.DisplacementSolver = kit.solve_springs,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = check_displacements(candidate)
+    candidate = kit.check_displacements(candidate)
     bodies = cache(partial(elastic.solve_reference, setting))
     measured = cache(partial(measuring.measure_all, candidate, setting))
-    return gather_evidence(
+    return kit.gather_evidence(
         {
             "budget": lambda: budget.run(measured(), bodies()),
             "shapes": lambda: shapes.run(measured(), bodies()),

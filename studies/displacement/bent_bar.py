@@ -24,17 +24,11 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import fill, patterns
-from msvalidate.problem import Anisotropic, Array, Box, Index, Problem, Region, Support, Traction
-
-from . import load_cases
 
 HEIGHTS, FINE_SECTION = (1, 2, 3, 4), 12
 """Cells through the height of the bar, and of a cross-section from which the limit is read."""
@@ -48,33 +42,32 @@ LEADING = 19 / 20
 PATTERN = patterns.cubic18()
 MODULUS = moduli(pattern_tensor(PATTERN, (1.0, 1.0))).E
 """Of the solid, in units of the spring constant over the spacing."""
-TOLERANCES = (
-    Tolerance(
-        "bent bar of 1 and 2 cells: EI_eff/EI in closed form", 1e-9, "1",
-        "exact: the section has no other way to move; left are rounding and end effects that "
-        "these sections hardly carry",
+judged = partial(kit.Rule, unit="1", table="bent_bar", value="EI_bar")
+RULES = (
+    judged(
+        "bent bar of 1 and 2 cells: EI_eff/EI in closed form", 1e-9,
+        rows={"cells_high": (1, 2)}, reference="EI_bound",
+        because="exact: the section has no other way to move; left are rounding and end effects "
+        "that these sections hardly carry",
     ),
-    Tolerance(
-        "bent bar: EI_eff/EI against its cross-section", 1e-7, "1",
-        "the same network far from its ends: end effects of a tenth, 3e-7 of them at the middle",
+    judged(
+        "bent bar: EI_eff/EI against its cross-section", 1e-7,
+        rows={"cells_high": HEIGHTS}, reference="EI_section",
+        because="the same network far from its ends: end effects of a tenth, 3e-7 of them at the "
+        "middle",
     ),
-    Tolerance(
+    judged(
         "bent bar: N² (EI_eff/EI - 1), 12 cells, against 19/20",
-        float(np.log(FINE_SECTION) / FINE_SECTION**2), "1",
-        "what edges release is of order log(N)/N⁴, and N² times that is left",
+        float(np.log(FINE_SECTION) / FINE_SECTION**2), rows={"cells_high": FINE_SECTION},
+        value=lambda rows: rows["cells_high"] ** 2 * (rows["EI_section"] - 1), reference=LEADING,
+        because="what edges release is of order log(N)/N⁴, and N² times that is left",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "cells_high": "cells through the height of a beam, square, cube or bar, N",
-    "EI_bar": "moment over curvature of the candidate's bar, over E·height⁴/12; "
-    '"none" where only the section is solved (1)',
-    "EI_section": "the same of the lattice's cross-section alone (1)",
-    "EI_bound": "the same in closed form: exact for N = 1 and 2, above them a bound (1)",
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's bar with its cross-section and the closed form."""
     bars = setting.sweep(partial(bending_stiffness, candidate), HEIGHTS, "bent bars")
     measured: list[float | str] = [*bars, *("none" for _ in (8, FINE_SECTION))]
@@ -88,13 +81,6 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         }
         for n, bar in zip((*HEIGHTS, 8, FINE_SECTION), measured, strict=True)
     )
-    rows = table.set_index("cells_high")
-    limit = FINE_SECTION**2 * (rows["EI_section"][FINE_SECTION] - 1)
-    values = (
-        farthest_value(bars[:2], rows["EI_bound"].iloc[:2]),
-        farthest_value(bars, rows["EI_section"].iloc[: len(bars)]),
-        farthest_value(limit, LEADING),
-    )
     stiffer = ", ".join(
         f"{100 * (bar - 1):.1f} % (N = {n})" for n, bar in zip(HEIGHTS, bars, strict=True)
     )
@@ -102,37 +88,36 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         f"A square bar of cubic 18 is stiffer in bending than its solid, by {stiffer}: for many "
         f"cells by {LEADING:.2f}/N²."
     )
-    return Evidence(
+    return kit.Evidence(
         tables={"bent_bar": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(finding,),
     )
 
 
-def bending_stiffness(candidate: DisplacementSolver, cells: int) -> float:
+def bending_stiffness(candidate: kit.DisplacementSolver, cells: int) -> float:
     """EI_eff/EI of a bar 1 m high and wide under end moments, from the curvature at its middle."""
     length = float(LENGTH)
-    bar = Box((length, 1.0, 1.0))
+    bar = kit.Box((length, 1.0, 1.0))
     grid = fill(PATTERN, bar, (LENGTH * cells, cells, cells))
     tensor = interior_tensor(grid, (1.0, 1.0), "shared")
 
-    def pull(points: Array) -> Array:
+    def pull(points: kit.Array) -> kit.Array:
         return 12 * MOMENT * np.outer(points[:, 1] - 0.5, (1.0, 0.0, 0.0))
 
-    def push(points: Array) -> Array:
+    def push(points: kit.Array) -> kit.Array:
         return -pull(points)
 
-    problem = Problem(
+    problem = kit.Problem(
         bar,
-        Anisotropic(tensor),
+        kit.Anisotropic(tensor),
         (
-            Support(Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)),
-            Support(Region((length, 0.0, 0.0)), (None, 0.0, 0.0)),
-            Support(Region((0.0, 1.0, 0.0)), (None, None, 0.0)),
+            kit.Support(kit.Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)),
+            kit.Support(kit.Region((length, 0.0, 0.0)), (None, 0.0, 0.0)),
+            kit.Support(kit.Region((0.0, 1.0, 0.0)), (None, None, 0.0)),
         ),
-        (Traction(bar.side("right"), pull), Traction(bar.side("left"), push)),
+        (kit.Traction(bar.side("right"), pull), kit.Traction(bar.side("left"), push)),
         name="pure bending of a bar",
     )
     network = lattice_network(problem, grid, (1.0, 1.0))
@@ -169,7 +154,9 @@ def section_stiffness(cells: int) -> float:
     return float(left @ left / (MODULUS * cells**4 / 12))
 
 
-def _section_springs(cells: int) -> list[tuple[Index, Index, Array, tuple[float, float, float]]]:
+def _section_springs(
+    cells: int,
+) -> list[tuple[kit.Index, kit.Index, kit.Array, tuple[float, float, float]]]:
     """Springs that join points of one section, or of it and the next.
 
     Start, end, share and direction (x, y, z), one entry a direction. Of the two diagonals that lead

@@ -13,16 +13,12 @@ Expected   The parts telescope to the whole. Algorithm 1 rests at the equilibriu
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import (
-    farthest_value,
-    observed_order,
-)
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.problem import Array
+from msvalidate import kit
 from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED, agreement
 from reference_fem.elasticity import elastic_tensor
 
@@ -33,84 +29,76 @@ from .load_cases import BAND, CASES
 from .measuring import WEIGHTS, Block, Measurement
 from .models import ISOTROPIC, MODELS, homogenised
 
-
-def agreement_of(case: str) -> str:
-    """Name of the judged quantity of a load case."""
-    return f"{case}, square, isotropic, shared, finest: largest |total| + reference"
+FINEST = {"lattice": "square", "k2": ISOTROPIC.k[1]}
 
 
-TELESCOPES, AT_REST = 1e-12, 1e-8
-STOPPED = 1e-10
-"""What rounding of steps may move of where a run stops: 2e-11, as seen of two compiled forms."""
-REFERENCE = 2e-3
-TOLERANCES = (
-    Tolerance(
-        "budget: sum of the parts - total, over |u_target|", TELESCOPES, "1",
-        "an identity of sums; left is rounding, 1e-16 times a few terms",
+def _finest_orders(rows: pd.DataFrame) -> kit.Array:
+    """Orders of the finest two sizes; words, which are no order, as NaN, which fails."""
+    return pd.to_numeric(orders.finest(rows)["order"], errors="coerce").to_numpy(dtype=float)
+
+
+def _zigzag_order(rows: pd.DataFrame) -> float:
+    pair = rows.drop_duplicates("cells_y").iloc[-2:]
+    return kit.observed_order(1 / pair["cells_y"].to_numpy(), pair["rel_l2"].to_numpy())
+
+
+def _tensors() -> kit.Observed:
+    """Tensors of the isotropic models and of their targets, over C11."""
+    ours = [model for model in MODELS if model.is_target]
+    asked = [elastic_tensor(model.target) for model in ours]
+    seen = [homogenised(m).C / C[0, 0] for m, C in zip(ours, asked, strict=True)]
+    return kit.farthest_value(seen, [C / C[0, 0] for C in asked])
+
+
+cases = partial(kit.Rule, unit="1", table="cases")
+order = partial(kit.Rule, unit="1", table="orders", value=_finest_orders)
+RULES = (
+    cases(
+        "budget: sum of the parts - total, over |u_target|", 1e-12,
+        value=lambda rows: rows[list(PARTS)].sum(axis=1), reference="total",
+        because="an identity of sums; left is rounding, 1e-16 times a few terms",
     ),
-    Tolerance(
-        "at rest: Algorithm 1 - equilibrium, over |u_target|", AT_REST, "1",
-        "the run stops at residuals of 3e-11 of the forces; a slow mode makes that a hundred times "
-        "as much displacement, and more where a probe hardly moves",
+    cases(
+        "at rest: Algorithm 1 - equilibrium, over |u_target|", 1e-8, value="at_rest",
+        because="the run stops at residuals of 3e-11 of the forces; a slow mode makes that a "
+        "hundred times as much displacement, and more where a probe hardly moves",
     ),
-    Tolerance(
-        "two-sided pressure, square, isotropic: order of the discretisation",
-        orders.SMOOTH_ERROR, "1",
-        "order 2 without clamps, from below where the loads' ends are not yet resolved: 1.8 to 2.1 "
-        "is held from both sides, since a softer network can show a higher order",
+    order(
+        "two-sided pressure, square, isotropic: order of the discretisation", orders.SMOOTH_ERROR,
+        rows=FINEST | {"case": "two-sided pressure"}, reference=orders.SMOOTH,
+        because="order 2 without clamps, from below where the loads' ends are not yet resolved: "
+        "1.8 to 2.1 is held from both sides, since a softer network can show a higher order",
     ),
-    Tolerance(
-        "shear, square, isotropic: order of the discretisation", 0.3, "1",
-        "on its way from the smooth 2 down to twice the exponent of the clamped corner",
+    order(
+        "shear, square, isotropic: order of the discretisation", 0.3,
+        rows=FINEST | {"case": "shear"},
+        reference=lambda rows: float(rows["twice_corner_exponent"].iloc[0]),
+        because="on its way from the smooth 2 down to twice the exponent of the clamped corner",
     ),
-    Tolerance(
-        "zigzag edges, shear: order of the relative L2 difference", 0.35, "1",
-        "notches as large as a spring: an edge effect of order 1, with the clamp's steeper terms "
-        "on top of it while the body is coarse",
+    cases(
+        "zigzag edges, shear: order of the relative L2 difference", 0.35,
+        rows={"case": "shear", "lattice": "triangular", "weights": "shared"},
+        value=_zigzag_order, reference=1.0,
+        because="notches as large as a spring: an edge effect of order 1, with the clamp's "
+        "steeper terms on top of it while the body is coarse",
     ),
-    Tolerance(
-        "isotropic springs: homogenised tensor against the target's, relative", 1e-12, "1",
-        "the constants are chosen for it; left is rounding",
-    ),
-    Tolerance(
-        "uncertainty of the reference, over |u_target|", REFERENCE, "1",
-        "what is asked of it is relative to the body's own displacement, which is up to a quarter "
-        "larger than the target's",
+    cases(
+        "uncertainty of the reference, over |u_target|", 2e-3, value="reference",
+        because="what is asked of it is relative to the body's own displacement, which is up to a "
+        "quarter larger than the target's",
     ),
     *(
-        Tolerance(
-            agreement_of(case), BAND, "1",
-            "the band of the table: from 20 cells on, springs of the right constants stand for "
-            "the body they are made for",
+        cases(
+            f"{case}, square, isotropic, shared, finest: largest |total| + reference", BAND,
+            rows=FINEST | {"case": case, "weights": "shared"}, by=("probe", "component"), last=1,
+            value=lambda rows: rows["total"].abs() + rows["reference"],
+            because="the band of the table: from 20 cells on, springs of the right constants "
+            "stand for the body they are made for",
             layer="agreement",
         )
         for case in CASES
     ),
 )  # fmt: skip
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "u_springs": "displacement where Algorithm 1 comes to rest, with the row's weights (m)",
-    "u_fem": "the same of the homogenised body, linear, by FEM (m)",
-    "u_target": "the same of the target body, linear, by FEM (m)",
-    "rel_l2": "springs - u_fem over u_fem, linear, in the L2 norm over all points (1)",
-    "rel_max": "largest distance of springs and u_fem over the largest |u_fem|, linear (1)",
-    "at_rest": "part of total: Algorithm 1 - equilibrium (1)",
-    "geometric": "part of total: nonlinear - linear equilibrium (1)",
-    "boundary": "part of total: the row's weights - shared, linear (1)",
-    "discretisation": "part of total: shared - homogenised body, linear (1)",
-    "model_form": "part of total: homogenised body - target (1)",
-    "total": "(u_springs - u_target) over the length of the target's displacement there (1)",
-    "reference": "estimated error of the FEM values on the same scale (1)",
-    "difference": "length of springs - u_fem over the largest |u_fem|, isotropic, shared (1)",
-    "verdict": "agrees or differs, as |total| does whatever reference and at_rest leave open; else "
-    "not resolved or not at rest, after the larger of the two",
-    "cells_y_coarse": "cells_y of the coarser of two sizes",
-    "order": "power of the spacing with which discretisation falls between the two; "
-    '"not asymptotic" where the two sizes show none, "not resolved" where the reference may be off '
-    "by a quarter of it (1)",
-    "twice_corner_exponent": "twice the displacement's exponent at the worst clamped corner; "
-    '"no clamp" where nothing is clamped, "zigzag edge" where that ends at no one angle (1)',
-}
 COMPONENTS = ("ux", "uy")
 
 
@@ -152,42 +140,44 @@ def rows(block: Block, measured: Measurement, bodies: Bodies) -> list[dict[str, 
                 # Adding 0 makes a part that vanishes 0, not -0.
                 parts = dict(zip(PARTS, -np.diff(steps) / scale + 0.0, strict=True))
                 total = (steps[0] - u_target) / scale
-                doubt = max(e.uncertainty[probe, axis] for e in (fem, target)) / scale
+                uncertainty = max(e.uncertainty[probe, axis] for e in (fem, target)) / scale
                 found.append(
                     head
                     | {"probe": name, "component": component, "u_springs": steps[0]}
                     | {"u_fem": steps[4], "u_target": u_target}
                     | whole
                     | parts
-                    | {"total": total, "reference": doubt}
-                    | {"verdict": agreement(total, doubt, BAND, parts["at_rest"])}
+                    | {"total": total, "reference": uncertainty}
+                    | {"verdict": agreement(total, uncertainty, BAND, parts["at_rest"])}
                 )
     return found
 
 
-def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> Evidence:
+def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> kit.Evidence:
     """Take the difference of every network and its target apart."""
     found = [rows(block, seen, bodies) for block, seen in measured.items()]
     cases = pd.DataFrame([row for part in found for row in part])
     order = orders.observed_orders(cases)
-    return Evidence(
+    tensors = kit.Tolerance(
+        "isotropic springs: homogenised tensor against the target's, relative", 1e-12, "1",
+        "the constants are chosen for it; left is rounding", observed=_tensors(),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={
             "load_cases": load_cases.table(),
             "probes": load_cases.probe_table(),
             "cases": cases,
             "orders": order,
-            "field": differences(measured, bodies),
         },
-        observed=observe(cases, order),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, tensors),
+        drawn={"field": differences(measured, bodies)},
         figures={
             "convergence": drawing.convergence,
             "budget": drawing.budget,
             "field": drawing.field,
         },
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(cases, order),
-        rounding={"at_rest": STOPPED, "total": TELESCOPES},
     )
 
 
@@ -231,13 +221,8 @@ def findings(cases: pd.DataFrame, order: pd.DataFrame) -> tuple[str, ...]:
             f"mostly {SAID[largest]})"
         )
     last = orders.finest(order)
-    smooth = numbers(
-        last[
-            (last["case"] == "two-sided pressure")
-            & (last["lattice"] == "square")
-            & (last["k2"] == ISOTROPIC.k[1])
-        ]["order"]
-    )
+    square = last[(last["lattice"] == "square") & (last["k2"] == ISOTROPIC.k[1])]
+    smooth = _finest_orders(square[square["case"] == "two-sided pressure"])
     shares = cases["verdict"].value_counts()
     own = (
         "The report's own setting, 6 x 6 particles of equal springs with k2 = 2k1, is off by: "
@@ -252,43 +237,3 @@ def findings(cases: pd.DataFrame, order: pd.DataFrame) -> tuple[str, ...]:
         f"{shares.get(DIFFERS, 0)} differ from it, {shares.get(NOT_RESOLVED, 0)} are not resolved."
     )
     return own, orders_seen, verdicts
-
-
-def observe(cases: pd.DataFrame, order: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities, each the worst of its rows."""
-    last = orders.finest(order)
-    square = last[(last["lattice"] == "square") & (last["k2"] == ISOTROPIC.k[1])]
-    smooth = square[square["case"] == "two-sided pressure"]["order"]
-    clamped = square[square["case"] == "shear"]
-    sheared = cases[(cases["case"] == "shear") & (cases["lattice"] == "triangular")]
-    sheared = sheared[sheared["weights"] == "shared"].drop_duplicates("cells_y").iloc[-2:]
-    zigzag = observed_order(1 / sheared["cells_y"].to_numpy(), sheared["rel_l2"].to_numpy())
-    targets = [model for model in MODELS if model.is_target]
-    tensors = [homogenised(m).C / elastic_tensor(m.target)[0, 0] for m in targets]
-    asked = [
-        elastic_tensor(m.target) / elastic_tensor(m.target)[0, 0] for m in MODELS if m.is_target
-    ]
-    values = (
-        farthest_value(cases[list(PARTS)].sum(axis=1), cases["total"]),
-        farthest_value(cases["at_rest"], 0.0),
-        farthest_value(numbers(smooth), orders.SMOOTH),
-        farthest_value(numbers(clamped["order"]), float(clamped["twice_corner_exponent"].iloc[0])),
-        Observed(zigzag, 1.0),
-        farthest_value(tensors, asked),
-        farthest_value(cases["reference"], 0.0),
-        *(Observed(farthest(cases, case)) for case in CASES),
-    )
-    return by_quantity(TOLERANCES, values)
-
-
-def farthest(cases: pd.DataFrame, case: str) -> float:
-    """Largest |total| + reference of a load case on the finest isotropic square lattice."""
-    rows = cases[(cases["case"] == case) & (cases["lattice"] == "square")]
-    rows = rows[(rows["weights"] == "shared") & (rows["k2"] == ISOTROPIC.k[1])]
-    rows = rows[rows["cells_y"] == rows["cells_y"].max()]
-    return float((rows["total"].abs() + rows["reference"]).max())
-
-
-def numbers(column: pd.Series) -> Array:
-    """A column of numbers and words; words count as missing, and fail whatever they are held to."""
-    return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.problem import Array
+from msvalidate import kit
 
 from .load_cases import CASES
 
@@ -24,7 +24,7 @@ class Claim(NamedTuple):
 
     statement: str
     measured: str
-    number: Callable[[Array, Array], float]
+    number: Callable[[kit.Array, kit.Array], float]
     above: bool
     bound: float = 0.0
     unit: str = "m"
@@ -38,26 +38,26 @@ class Claim(NamedTuple):
         return f"holds of {' and '.join(true)} only" if true else "does not hold"
 
 
-def gap(points: Array, move: Array, axis: int) -> Array:
+def gap(points: kit.Array, move: kit.Array, axis: int) -> kit.Array:
     """Change (m) of the distance along an axis of two opposite sides, particle by particle."""
     along = points[:, axis]
     low, high = np.isclose(along, along.min()), np.isclose(along, along.max())
     return np.asarray(move[high, axis] - move[low, axis])
 
 
-def lower_row(points: Array, move: Array) -> tuple[Array, Array]:
+def lower_row(points: kit.Array, move: kit.Array) -> tuple[kit.Array, kit.Array]:
     """Places along x (m) and deflection (m) of the lowest row of particles."""
     low = points[:, 1] == 0
     return points[low, 0], move[low, 1]
 
 
-def clamped_beam(xi: Array) -> Array:
+def clamped_beam(xi: kit.Array) -> kit.Array:
     """Deflection of a clamped beam under a force in its middle, 1 there; xi = x/L."""
     near = np.minimum(xi, 1 - xi)
     return np.asarray(4 * near**2 * (3 - 4 * near))
 
 
-CURVES: dict[str, Callable[[Array], list[Array]]] = {
+CURVES: dict[str, Callable[[kit.Array], list[kit.Array]]] = {
     "fit_half_wave": lambda xi: [np.sin(np.pi * xi)],
     "fit_whole_wave": lambda xi: [(1 - np.cos(2 * np.pi * xi)) / 2],
     "fit_clamped_beam": lambda xi: [clamped_beam(xi)],
@@ -65,18 +65,18 @@ CURVES: dict[str, Callable[[Array], list[Array]]] = {
 }
 
 
-def fitted(x: Array, line: Array, curve: str) -> Array:
+def fitted(x: kit.Array, line: kit.Array, curve: str) -> kit.Array:
     """Least-squares fit of a curve to a deflection line (m) at places x (m)."""
     shapes = np.column_stack(CURVES[curve](x / x.max()))
     return np.asarray(shapes @ np.linalg.lstsq(shapes, line, rcond=None)[0])
 
 
-def rms(values: Array) -> float:
+def rms(values: kit.Array) -> float:
     """Root of the mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 
-def misfit(x: Array, line: Array, curve: str) -> float:
+def misfit(x: kit.Array, line: kit.Array, curve: str) -> float:
     """Root mean square by which a line misses a curve, over the line's height."""
     return float(rms(line - fitted(x, line, curve)) / np.abs(line).max())
 
@@ -92,7 +92,7 @@ UPPER, BOTTOM = "upper edge is compressed", "bottom edge elongates"
 def like(statement: str, curve: str) -> Claim:
     """The claim that the lowest row is like a curve."""
 
-    def number(points: Array, move: Array) -> float:
+    def number(points: kit.Array, move: kit.Array) -> float:
         return misfit(*lower_row(points, move), curve)
 
     return Claim(statement, MISFIT, number, above=False, bound=LIKE, unit="1")

@@ -15,21 +15,19 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.network import Network, faults
-from msvalidate.problem import Array, Problem
+from msvalidate.network import faults
 
 from . import identities, load_cases, orders
 from .elastic import Bodies
 from .models import ISOTROPIC, homogenised
 from .orders import SMOOTH, SMOOTH_ERROR
 
-Fault = Callable[[Problem, Network, float], Network]
+Fault = Callable[[kit.Problem, kit.Network, float], kit.Network]
 
 
-def _of_network(fault: Callable[[Network, float], Network]) -> Fault:
+def _of_network(fault: Callable[[kit.Network, float], kit.Network]) -> Fault:
     return lambda _, network, size: fault(network, size)
 
 
@@ -62,41 +60,39 @@ STEPS = tuple(m * 10.0**-e for e in range(4, 0, -1) for m in (1, 2, 5))
 """Sizes tried on the order, which does not grow in proportion to the fault."""
 FINENESSES = (10, 20)
 IDENTITY = 1e-9
-TOLERANCES = (
-    Tolerance(
+
+
+def _unnoticed(rows: pd.DataFrame) -> int:
+    """Faults that no quantity of a lattice notices."""
+    return int((~(rows["noticed"] == "yes").groupby([rows["fault"], rows["lattice"]]).any()).sum())
+
+
+RULES = (
+    kit.Rule(
         "faults that the study must notice and does not", 0.0, "1",
-        "a study that cannot fail proves nothing",
+        "a study that cannot fail proves nothing", table="controls", value=_unnoticed,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "fault": "what is wrong with the network",
-    "kind": "kind of fault",
-    "fault_unit": "how the fault's size is measured",
-    "size": "how large it is, in its unit",
-    "quantity": "what is held to a limit",
-    "error": "its error with the fault",
-    "limit": "what its error may be",
-    "noticed": "whether the error is beyond the limit",
-    "smallest_noticed": "smallest fault of the kind that this quantity notices, in its unit; "
-    '"none" up to the largest tried',
-}
-Measure = Callable[[DisplacementSolver], float]
+Measure = Callable[[kit.DisplacementSolver], float]
 
 
 def apply_fault(
-    kind: str, size: float, problem: Problem, network: Network, answer: Answer = "linear"
-) -> Array:
+    kind: str,
+    size: float,
+    problem: kit.Problem,
+    network: kit.Network,
+    answer: kit.Answer = "linear",
+) -> kit.Array:
     """A candidate whose network has a fault."""
-    return solve_springs(problem, KINDS[kind](problem, network, size), answer)
+    return kit.solve_springs(problem, KINDS[kind](problem, network, size), answer)
 
 
-def candidate_with(kind: str, size: float) -> DisplacementSolver:
+def candidate_with(kind: str, size: float) -> kit.DisplacementSolver:
     """The spring network with a fault of some kind and size."""
     return partial(apply_fault, kind, size)
 
 
-def run(bodies: Bodies) -> Evidence:
+def run(bodies: Bodies) -> kit.Evidence:
     """Try every fault on every quantity."""
     quantities: list[tuple[str, str, Measure, float]] = [
         ("square", "order, two-sided pressure", partial(order_error, bodies), SMOOTH_ERROR),
@@ -113,12 +109,10 @@ def run(bodies: Bodies) -> Evidence:
             row |= {"limit": limit, "noticed": "yes" if error > limit else "no"}
             rows.append(row | {"smallest_noticed": smallest(kind, np.sign(size), measure, limit)})
     table = pd.DataFrame(rows)
-    noticed = table.groupby(["fault", "lattice"])["noticed"].agg(lambda words: "yes" in set(words))
-    return Evidence(
+    return kit.Evidence(
         tables={"controls": table},
-        observed={TOLERANCES[0].quantity: Observed(float((~noticed).sum()))},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
@@ -126,7 +120,7 @@ def run(bodies: Bodies) -> Evidence:
 def smallest(kind: str, sign: float, measure: Measure, limit: float) -> float | str:
     """Smallest size of a fault that a quantity notices."""
     if limit == IDENTITY:
-        rounding = measure(solve_springs)
+        rounding = measure(kit.solve_springs)
         grown = measure(candidate_with(kind, sign * PROBE)) - rounding
         size = PROBE * limit / grown if grown > rounding else np.inf
         return float(size) if size <= 1 else "none"
@@ -136,7 +130,7 @@ def smallest(kind: str, sign: float, measure: Measure, limit: float) -> float | 
     return "none"
 
 
-def order_error(bodies: Bodies, candidate: DisplacementSolver) -> float:
+def order_error(bodies: Bodies, candidate: kit.DisplacementSolver) -> float:
     """Largest distance of the two-sided case's observed orders from what they should be."""
     case = "two-sided pressure"
     errors = []
@@ -154,14 +148,14 @@ def order_error(bodies: Bodies, candidate: DisplacementSolver) -> float:
     return max(abs((0.0 if isinstance(o, str) else o) - SMOOTH) for o in found)
 
 
-def bending_error(candidate: DisplacementSolver) -> float:
+def bending_error(candidate: kit.DisplacementSolver) -> float:
     """Error of EI_eff/EI of a beam four cells high."""
     nu = ISOTROPIC.target.nu
     exact = 1 + (2 - nu) / (1 + nu) / 4**2
     return abs(identities.bending_stiffness(candidate, 4) - exact)
 
 
-def p1_error(candidate: DisplacementSolver) -> float:
+def p1_error(candidate: kit.DisplacementSolver) -> float:
     """Difference of a sheared triangular network to P1 elements."""
     return identities.against_p1(candidate, CASE)[1]
 

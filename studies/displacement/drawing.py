@@ -11,11 +11,8 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import body_drawing, figures
+from msvalidate import kit
 from msvalidate.output.body_drawing import BOUNDARY_RULES
-from msvalidate.problem import Array, Mask
-from msvalidate.problem.statement import prescribed_displacements
 
 from .load_cases import BAND, CASES, body, problem
 from .models import ISOTROPIC
@@ -46,10 +43,10 @@ FIELD_FINENESS = 10
 """Of the bodies whose field of differences is drawn."""
 
 
-def convergence(tables: Tables) -> Figure:
+def convergence(tables: kit.Tables) -> Figure:
     """Relative L2 difference to the homogenised body against the spacing, with its order."""
     cases = tables["cases"].drop_duplicates(["case", "lattice", "weights", "k1", "cells_y"])
-    figure, axes = figures.new_figure(2, 2, size=(3.5, 3.3), sharey=True)
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.5, 3.3), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         rows = cases[cases["case"] == case]
         groups = rows.groupby(["lattice", "k1", "weights"], sort=False)
@@ -61,8 +58,8 @@ def convergence(tables: Tables) -> Figure:
                 1 / line["cells_y"],
                 line["rel_l2"],
                 "-" if shared else ":",
-                marker=figures.MARKERS[i // 2],
-                color=figures.COLOURS[i // 2],
+                marker=kit.figures.MARKERS[i // 2],
+                color=kit.figures.COLOURS[i // 2],
                 mfc=None if shared else "white",
                 label=f"{name},\n{BOUNDARY_RULES[str(weights)]}",
             )
@@ -85,14 +82,14 @@ def convergence(tables: Tables) -> Figure:
     for axis in axes[::2]:
         axis.set_ylabel("difference to FEM over\nits displacement, rms (1)")
     figure.suptitle("Springs against the homogenised body, as spacings get finer")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
-def budget(tables: Tables) -> Figure:
+def budget(tables: kit.Tables) -> Figure:
     """Signed parts of the error at one probe, along the load, stacked, for the coarsest bodies."""
     cases = tables["cases"]
-    figure, axes = figures.new_figure(2, 2, size=(3.6, 3.2), sharex=True, sharey=True)
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.6, 3.2), sharex=True, sharey=True)
     shown = {case: coarsest_rows(cases, case) for case in CASES}
     largest = pd.concat(shown.values())[list(PARTS)].abs().max()
     for axis, (case, rows) in zip(axes, shown.items(), strict=True):
@@ -102,7 +99,7 @@ def budget(tables: Tables) -> Figure:
     for axis in axes[2:]:
         axis.set_xlabel("error, part of the target's\ndisplacement there (%)")
     figure.suptitle("What the error of springs is made of: 6 particles on a side of 1 m")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure
 
 
@@ -123,7 +120,7 @@ def stack_parts(axis: Axes, rows: pd.DataFrame, largest: pd.Series) -> None:
     ]
     place = np.arange(len(rows))[::-1]
     right, left = np.zeros(len(rows)), np.zeros(len(rows))
-    for part, colour in zip(PARTS, figures.COLOURS, strict=False):
+    for part, colour in zip(PARTS, kit.figures.COLOURS, strict=False):
         value = 100 * rows[part].to_numpy()
         base = np.where(value >= 0, right, left)
         label = PART_WORDS[part] + ("" if largest[part] > SEEN else ": too small to see")
@@ -146,7 +143,7 @@ def stack_parts(axis: Axes, rows: pd.DataFrame, largest: pd.Series) -> None:
     axis.grid(visible=False, axis="y")
 
 
-def field(tables: Tables) -> Figure:
+def field(tables: kit.Tables) -> Figure:
     """Where springs and homogenised body differ: length of the difference over the largest |u|."""
     table = tables["field"]
     lattices = list(dict.fromkeys(table["lattice"]))
@@ -184,7 +181,7 @@ def field(tables: Tables) -> Figure:
     scale.set_label(label)
     scale.set_ticks(levels, labels=[f"{level:g}" for level in levels])
     figure.suptitle("Where springs and the body they stand for differ")
-    figures.add_shared_legend(figure, bar_axes)
+    kit.figures.add_shared_legend(figure, bar_axes)
     return figure
 
 
@@ -193,18 +190,18 @@ def field_levels(most: float) -> list[float]:
     return [*(level for level in LEVELS if level < most), next(m for m in LEVELS if m >= most)]
 
 
-def draw_case(axis: Axes, case: str, lattice: str, points: Array) -> None:
+def draw_case(axis: Axes, case: str, lattice: str, points: kit.Array) -> None:
     """Supports at the points of a lattice that a case holds, and its loads at those it loads."""
     shape = body(lattice, case, FIELD_FINENESS)
     asked = problem(case, shape, ISOTROPIC.target)
-    held, _ = prescribed_displacements(asked, points)
-    body_drawing.draw_supports(axis, points, held, size=3.5)
+    held, _ = kit.prescribed_displacements(asked, points)
+    kit.body_drawing.draw_supports(axis, points, held, size=3.5)
     for name, force in CASES[case].loads.items():
         at = points[shape.places[name].select(points, shape.domain.tolerance)]
-        body_drawing.draw_loads(axis, at, np.tile(force, (len(at), 1)), length=0.9 * ROOM)
+        kit.body_drawing.draw_loads(axis, at, np.tile(force, (len(at), 1)), length=0.9 * ROOM)
 
 
-def _slivers(mesh: Triangulation) -> Mask:
+def _slivers(mesh: Triangulation) -> kit.Mask:
     """Triangles that bridge a notch of the outline: longer than the lattice's own."""
     x, y = mesh.x[mesh.triangles], mesh.y[mesh.triangles]
     side = np.hypot(x - np.roll(x, 1, axis=1), y - np.roll(y, 1, axis=1)).max(axis=1)

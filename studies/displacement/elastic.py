@@ -8,8 +8,7 @@ from functools import cache
 import numpy as np
 
 import reference_fem
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Array, Material, Polygon
+from msvalidate import kit
 
 from . import load_cases
 from .load_cases import CASES, FIFTH, HIGH, LENGTH, LOW, Body
@@ -42,7 +41,7 @@ class Question:
 
     case: str
     lattice: str
-    material: Material
+    material: kit.Material
     finenesses: tuple[int, ...]
     accuracy: float
 
@@ -55,9 +54,9 @@ class Elastic:
     the lattice's points. `trust`: the words of the estimate. `mesh`: nodes of the finest mesh.
     """
 
-    at_probes: Array
-    uncertainty: Array
-    at_points: dict[int, Array]
+    at_probes: kit.Array
+    uncertainty: kit.Array
+    at_points: dict[int, kit.Array]
     trust: str
     mesh: int
 
@@ -66,7 +65,7 @@ Bodies = dict[tuple[str, Model, int], tuple[Elastic, Elastic]]
 """(case, model, fineness) -> the homogenised body and the target."""
 
 
-def solve_reference(setting: Setting) -> Bodies:
+def solve_reference(setting: kit.Setting) -> Bodies:
     """Solve every elastic body once, however many networks are compared with it."""
     asked: list[Question] = []
     wanted: dict[tuple[str, Model, int], tuple[int, int]] = {}
@@ -92,7 +91,7 @@ def solve_reference(setting: Setting) -> Bodies:
 def bodies(case: str, lattice: str, finenesses: tuple[int, ...]) -> list[tuple[int, ...]]:
     """Finenesses that share a body: all of them, but a zigzag edge is a body of its own."""
     shape = load_cases.body(lattice, case, finenesses[0])
-    zigzag = isinstance(shape.domain, Polygon) and len(shape.domain.reentrant)
+    zigzag = isinstance(shape.domain, kit.Polygon) and len(shape.domain.reentrant)
     return [(n,) for n in finenesses] if zigzag else [finenesses]
 
 
@@ -135,7 +134,7 @@ def solve(question: Question) -> Elastic:
 
 def mesh(case: str, shape: Body, level: int) -> reference_fem.Discretisation:
     """Mesh of a body: cells per side of a box, or level of refinement of an outline's corners."""
-    if isinstance(shape.domain, Polygon):
+    if isinstance(shape.domain, kit.Polygon):
         triangles = TRIANGLES["bar" if case == "bending" else "block"]
         most = max(1, int(FINE_INSIDE * shape.spacing))
         parts = min(level * int(np.ceil(triangles * shape.spacing)), most)
@@ -158,9 +157,9 @@ def mesh(case: str, shape: Body, level: int) -> reference_fem.Discretisation:
     return reference_fem.box_discretisation(shape.domain, level, "Q2", GRADING, through=through)
 
 
-def singular_places(case: str, shape: Body) -> Array:
+def singular_places(case: str, shape: Body) -> kit.Array:
     """Re-entrant corners, and where supports and loads end (p, 2)."""
-    if not isinstance(shape.domain, Polygon):
+    if not isinstance(shape.domain, kit.Polygon):
         raise TypeError("a box is graded towards its corners")
     asked = CASES[case]
     ends = [

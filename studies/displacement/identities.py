@@ -17,14 +17,10 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import Lattice, square
 from msvalidate.network import tangent
-from msvalidate.problem import Array, Box, Problem, Region, Support, Traction
 from reference_fem.elasticity import stiffness
 
 from . import load_cases
@@ -41,39 +37,38 @@ LENGTH = 8
 consistent forces of a linear traction are the network's own pure bending and leave none."""
 MOMENT = 100.0
 """N·m; the answer is linear."""
-TOLERANCES = (
-    Tolerance(
-        "triangular springs are P1 elements: stiffness, relative", 1e-12, "1",
-        "an identity; left is the rounding of sums of a few terms",
+exact = partial(kit.Rule, limit=1e-9, unit="1")
+RULES = (
+    exact(
+        "triangular springs are P1 elements: stiffness, relative", limit=1e-12, table="p1_identity",
+        value="stiffness_difference",
+        because="an identity; left is the rounding of sums of a few terms",
     ),
-    Tolerance(
-        "triangular springs are P1 elements: displacement, relative", 1e-9, "1",
-        "the same identity through two linear solves, 1e-16 times a condition number of 1e4 to 1e6",
+    exact(
+        "triangular springs are P1 elements: displacement, relative", table="p1_identity",
+        value="displacement_difference",
+        because="the same identity through two linear solves, 1e-16 times a condition number of "
+        "1e4 to 1e6",
     ),
-    Tolerance(
-        "pure bending: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²", 1e-9, "1",
-        "exact on a network, on a network: left is rounding, 1e-16 times a condition number of "
-        "up to 1e5",
+    exact(
+        "pure bending: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²", table="pure_bending",
+        value="EI_ratio", reference="EI_formula",
+        because="exact on a network, on a network: left is rounding, 1e-16 times a condition "
+        "number of up to 1e5",
     ),
-    Tolerance(
-        "uniform tension of square cells: displacement, relative", 1e-9, "1",
-        "cells that share springs are all alike: uniform strain is exact; left is rounding",
+    exact(
+        "uniform tension of square cells: displacement, relative", table="uniform_tension",
+        value="tension_error",
+        because="cells that share springs are all alike: uniform strain is exact; left is rounding",
     ),
 )  # fmt: skip
 TENSION = 1e-3
 """Strain of the stretched square; the answer is linear."""
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "stiffness_difference": "largest entry of springs - P1 over the largest of P1 (1)",
-    "displacement_difference": "largest displacement of springs - P1 over the largest of P1 (1)",
-    "cells_high": "cells through the height of a beam, square, cube or bar, N",
-    "tension_error": "largest error of the stretched square's displacement, relative (1)",
-    "EI_ratio": "moment over curvature of the candidate's beam, over E·t·height³/12 (1)",
-    "EI_formula": "1 + ((2 - nu)/(1 + nu))/N² with nu = 1/3 (1)",
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate with P1 elements, and with the closed form."""
     compared = setting.sweep(partial(against_p1, candidate), CASES, "P1 elements")
     p1 = pd.DataFrame(
@@ -103,26 +98,14 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         }
         for n in HEIGHTS
     )
-    values = (
-        farthest_value(p1["stiffness_difference"], 0.0),
-        farthest_value(p1["displacement_difference"], 0.0),
-        farthest_value(bending["EI_ratio"], bending["EI_formula"]),
-        farthest_value(tension["tension_error"], 0.0),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"p1_identity": p1, "pure_bending": bending, "uniform_tension": tension},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={
-            "stiffness_difference": 1e-12,
-            "displacement_difference": 1e-12,
-            "tension_error": 1e-12,
-        },
+        tolerances=RULES,
+        columns=kit.columns(__file__),
     )
 
 
-def against_p1(candidate: DisplacementSolver, case: str) -> tuple[float, float]:
+def against_p1(candidate: kit.DisplacementSolver, case: str) -> tuple[float, float]:
     """Largest relative difference of stiffness and of displacement, springs against P1."""
     shape = load_cases.body("triangular", case, FINENESS)
     grid = shape.grid()
@@ -138,32 +121,32 @@ def against_p1(candidate: DisplacementSolver, case: str) -> tuple[float, float]:
     return float(matrix), float(away / np.abs(reference).max())
 
 
-def counter_clockwise(grid: Lattice) -> Array:
+def counter_clockwise(grid: Lattice) -> kit.Array:
     """The lattice's triangles, turned where they run clockwise."""
     a, b, c = (grid.points[corner] for corner in grid.cells.T)
     turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     return np.where(turn[:, None] > 0, grid.cells, grid.cells[:, ::-1])
 
 
-def bending_stiffness(candidate: DisplacementSolver, cells: int) -> float:
+def bending_stiffness(candidate: kit.DisplacementSolver, cells: int) -> float:
     """EI_eff/EI of a beam 1 m high under end moments, from the curvature at its middle."""
-    beam = Box((float(LENGTH), 1.0))
+    beam = kit.Box((float(LENGTH), 1.0))
     stress = 12 * MOMENT / THICKNESS
 
-    def pull(points: Array) -> Array:
+    def pull(points: kit.Array) -> kit.Array:
         return np.stack([stress * (points[:, 1] - 0.5), 0 * points[:, 1]], axis=1)
 
-    def push(points: Array) -> Array:
+    def push(points: kit.Array) -> kit.Array:
         return -pull(points)
 
-    problem = Problem(
+    problem = kit.Problem(
         beam,
         CAUCHY,
         (
-            Support(Region((0.0, 0.0)), (0.0, 0.0)),
-            Support(Region((float(LENGTH), 0.0)), (None, 0.0)),
+            kit.Support(kit.Region((0.0, 0.0)), (0.0, 0.0)),
+            kit.Support(kit.Region((float(LENGTH), 0.0)), (None, 0.0)),
         ),
-        (Traction(beam.side("right"), pull), Traction(beam.side("left"), push)),
+        (kit.Traction(beam.side("right"), pull), kit.Traction(beam.side("left"), push)),
         name="pure bending",
     )
     grid = square(beam, (LENGTH * cells, cells))
@@ -177,16 +160,16 @@ def bending_stiffness(candidate: DisplacementSolver, cells: int) -> float:
     return float(MOMENT / abs(curvature) / (MODULUS * THICKNESS / 12))
 
 
-def uniform_tension(candidate: DisplacementSolver, cells: int) -> float:
+def uniform_tension(candidate: kit.DisplacementSolver, cells: int) -> float:
     """Largest error of the displacement (x, -nu·y)·strain of a unit square pulled along x."""
-    box = Box((1.0, 1.0))
+    box = kit.Box((1.0, 1.0))
     left, right = box.side("left"), box.side("right")
     stress = TENSION * MODULUS
-    problem = Problem(
+    problem = kit.Problem(
         box,
         CAUCHY,
-        (Support(left, (0.0, None)), Support(Region((0.0, 0.0)), (None, 0.0))),
-        (Traction(right, (stress, 0.0)),),
+        (kit.Support(left, (0.0, None)), kit.Support(kit.Region((0.0, 0.0)), (None, 0.0))),
+        (kit.Traction(right, (stress, 0.0)),),
         name="uniform tension",
     )
     network = lattice_network(problem, square(box, cells), SQUARE.constants)

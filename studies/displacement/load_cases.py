@@ -13,21 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.lattice import Lattice, square, trapezium, triangular, zigzag_block
-from msvalidate.problem import (
-    Array,
-    Box,
-    Index,
-    Material,
-    Part,
-    Polygon,
-    Problem,
-    ProblemError,
-    Region,
-    Segment,
-    Support,
-    Traction,
-)
 from msvalidate.problem.checks import whole_number
 
 MODULUS = 1e5
@@ -95,32 +82,6 @@ CASES = {
     )
 }
 LATTICES = ("square", "triangular")
-COLUMNS = {
-    "case": "load case",
-    "lattice": "which lattice",
-    "k1": "stiffness of axial springs (N/m)",
-    "k2": "stiffness of diagonal springs (N/m); 0 where there are none",
-    "weights": "rule for springs on the boundary: shared or equal",
-    "cells_x": "square: cells along x. Triangular block: strips of triangles along x; triangular "
-    "bar: triangle sides along the top",
-    "cells_y": "square: cells along y. Triangular block: triangle sides along its straight left "
-    "edge; triangular bar: rows of triangles",
-    "probe": "name of a point away from loads, supports and corners",
-    "component": "ux or uy",
-    "x": "place along x (m)",
-    "y": "place along y (m)",
-    "body": "outline of the body, at the coarsest lattice",
-    "area": "its area (m²)",
-    "loaded": "name of the loaded part",
-    "where": "the loaded part (m)",
-    "force_x": "total force on it along x (N)",
-    "force_y": "total force on it along y (N)",
-    "held": "parts held, and which components",
-    "nominal_strain": "strain that the load stands for (1)",
-    "nominal_strain_is": "how that is meant",
-    "band": "largest |total| + reference that counts as agreement (1)",
-}
-"""What columns of several tables mean."""
 
 
 @dataclass(frozen=True)
@@ -133,19 +94,19 @@ class Body:
     """
 
     lattice: str
-    domain: Box | Polygon
+    domain: kit.Box | kit.Polygon
     spacing: float
     cells: tuple[int, int]
-    places: dict[str, Part]
+    places: dict[str, kit.Part]
     probes: dict[str, tuple[float, float]]
 
     def grid(self) -> Lattice:
         """The lattice."""
-        if isinstance(self.domain, Polygon):
+        if isinstance(self.domain, kit.Polygon):
             return triangular(self.domain, self.spacing)
         return square(self.domain, self.cells)
 
-    def at_probes(self, points: Array) -> Index:
+    def at_probes(self, points: kit.Array) -> kit.Index:
         """Numbers of the points (n, 2) at the probes, in their order.
 
         Raises
@@ -157,7 +118,9 @@ class Body:
         at = away.argmin(axis=0)
         for name, distance in zip(self.probes, away.min(axis=0), strict=True):
             if distance > self.domain.tolerance:
-                raise ProblemError(f"probe {name!r}: the nearest point is {distance:.3g} m away")
+                raise kit.ProblemError(
+                    f"probe {name!r}: the nearest point is {distance:.3g} m away"
+                )
         return np.asarray(at)
 
 
@@ -169,11 +132,11 @@ def body(lattice: str, case: str, fineness: int) -> Body:
     is loaded or held is straight.
     """
     if lattice not in LATTICES:
-        raise ProblemError(f"lattice {lattice!r}: choose from {', '.join(LATTICES)}")
+        raise kit.ProblemError(f"lattice {lattice!r}: choose from {', '.join(LATTICES)}")
     if case not in CASES:
-        raise ProblemError(f"load case {case!r}: choose from {', '.join(CASES)}")
+        raise kit.ProblemError(f"load case {case!r}: choose from {', '.join(CASES)}")
     if whole_number("fineness", fineness, 5) % 5:
-        raise ProblemError(
+        raise kit.ProblemError(
             f"fineness: {fineness}; give a multiple of 5, so that loads and probes meet points"
         )
     make = {
@@ -186,7 +149,7 @@ def body(lattice: str, case: str, fineness: int) -> Body:
 
 
 def _square_block(n: int) -> Body:
-    box = Box((1.0, 1.0))
+    box = kit.Box((1.0, 1.0))
     probes = {"upper": (0.4, 0.8), "inside": (0.6, 0.6)}
     return Body("square", box, 1 / n, (n, n), _sides(1.0, 0.4), probes)
 
@@ -199,26 +162,26 @@ def _triangular_block(n: int) -> Body:
     return Body("triangular", outline, 1 / n, cells, _sides(width, width / 3), probes)
 
 
-def _sides(width: float, inner: float) -> dict[str, Part]:
+def _sides(width: float, inner: float) -> dict[str, kit.Part]:
     """Named parts of a block 1 m high with straight left and right sides."""
     return {
-        "left": Segment((0.0, 1.0), (0.0, 0.0)),
-        "right": Segment((width, 0.0), (width, 1.0)),
-        "middle fifth of left": Segment((0.0, HIGH), (0.0, LOW)),
-        "middle fifth of right": Segment((width, LOW), (width, HIGH)),
-        "lower inner point": Region((inner, LOW)),
-        "upper inner point": Region((inner, HIGH)),
+        "left": kit.Segment((0.0, 1.0), (0.0, 0.0)),
+        "right": kit.Segment((width, 0.0), (width, 1.0)),
+        "middle fifth of left": kit.Segment((0.0, HIGH), (0.0, LOW)),
+        "middle fifth of right": kit.Segment((width, LOW), (width, HIGH)),
+        "lower inner point": kit.Region((inner, LOW)),
+        "upper inner point": kit.Region((inner, HIGH)),
     }
 
 
 def _square_beam(n: int) -> Body:
-    places: dict[str, Part] = {
-        "left": Segment((0.0, 1.0), (0.0, 0.0)),
-        "right": Segment((LENGTH, 0.0), (LENGTH, 1.0)),
-        "middle of top": Segment((LENGTH / 2 + FIFTH / 2, 1.0), (LENGTH / 2 - FIFTH / 2, 1.0)),
+    places: dict[str, kit.Part] = {
+        "left": kit.Segment((0.0, 1.0), (0.0, 0.0)),
+        "right": kit.Segment((LENGTH, 0.0), (LENGTH, 1.0)),
+        "middle of top": kit.Segment((LENGTH / 2 + FIFTH / 2, 1.0), (LENGTH / 2 - FIFTH / 2, 1.0)),
     }
     probes = {"bottom": (2.4, 0.0), "quarter": (1.2, 0.4)}
-    return Body("square", Box((LENGTH, 1.0)), 1 / n, (5 * n, n), places, probes)
+    return Body("square", kit.Box((LENGTH, 1.0)), 1 / n, (5 * n, n), places, probes)
 
 
 def _triangular_bar(n: int) -> Body:
@@ -226,27 +189,29 @@ def _triangular_bar(n: int) -> Body:
     outline = trapezium(1 / n, cells)
     a, b, c, d = outline.vertices
     middle = 0.5 * (a[0] + b[0])
-    places: dict[str, Part] = {
-        "left": Segment(d, a),
-        "right": Segment(b, c),
-        "middle of top": Segment((middle + FIFTH / 2, c[1]), (middle - FIFTH / 2, c[1])),
+    places: dict[str, kit.Part] = {
+        "left": kit.Segment(d, a),
+        "right": kit.Segment(b, c),
+        "middle of top": kit.Segment((middle + FIFTH / 2, c[1]), (middle - FIFTH / 2, c[1])),
     }
     probes = {"bottom": (middle - FIFTH / 2, 0.0), "quarter": (1.4, c[1] / 3)}
     return Body("triangular", outline, 1 / n, cells, places, probes)
 
 
-def problem(case: str, shape: Body, material: Material) -> Problem:
+def problem(case: str, shape: Body, material: kit.Material) -> kit.Problem:
     """The problem of a case on a body of some material."""
     asked = CASES[case]
     supports = tuple(
-        Support(shape.places[name], tuple(0.0 if component else None for component in held))
+        kit.Support(shape.places[name], tuple(0.0 if component else None for component in held))
         for name, held in asked.supports.items()
     )
     loads = []
     for name, force in asked.loads.items():
         area = shape.places[name].measure(shape.domain.span) * material.thickness
-        loads.append(Traction(shape.places[name], tuple(f / area for f in force)))
-    return Problem(shape.domain, material, supports, tuple(loads), name=f"{case}, {shape.lattice}")
+        loads.append(kit.Traction(shape.places[name], tuple(f / area for f in force)))
+    return kit.Problem(
+        shape.domain, material, supports, tuple(loads), name=f"{case}, {shape.lattice}"
+    )
 
 
 def table() -> pd.DataFrame:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Answer, DisplacementSolver
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Array
 
 from . import load_cases
 from .load_cases import CASES
@@ -19,7 +17,7 @@ WEIGHTS = ("shared", "equal")
 SIZES = {"square": (5, 10, 20, 40, 80), "triangular": (5, 10, 20, 40, 80)}
 QUICK_SIZES = {"square": (5, 10, 20), "triangular": (5, 10)}
 """Spacings on a side of 1 m; 5 are the report's 6 x 6 particles."""
-ANSWERS: tuple[Answer, ...] = ("linear", "nonlinear", "relaxed")
+ANSWERS: tuple[kit.Answer, ...] = ("linear", "nonlinear", "relaxed")
 
 
 @dataclass(frozen=True)
@@ -35,33 +33,35 @@ class Block:
 class Measurement:
     """Displacements (n, 2) in m of a block by (weights, answer), and its points (n, 2) in m."""
 
-    points: Array
-    moves: dict[tuple[str, Answer], Array]
+    points: kit.Array
+    moves: dict[tuple[str, kit.Answer], kit.Array]
 
 
-def blocks(setting: Setting) -> list[Block]:
+def blocks(setting: kit.Setting) -> list[Block]:
     """All networks of the study."""
     return [Block(c, m, n) for c in CASES for m in MODELS for n in sizes(setting, m.lattice)]
 
 
-def sizes(setting: Setting, lattice: str) -> tuple[int, ...]:
+def sizes(setting: kit.Setting, lattice: str) -> tuple[int, ...]:
     """Finenesses of a lattice's bodies, coarsest first."""
     return (QUICK_SIZES if setting.quick else SIZES)[lattice]
 
 
-def measure_all(candidate: DisplacementSolver, setting: Setting) -> dict[Block, Measurement]:
+def measure_all(
+    candidate: kit.DisplacementSolver, setting: kit.Setting
+) -> dict[Block, Measurement]:
     """Every block of the study, measured."""
     todo = blocks(setting)
     found = setting.sweep(partial(measure, candidate), todo, "spring networks")
     return dict(zip(todo, found, strict=True))
 
 
-def measure(candidate: DisplacementSolver, block: Block) -> Measurement:
+def measure(candidate: kit.DisplacementSolver, block: Block) -> Measurement:
     """The candidate's answers for a block, under every boundary rule."""
     shape = load_cases.body(block.model.lattice, block.case, block.fineness)
     problem = load_cases.problem(block.case, shape, homogenised(block.model))
     grid = shape.grid()
-    moves: dict[tuple[str, Answer], Array] = {}
+    moves: dict[tuple[str, kit.Answer], kit.Array] = {}
     for weights in WEIGHTS:
         network = lattice_network(problem, grid, block.model.constants, weights=weights)
         for answer in ANSWERS:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import square_constants, triangular_constants
-from msvalidate.problem import Anisotropic, Isotropic
 
 from . import load_cases
 from .load_cases import DENSITY, MODULUS, THICKNESS
@@ -21,7 +21,7 @@ class Model:
     name: str
     lattice: str
     constants: tuple[float, ...]
-    target: Isotropic
+    target: kit.Isotropic
 
     @property
     def is_target(self) -> bool:
@@ -34,9 +34,9 @@ class Model:
         return (self.constants[0], self.constants[1] if len(self.constants) > 1 else 0.0)
 
 
-def plane_stress(E: float, nu: float) -> Isotropic:
+def plane_stress(E: float, nu: float) -> kit.Isotropic:
     """A target: plane stress at the cases' thickness."""
-    return Isotropic(E=E, nu=nu, state="plane_stress", density=DENSITY, thickness=THICKNESS)
+    return kit.Isotropic(E=E, nu=nu, state="plane_stress", density=DENSITY, thickness=THICKNESS)
 
 
 CAUCHY = plane_stress(MODULUS, 1 / 3)
@@ -55,10 +55,10 @@ MODELS = (
 ISOTROPIC = MODELS[0]
 
 
-def homogenised(model: Model) -> Anisotropic:
+def homogenised(model: Model) -> kit.Anisotropic:
     """The elastic body that the inside of the lattice is."""
     grid = load_cases.body(model.lattice, "pressure", 5).grid()
     tensor = interior_tensor(grid, model.constants, "shared") / THICKNESS
     # Rounding is no anisotropy: what should be zero is.
     tensor[np.abs(tensor) < 1e-14 * tensor.max()] = 0.0
-    return Anisotropic(tensor, density=DENSITY, thickness=THICKNESS)
+    return kit.Anisotropic(tensor, density=DENSITY, thickness=THICKNESS)

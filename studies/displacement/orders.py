@@ -39,19 +39,19 @@ def observed_orders(cases: pd.DataFrame) -> pd.DataFrame:
         corner = twice_exponent(str(head["case"]), model)
         columns = ["cells_y", "discretisation", "reference"]
         series = group.sort_values("cells_y", kind="stable")[columns].to_numpy()
-        for (coarse, before, _), (fine, after, doubt) in pairwise(series):
-            found = order(before, after, fine / coarse, doubt)
+        for (coarse, before, _), (fine, after, uncertainty) in pairwise(series):
+            found = order(before, after, fine / coarse, uncertainty)
             row = {"cells_y_coarse": int(coarse), "cells_y": int(fine), "order": found}
             rows.append(head | row | {"twice_corner_exponent": corner})
     return pd.DataFrame(rows)
 
 
-def order(before: float, after: float, ratio: float, doubt: float = 0.0) -> float | str:
+def order(before: float, after: float, ratio: float, uncertainty: float = 0.0) -> float | str:
     """Power with which an error fell as the spacing was divided by `ratio`, or a word.
 
-    `doubt` is the uncertainty of `after`.
+    `uncertainty` is the uncertainty of `after`.
     """
-    if doubt > DOUBTFUL * abs(after):
+    if uncertainty > DOUBTFUL * abs(after):
         return "not resolved"
     if before * after <= 0:
         return "not asymptotic"

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import body_drawing, figures
+from msvalidate import kit
 
 from .claims import CLAIMS, CURVES, NUMBERS, SOURCES
 from .load_cases import CASES
@@ -16,13 +15,13 @@ from .load_cases import CASES
 EXAGGERATED = {"pressure": 10, "two-sided pressure": 10, "shear": 10, "bending": 20}
 
 
-def figures_4_to_7(tables: Tables) -> Figure:
+def figures_4_to_7(tables: kit.Tables) -> Figure:
     """Figures 4 to 7 at k2 = 2 k1 redrawn: 6 x 6 particles over the outlines of elastic bodies."""
     figure = Figure(figsize=(7.6, 6.8), layout="constrained")
     *blocks, bar = CASES
     layout: list[Any] = [blocks, [bar] * len(blocks)]
     axes = figure.subplot_mosaic(layout, height_ratios=(1.3, 1))
-    _, orange, green, *_ = figures.COLOURS
+    _, orange, green, *_ = kit.figures.COLOURS
     for case, axis in axes.items():
         scale = EXAGGERATED[case]
         points, pairs, edge = (
@@ -32,17 +31,19 @@ def figures_4_to_7(tables: Tables) -> Figure:
         rest = points[["x", "y"]].to_numpy()
         now = rest + scale * points[["ux", "uy"]].to_numpy()
         springs = pairs[["start", "end"]].to_numpy()
-        body_drawing.draw_springs(axis, rest, springs, "springs, at rest", body_drawing.AT_REST)
-        body_drawing.draw_springs(axis, now, springs, "springs, deformed")
-        body_drawing.draw_particles(axis, now)
+        kit.body_drawing.draw_springs(
+            axis, rest, springs, "springs, at rest", kit.body_drawing.AT_REST
+        )
+        kit.body_drawing.draw_springs(axis, now, springs, "springs, deformed")
+        kit.body_drawing.draw_particles(axis, now)
         for source, colour, line in zip(SOURCES[1:], (orange, green), ("-", "--"), strict=True):
             ring = edge[edge["source"] == source]
             at = ring[["x", "y"]].to_numpy() + scale * ring[["ux", "uy"]].to_numpy()
-            body_drawing.draw_outline(axis, at, f"{source} (FEM)", ls=line, color=colour)
+            kit.body_drawing.draw_outline(axis, at, f"{source} (FEM)", ls=line, color=colour)
         words = points["held_components"].str
         held = np.column_stack([words.contains("ux"), words.contains("uy")])
-        body_drawing.draw_supports(axis, now, held)
-        body_drawing.draw_loads(axis, now, points[["load_x", "load_y"]])
+        kit.body_drawing.draw_supports(axis, now, held)
+        kit.body_drawing.draw_loads(axis, now, points[["load_x", "load_y"]])
         axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
         gap_in_title = ", " if case == bar else "\n"
         axis.set_title(f"Figure {NUMBERS[case]}: {case}{gap_in_title}displacement × {scale}")
@@ -50,21 +51,21 @@ def figures_4_to_7(tables: Tables) -> Figure:
         if case != bar:
             axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=(0, 0.5, 1))
     figure.suptitle("The report's load cases: springs, k2 = 2 k1, over elastic bodies")
-    figures.add_shared_legend(figure, list(axes.values()), columns=3)
+    kit.figures.add_shared_legend(figure, list(axes.values()), columns=3)
     return figure
 
 
-def bent_line(tables: Tables) -> Figure:
+def bent_line(tables: kit.Tables) -> Figure:
     """Deflection of the bar's lowest row at k2 = 2 k1, and by how much four curves miss it."""
-    figure, (axis, missed) = figures.new_figure(columns=2, size=(3.6, 4.2))
+    figure, (axis, missed) = kit.figures.new_figure(columns=2, size=(3.6, 4.2))
     lines = dict(list(tables["bent_line"].groupby("source")))
     springs = lines[SOURCES[0]]
     x, deflection = springs["x"], 1e3 * springs["uy"]
     height = deflection.abs().max()
-    blue, *solids = figures.COLOURS[:3]
+    blue, *solids = kit.figures.COLOURS[:3]
     for source, colour, style in zip(SOURCES[1:], solids, ("-", "--"), strict=True):
         axis.plot(x, 1e3 * lines[source]["uy"], style, color=colour, label=f"{source} (FEM)")
-    curves = zip(CURVES, CLAIMS["bending"], (*figures.COLOURS[3:], "#444444"), strict=True)
+    curves = zip(CURVES, CLAIMS["bending"], (*kit.figures.COLOURS[3:], "#444444"), strict=True)
     for (curve, claim, colour), marker in zip(curves, "^vDs", strict=True):
         fit = 1e3 * springs[curve]
         label = f"fit: {claim.statement.partition(': ')[2]}"
@@ -77,5 +78,5 @@ def bent_line(tables: Tables) -> Figure:
         xlabel="x (m)", ylabel="springs less fit (% of largest)", title="Misfit of the springs"
     )
     figure.suptitle("How the bar of Figure 7 bends, k2 = 2 k1")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

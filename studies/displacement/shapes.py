@@ -20,18 +20,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Answer
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
-from msvalidate.problem import Array
 
 from . import load_cases, redrawn
 from .claims import (
     CLAIMS,
     CURVES,
     FREE,
-    LIKE,
     LOADED,
     MISFIT,
     NAMED,
@@ -48,57 +44,25 @@ from .measuring import Block, Measurement
 from .models import MODELS, Model, homogenised
 
 FINENESS = 5
-SETTING: tuple[str, Answer] = ("equal", "relaxed")
+SETTING: tuple[str, kit.Answer] = ("equal", "relaxed")
 SQUARE = tuple(model for model in MODELS if model.lattice == "square")
 DRAWN = next(model for model in SQUARE if not model.is_target)
 """The report's k2 = 2 k1."""
 TOLD = (*NAMED, SLIGHTLY, LOADED, FREE, MISFIT)
 """What of the statements is told in words."""
-TOLERANCES = (
-    Tolerance(
-        "Figures 4 and 5: swelling over shrinking, springs against FEM", 0.07, "1",
-        "half of what separates the homogenised body from the target at k2 = 2 k1, 0.14 or more: "
-        "nearer to the body that the springs are",
-        layer="agreement",
-    ),
-    Tolerance(
-        "Figure 7: deflection line over its height, springs - FEM, rms", 0.02, "1",
-        "misfits to a curve differ by no more than the lines do; those of half a wave and of a "
-        "whole wave to the FEM line differ by 0.046 or more: which is nearer cannot turn",
-        layer="agreement",
-    ),
+SWELLING = kit.Rule(
+    "Figures 4 and 5: swelling over shrinking, springs against FEM", 0.07, "1",
+    "half of what separates the homogenised body from the target at k2 = 2 k1, 0.14 or more: "
+    "nearer to the body that the springs are",
+    layer="agreement", table="statements", rows={"measured": SLIGHTLY},
+    value="in_springs", reference="in_homogenised",
 )  # fmt: skip
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "point": "number of a particle",
-    "start": "particle at which a spring starts",
-    "end": "particle at which it ends",
-    "ux": "displacement along x (m)",
-    "uy": "displacement along y (m)",
-    "held_components": "components of the displacement that are held at the particle",
-    "load_x": "force on the particle along x (N)",
-    "load_y": "force on the particle along y (N)",
-    "source": "whose displacement: of springs, of the homogenised body or of the target (by FEM)",
-    "fit_half_wave": "sin(pi x/L), fitted to uy by a factor (m)",
-    "fit_whole_wave": "(1 - cos(2 pi x/L))/2, fitted to uy by a factor (m)",
-    "fit_clamped_beam": "clamped beam under a force in its middle, fitted to uy by a factor (m)",
-    "fit_shear_beam": "the same plus straight lines from the ends to the middle: two factors (m)",
-    "figure": "number of the report's figure",
-    "statement": "what the report says, shortened; or a curve for comparison",
-    "measured": "what of the picture is measured",
-    "unit": "unit of the row's numbers",
-    "in_springs": "the number in the springs, where Algorithm 1 comes to rest with equal weights",
-    "in_homogenised": "the same in the homogenised body, linear, by FEM",
-    "in_target": "the same in the target, linear, by FEM",
-    "judgement": "of which of the three the statement holds. A line is like a curve if the misfit "
-    f"is below {LIKE:g}",
-}
 
 
-def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> Evidence:
+def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> kit.Evidence:
     """Redraw the figures and put numbers to the words, from what the study has solved."""
 
-    def moves(case: str, model: Model) -> tuple[Array, list[Array]]:
+    def moves(case: str, model: Model) -> tuple[kit.Array, list[kit.Array]]:
         seen = measured[Block(case, model, FINENESS)]
         solids = [body.at_points[FINENESS] for body in bodies[case, model, FINENESS]]
         return seen.points, [seen.moves[SETTING], *solids]
@@ -108,30 +72,30 @@ def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> Evidence:
         row for (case, model), fields in found.items() for row in judge_claims(case, model, *fields)
     )
     springs = [deformed_shapes(case, found[case, DRAWN][1][0]) for case in CASES]
-    slightly = statements[statements["measured"] == SLIGHTLY]
     away = [distance_between(*found["bending", model]) for model in SQUARE]
-    values = (
-        farthest_value(slightly["in_springs"], slightly["in_homogenised"]),
-        farthest_value(away, 0.0),
-    )
-    return Evidence(
+    deflection = kit.Tolerance(
+        "Figure 7: deflection line over its height, springs - FEM, rms", 0.02, "1",
+        "misfits to a curve differ by no more than the lines do; those of half a wave and of a "
+        "whole wave to the FEM line differ by 0.046 or more: which is nearer cannot turn",
+        layer="agreement", observed=kit.farthest_value(away, 0.0),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={
             "statements": statements,
-            "bent_line": bent_lines(*found["bending", DRAWN]),
             "deformed": pd.concat([points for points, _ in springs], ignore_index=True),
             "deformed_springs": pd.concat([pairs for _, pairs in springs], ignore_index=True),
             "outline": outlines(bodies),
         },
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(SWELLING, deflection),
+        drawn={"bent_line": bent_lines(*found["bending", DRAWN])},
         figures={"shapes": redrawn.figures_4_to_7, "bent_line": redrawn.bent_line},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(statements),
     )
 
 
 def judge_claims(
-    case: str, model: Model, points: Array, moves: list[Array]
+    case: str, model: Model, points: kit.Array, moves: list[kit.Array]
 ) -> list[dict[str, object]]:
     """Rows of the statements about one figure, for one model."""
     rows = []
@@ -144,13 +108,13 @@ def judge_claims(
     return rows
 
 
-def distance_between(points: Array, moves: list[Array]) -> float:
+def distance_between(points: kit.Array, moves: list[kit.Array]) -> float:
     """Distance (rms) of springs' and homogenised body's deflection lines, each over its height."""
     springs, body = (lower_row(points, move)[1] for move in moves[:2])
     return rms(springs / np.abs(springs).max() - body / np.abs(body).max())
 
 
-def bent_lines(points: Array, moves: list[Array]) -> pd.DataFrame:
+def bent_lines(points: kit.Array, moves: list[kit.Array]) -> pd.DataFrame:
     """Deflection lines of the bar's lowest row, and what is fitted to them."""
     tables = []
     for source, move in zip(SOURCES, moves, strict=True):
@@ -160,7 +124,7 @@ def bent_lines(points: Array, moves: list[Array]) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def deformed_shapes(case: str, move: Array) -> tuple[pd.DataFrame, pd.DataFrame]:
+def deformed_shapes(case: str, move: kit.Array) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Particles of a redrawn figure, and its springs."""
     shape = load_cases.body("square", case, FINENESS)
     problem = load_cases.problem(case, shape, homogenised(DRAWN))
@@ -179,7 +143,7 @@ def deformed_shapes(case: str, move: Array) -> tuple[pd.DataFrame, pd.DataFrame]
     return pd.DataFrame(particles), pd.DataFrame({"case": case, "start": start, "end": end})
 
 
-def outline_points(points: Array) -> Array:
+def outline_points(points: kit.Array) -> kit.Array:
     """Numbers of the points on a rectangle's edges, counter-clockwise from the origin."""
     (x, y), (width, height) = points.T, points.max(axis=0)
     sides = [np.isclose(y, 0), np.isclose(x, width), np.isclose(y, height), np.isclose(x, 0)]

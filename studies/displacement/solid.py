@@ -19,20 +19,14 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate import kit
 from msvalidate.judging.singularity import clamped_edge_exponent
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array, Isotropic
 from reference_fem.elasticity import elastic_tensor
 
-from . import load_cases, orders, solid_drawing, target
+from . import orders, solid_drawing
 from .bent_bar import section_stiffness
-from .identities import COLUMNS as IDENTITIES
 from .load_cases import BAND, MODULUS
 from .solid_bodies import (
     CASES,
@@ -61,60 +55,55 @@ QUICK_BODIES = (
 SHAPE_FACTOR = 5 / 6
 """κ of a rectangular section in shear [Reissner1945]."""
 CONVERGED = 5e-3
-TOLERANCES = (
-    Tolerance(
-        "clamped cubes: order towards their own body, finest pair", 0.2, "1",
-        "the edges' 2λ; the smooth part, of order 2, is a fifth of theirs at 8 cells with either "
-        "sign and bends a pair by up to 0.15",
+finest = partial(kit.Rule, unit="1", table="solid", by=("case", "lattice"), last=1)
+known = partial(
+    kit.Rule, limit=CONVERGED, unit="1", value="fem_uncertainty",
+    because="what the question asks of it: a sixth of the sheared cube's difference at 8 cells; "
+    "cells in space stop where they get dear, and the weakest edge, of cubic 26, takes nearly all",
+)  # fmt: skip
+RULES = (
+    finest(
+        "clamped cubes: order towards their own body, finest pair", 0.2,
+        rows={"case": tuple(case for case in CASES if case != "cantilever")},
+        value=lambda rows: pd.to_numeric(rows["side_order"], errors="coerce"),
+        reference="twice_edge_exponent",
+        because="the edges' 2λ; the smooth part, of order 2, is a fifth of theirs at 8 cells with "
+        "either sign and bends a pair by up to 0.15",
     ),
-    Tolerance(
-        "cantilever: order towards its own body, part of the way from 2λ to 2", 0.5, "1",
-        "the smooth part, the bar's bending, and the clamp's edges have the same sign: the order "
-        "is somewhere between theirs, and this holds it from both sides",
+    finest(
+        "cantilever: order towards its own body, part of the way from 2λ to 2", 0.5,
+        rows={"case": "cantilever"}, reference=0.5,
+        value=lambda rows: (
+            (pd.to_numeric(rows["side_order"], errors="coerce") - rows["twice_edge_exponent"])
+            / (SMOOTH - rows["twice_edge_exponent"])
+        ),
+        because="the smooth part, the bar's bending, and the clamp's edges have the same sign: the "
+        "order is somewhere between theirs, and this holds it from both sides",
     ),
-    Tolerance(
+    kit.Rule(
         "solids, isotropic springs, 8 cells: against their own body", BAND, "1",
         "the band of the plane: springs of the right constants stand for the body they are for",
-        layer="agreement",
+        layer="agreement", table="solid", rows={"cells_high": DRAWN, "lattice": "cubic 18"},
+        value="against_own_body",
     ),
-    Tolerance(
+    kit.Rule(
         "cantilever: FEM against beam theory, relative", 0.03, "1",
         "a beam's sections are free to contract, a clamped one is not: the modulus there is up to "
         "C11 = 1.2 E, over about a quarter of the height, where 3/16 of the bending energy is; a "
         "sixth of that",
+        table="cantilever", rows={"reckoned": "beam theory, PL³/(3EI) + PL/(κGA)"},
+        value="over_fem",
     ),
-    Tolerance(
-        "solids: uncertainty of FEM, relative", CONVERGED, "1",
-        "what the question asks of it: a sixth of the sheared cube's difference at 8 cells; cells "
-        "in space stop where they get dear, and the weakest edge, of cubic 26, takes nearly all",
-    ),
+    known("solids: uncertainty of FEM, relative", table="solid"),
+    known("solids: uncertainty of FEM, of targets too, relative", table="solid_target"),
 )  # fmt: skip
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "cells_high": IDENTITIES["cells_high"],
-    "side_springs": "mean displacement of the loaded side along the load, of the candidate (m)",
-    "side_homogenised": "the same of the lattice's own cubic body, by FEM (m)",
-    "side_target": "the same of the target, by FEM (m)",
-    "against_own_body": target.COLUMNS["against_own_body"],
-    "fem_uncertainty": "largest estimated relative error of the FEM values in the row (1)",
-    "side_order": "power of the spacing with which against_own_body falls from the row above, or a "
-    'word: "coarsest" (nothing above), "not resolved" or "not asymptotic" as in the plane (1)',
-    "twice_edge_exponent": "twice the displacement's exponent at an edge of the clamped side (1)",
-    "target": target.COLUMNS["target"],
-    "E_solid": "Young's modulus of the target (Pa)",
-    "nu_solid": "Poisson's ratio of the target (1)",
-    "model_form": target.COLUMNS["model_form"],
-    "with_model_form": target.COLUMNS["with_model_form"],
-    "reckoned": "how the deflection of the cantilever's end is found",
-    "end_deflection": "mean deflection of the cantilever's loaded side (m)",
-    "over_fem": "end_deflection over that of FEM, less 1 (1)",
-    **solid_drawing.COLUMNS,
-}
 Key = tuple[str, str]
 """(load case, model)."""
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's cubes and bars with elastic bodies."""
     keys = list(QUICK_BODIES if setting.quick else [(c, m) for c in CASES for m in MODELS])
     asked = [(case, MODELS[model].tensor) for case, model in keys]
@@ -132,29 +121,28 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         "solid": table,
         "solid_target": target_table(table, isotropic, of_targets),
         "cantilever": cantilever(own["cantilever", "cubic 18"], table),
-        "solid_shape": solid_drawing.shapes(own, moved),
     }
-    return Evidence(
+    return kit.Evidence(
         tables=tables,
-        observed=observe(tables),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
+        drawn={"solid_shape": solid_drawing.shapes(own, moved)},
         figures={
             "solid": solid_drawing.convergence,
             "solid_shape": solid_drawing.deformed,
         },
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(tables),
     )
 
 
-def sizes(setting: Setting, case: SolidCase) -> tuple[int, ...]:
+def sizes(setting: kit.Setting, case: SolidCase) -> tuple[int, ...]:
     """Cells through the height of a case's bodies."""
     if setting.quick:
         return QUICK_SIZES
     return CUBE_SIZES if case.length == 1 else BAR_SIZES
 
 
-def measure(candidate: DisplacementSolver, asked: tuple[str, str, int]) -> Moved:
+def measure(candidate: kit.DisplacementSolver, asked: tuple[str, str, int]) -> Moved:
     """One spring body: of a load case, a model, and cells through the height."""
     case, model, cells = asked
     return spring_body(candidate, MODELS[model], CASES[case], cells)
@@ -164,7 +152,7 @@ def rows(
     key: Key, own: ElasticSolid, moved: dict[tuple[str, str, int], Moved]
 ) -> list[dict[str, object]]:
     """Rows of the table `solid` for one load case and model, coarsest first."""
-    doubt = own.uncertainty / own.mean
+    uncertainty = own.uncertainty / own.mean
     twice = 2 * clamped_edge_exponent(MODELS[key[1]].tensor)
     found: list[dict[str, object]] = []
     before: tuple[int, float] | None = None
@@ -174,18 +162,19 @@ def rows(
         away = body.mean / own.mean - 1
         order: float | str = "coarsest"
         if before is not None:
-            order = orders.order(before[1], away, cells / before[0], doubt)
+            order = orders.order(before[1], away, cells / before[0], uncertainty)
         row: dict[str, object] = {"case": case, "lattice": model, "cells_high": cells}
         row |= {"side_springs": body.mean, "side_homogenised": own.mean, "against_own_body": away}
         found.append(
-            row | {"fem_uncertainty": doubt, "side_order": order, "twice_edge_exponent": twice}
+            row
+            | {"fem_uncertainty": uncertainty, "side_order": order, "twice_edge_exponent": twice}
         )
         before = cells, away
     return found
 
 
 def target_table(
-    table: pd.DataFrame, materials: dict[str, Isotropic], bodies: list[ElasticSolid]
+    table: pd.DataFrame, materials: dict[str, kit.Isotropic], bodies: list[ElasticSolid]
 ) -> pd.DataFrame:
     """The sheared cube of cubic 26 against isotropic bodies."""
     sheared = table[(table["case"] == "cube, shear") & (table["lattice"] == "cubic 26")]
@@ -193,13 +182,13 @@ def target_table(
     for (name, material), body in zip(materials.items(), bodies, strict=True):
         for row in sheared.to_dict("records"):
             own = row["side_homogenised"]
-            doubt = max(row["fem_uncertainty"], body.uncertainty / body.mean)
+            uncertainty = max(row["fem_uncertainty"], body.uncertainty / body.mean)
             head = {key: row[key] for key in ("case", "lattice", "cells_high")}
             head |= {"target": name, "E_solid": material.E, "nu_solid": material.nu}
             head |= {"side_target": body.mean, "against_own_body": row["against_own_body"]}
             head |= {"model_form": own / body.mean - 1}
             head |= {"with_model_form": row["side_springs"] / body.mean - 1}
-            found.append(head | {"fem_uncertainty": doubt})
+            found.append(head | {"fem_uncertainty": uncertainty})
     return pd.DataFrame(found)
 
 
@@ -224,31 +213,6 @@ def cantilever(own: ElasticSolid, solids: pd.DataFrame) -> pd.DataFrame:
         for name, end in ends.items()
     ]
     return pd.DataFrame(found)
-
-
-def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
-    """The judged quantities, each the worst of its rows."""
-    table = tables["solid"]
-    last = table.groupby(["case", "lattice"], sort=False).tail(1)
-    bars = last[last["case"] == "cantilever"]
-    cubes = last.drop(bars.index)
-    twice = bars["twice_edge_exponent"]
-    eight = table[(table["cells_high"] == DRAWN) & (table["lattice"] == "cubic 18")]
-    theory = tables["cantilever"].set_index("reckoned")["over_fem"]
-    doubts = [*table["fem_uncertainty"], *tables["solid_target"]["fem_uncertainty"]]
-    values = (
-        farthest_value(_numbers(cubes["side_order"]), cubes["twice_edge_exponent"]),
-        farthest_value((_numbers(bars["side_order"]) - twice) / (SMOOTH - twice), 0.5),
-        farthest_value(eight["against_own_body"], 0.0),
-        farthest_value(theory["beam theory, PL³/(3EI) + PL/(κGA)"], 0.0),
-        farthest_value(doubts, 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
-
-
-def _numbers(values: pd.Series) -> Array:
-    """Words, which are no order, as NaN."""
-    return np.asarray(pd.to_numeric(values, errors="coerce"))
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
-from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.lattice import Constants, Pattern, PatternLattice, fill, patterns
-from msvalidate.problem import Anisotropic, Array, Box, Isotropic, Problem, Support, Traction
 from reference_fem.body import nodal_forces
 from reference_fem.extrapolation import extrapolate
 
@@ -46,9 +45,9 @@ class SolidCase:
     symmetric: bool
 
     @property
-    def box(self) -> Box:
+    def box(self) -> kit.Box:
         """The body."""
-        return Box((self.length, 1.0, 1.0))
+        return kit.Box((self.length, 1.0, 1.0))
 
 
 CASES = {
@@ -77,7 +76,7 @@ class SolidModel:
         return tuple(MODULUS / modulus * share for share in self.shares)
 
     @property
-    def tensor(self) -> Array:
+    def tensor(self) -> kit.Array:
         """Of the solid, (6, 6) in Pa."""
         return pattern_tensor(self.pattern, self.constants)
 
@@ -92,23 +91,23 @@ MODELS = {
 """The first is isotropic, the second has the Zener ratio 7/3."""
 
 
-def targets(model: SolidModel) -> dict[str, Isotropic]:
+def targets(model: SolidModel) -> dict[str, kit.Isotropic]:
     """Isotropic bodies that a model may be meant to be."""
     choices = {
         "axial modulus and ratio": moduli(model.tensor),
         "nearest isotropic": isotropic_moduli(model.tensor),
     }
-    return {name: Isotropic(E=m.E, nu=m.nu, state="solid") for name, m in choices.items()}
+    return {name: kit.Isotropic(E=m.E, nu=m.nu, state="solid") for name, m in choices.items()}
 
 
-def problem(case: SolidCase, tensor: Array) -> Problem:
+def problem(case: SolidCase, tensor: kit.Array) -> kit.Problem:
     """The case on its body."""
-    support = Support(case.box.side(case.clamped), (0.0, 0.0, 0.0))
-    load = Traction(case.box.side(case.loaded), case.traction)
-    return Problem(case.box, Anisotropic(tensor), (support,), (load,), name=case.name)
+    support = kit.Support(case.box.side(case.clamped), (0.0, 0.0, 0.0))
+    load = kit.Traction(case.box.side(case.loaded), case.traction)
+    return kit.Problem(case.box, kit.Anisotropic(tensor), (support,), (load,), name=case.name)
 
 
-def quarter(case: SolidCase, tensor: Array) -> Problem:
+def quarter(case: SolidCase, tensor: kit.Array) -> kit.Problem:
     """The case on the quarter below its two planes of symmetry.
 
     In a plane of symmetry the component across it vanishes, of antisymmetry those in it.
@@ -116,22 +115,24 @@ def quarter(case: SolidCase, tensor: Array) -> Problem:
     box = quarter_box(case)
     held = [0.0 if (a == case.axis) == case.symmetric else None for a in range(3)]
     supports = (
-        Support(box.side(case.clamped), (0.0, 0.0, 0.0)),
-        Support(box.side("front"), (None, None, 0.0)),
-        Support(box.side(case.middle), tuple(held)),
+        kit.Support(box.side(case.clamped), (0.0, 0.0, 0.0)),
+        kit.Support(box.side("front"), (None, None, 0.0)),
+        kit.Support(box.side(case.middle), tuple(held)),
     )
-    load = Traction(box.side(case.loaded), case.traction)
-    return Problem(box, Anisotropic(tensor), supports, (load,), name=f"quarter of {case.name}")
+    load = kit.Traction(box.side(case.loaded), case.traction)
+    return kit.Problem(
+        box, kit.Anisotropic(tensor), supports, (load,), name=f"quarter of {case.name}"
+    )
 
 
-def quarter_box(case: SolidCase) -> Box:
+def quarter_box(case: SolidCase) -> kit.Box:
     """The quarter of a case's body."""
     edges = list(case.box.size)
     edges[2] = edges[case.axis] = 0.5
-    return Box(tuple(edges))
+    return kit.Box(tuple(edges))
 
 
-def folded(case: SolidCase, points: Array) -> tuple[Array, Array]:
+def folded(case: SolidCase, points: kit.Array) -> tuple[kit.Array, kit.Array]:
     """Points (n, 3) in m in the quarter, and signs (n, 3) of displacements there and here."""
     place, sign = points.copy(), np.ones_like(points)
     for axis, symmetric in ((2, True), (case.axis, case.symmetric)):
@@ -157,11 +158,11 @@ class Moved:
     """
 
     mean: float
-    at_points: Array
+    at_points: kit.Array
 
 
 def spring_body(
-    candidate: DisplacementSolver, model: SolidModel, case: SolidCase, cells: int
+    candidate: kit.DisplacementSolver, model: SolidModel, case: SolidCase, cells: int
 ) -> Moved:
     """The candidate's answer, edges and faces shared."""
     lattice = grid(model, case, cells)
@@ -172,7 +173,7 @@ def spring_body(
     return Moved(along_load(network.force, move), move)
 
 
-def along_load(force: Array, move: Array) -> float:
+def along_load(force: kit.Array, move: kit.Array) -> float:
     """Mean displacement (m) along a load in one direction: its work over its size."""
     return float((force * move).sum() / np.linalg.norm(force.sum(axis=0)))
 
@@ -186,15 +187,15 @@ class ElasticSolid:
 
     mean: float
     uncertainty: float
-    at_points: Array
+    at_points: kit.Array
 
 
-def elastic_body(coarsest: int, asked: tuple[str, Array]) -> ElasticSolid:
+def elastic_body(coarsest: int, asked: tuple[str, kit.Array]) -> ElasticSolid:
     """The elastic body of a (load case, tensor) by FEM on a quarter of it, at vanishing spacing."""
     case, tensor = CASES[asked[0]], asked[1]
     part = quarter(case, tensor)
     points, sign = folded(case, grid(MODELS["cubic 18"], case, DRAWN).points)
-    fields: list[Array] = []
+    fields: list[kit.Array] = []
 
     def mean(cells: int) -> float:
         mesh = reference_fem.box_discretisation(quarter_box(case), elements(case, cells), "H1")

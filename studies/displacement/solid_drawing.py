@@ -9,9 +9,7 @@ import pandas as pd
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import body_drawing, figures
-from msvalidate.problem import Array
+from msvalidate import kit
 
 from .solid_bodies import CASES, DRAWN, MODELS, ElasticSolid, Moved, SolidCase, grid
 
@@ -21,15 +19,6 @@ MAGNIFIED = {"cube, shear": 15, "cube, pressure": 20, "cantilever": 8}
 ARROW = 0.6
 """Length (m) of the arrow of a load."""
 AXES = "xyz"
-COLUMNS = {
-    "x": "place along x (m)",
-    "y": "place along y (m)",
-    "z": "place along z (m)",
-    "ux": "displacement along x (m)",
-    "uy": "displacement along y (m)",
-    "uz": "displacement along z (m)",
-    "difference": "length of springs - u_fem over the largest |u_fem|, isotropic, shared (1)",
-}
 
 
 def shapes(
@@ -50,16 +39,18 @@ def shapes(
     return pd.concat(parts, ignore_index=True)
 
 
-def deformed(tables: Tables) -> Figure:
+def deformed(tables: kit.Tables) -> Figure:
     """Deformed bodies of 8 cells through the height, coloured by springs - FEM."""
     table = tables["solid_shape"]
-    figure, axes = figures.solid_axes(len(CASES), (3.6, 3.2), rows=2)
+    figure, axes = kit.figures.solid_axes(len(CASES), (3.6, 3.2), rows=2)
     norm = Normalize(0, 100 * table["difference"].max())
     for axis, (name, factor) in zip(axes, MAGNIFIED.items(), strict=True):
         rows, case = table[table["case"] == name], CASES[name]
         points, move = (rows[list(names)].to_numpy() for names in (AXES, ("ux", "uy", "uz")))
         moved = points + factor * move
-        surface = figures.draw_solid(axis, points, moved, 100 * rows["difference"].to_numpy(), norm)
+        surface = kit.figures.draw_solid(
+            axis, points, moved, 100 * rows["difference"].to_numpy(), norm
+        )
         draw_traction(axis, case, points, moved)
         axis.set_title(f"{name}:\n{case.clamped} held, {case.loaded} loaded, × {factor}")
     scale = figure.colorbar(surface, ax=axes, orientation="horizontal", aspect=50, shrink=0.9)
@@ -68,29 +59,29 @@ def deformed(tables: Tables) -> Figure:
     return figure
 
 
-def draw_traction(axis: Any, case: SolidCase, points: Array, moved: Array) -> None:
+def draw_traction(axis: Any, case: SolidCase, points: kit.Array, moved: kit.Array) -> None:
     """An arrow in the middle of the loaded side, which ends there where it presses."""
     along, level = {"top": (1, 1.0), "right": (0, case.length)}[case.loaded]
     start = moved[np.isclose(points[:, along], level)].mean(axis=0)
     arrow = ARROW * np.array(case.traction) / np.linalg.norm(case.traction)
     pressed = arrow[along] < 0
-    body_drawing.draw_solid_load(axis, start - arrow * pressed, arrow)
+    kit.body_drawing.draw_solid_load(axis, start - arrow * pressed, arrow)
 
 
-def convergence(tables: Tables) -> Figure:
+def convergence(tables: kit.Tables) -> Figure:
     """Size of springs - own body against cells, the reference's uncertainty, and orders."""
     table = tables["solid"]
-    figure, axes = figures.new_figure(len(CASES), size=(2.4, 3.4), sharey=True)
+    figure, axes = kit.figures.new_figure(len(CASES), size=(2.4, 3.4), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         here = table[table["case"] == case]
         for i, (lattice, rows) in enumerate(here.groupby("lattice", sort=False)):
-            colour, marker = figures.COLOURS[i], figures.MARKERS[i]
+            colour, marker = kit.figures.COLOURS[i], kit.figures.MARKERS[i]
             axis.loglog(
                 rows["cells_high"], 100 * rows["against_own_body"].abs(), f"{marker}-",
                 color=colour, label=f"springs, {lattice}",
             )  # fmt: skip
-            doubt = 100 * rows["fem_uncertainty"].iloc[0]
-            axis.axhline(doubt, color=colour, ls=":", label=f"uncertainty of FEM, {lattice}")
+            uncertainty = 100 * rows["fem_uncertainty"].iloc[0]
+            axis.axhline(uncertainty, color=colour, ls=":", label=f"uncertainty of FEM, {lattice}")
         sizes = np.array(sorted(set(here["cells_high"])))
         first = 100 * here["against_own_body"].abs().max()
         for order, style in ((here["twice_edge_exponent"].iloc[0], "--"), (2.0, "-.")):
@@ -101,5 +92,5 @@ def convergence(tables: Tables) -> Figure:
         axis.set(title=case, xlabel="cells through\nthe height (1)")
     axes[0].set_ylabel("springs less own body,\nloaded side (%)")
     figure.suptitle("Springs in space against the body they stand for")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure

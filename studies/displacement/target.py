@@ -17,24 +17,19 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
-from msvalidate.problem import Anisotropic, Array, Box, Material, Problem, Support, Traction
 
-from . import load_cases
 from .models import plane_stress
 
 K1 = 1.0
 TENSOR = square_tensor(K1, 2 * K1)
 AXIAL = moduli(TENSOR)
 """E = 5/3 k1 and nu = 2/3 along the axes."""
-BOX = Box((1.0, 1.0))
+BOX = kit.Box((1.0, 1.0))
 SHEAR = 1e-3
 """Shear traction (Pa); the answer is linear."""
 CELLS = (6, 12, 24, 48)
@@ -55,41 +50,44 @@ KNOWN = {
     "axial modulus and ratio": ((-0.43, 0.01), (-0.40, 0.01)),
     "E = 8/3 k1, nu = 1/2": ((-0.065, 0.001), (-0.009, 0.001)),
 }
-TOLERANCES = (
-    Tolerance(
+
+
+def _digits_off(rows: pd.DataFrame) -> pd.Series[float]:
+    """Differences from the independent program, in units of the last digit that it gave."""
+    known = [KNOWN[t][n == CELLS[-1]] for t, n in zip(rows["target"], rows["cells"], strict=True)]
+    value, digit = np.transpose(known)
+    off: pd.Series[float] = (rows["with_model_form"] - value) / digit
+    return off
+
+
+RULES = (
+    kit.Rule(
         "sheared square, k2 = 2 k1: an independent program, in its last digits", 0.6, "1",
         "half a unit of the last digit that it gave, and a tenth for the reference's own 5e-4",
+        table="target", rows={"measure": MEASURES[0], "cells": (CELLS[0], CELLS[-1])},
+        value=_digits_off,
     ),
-    Tolerance(
+    kit.Rule(
         "sheared square, k2 = 2 k1: order towards its own body", 0.1, "1",
         "twice the exponent of the clamped corner; the smooth term of order 2, a tenth of the "
         "difference at 48 cells, adds 0.07",
+        table="target", rows={"measure": MEASURES[0], "target": next(iter(TARGETS))}, last=2,
+        value="against_own_body", power_of=kit.Quotient(1, "cells"),
+        reference=2 * clamped_free_exponent(TENSOR, np.pi / 2),
     ),
-    Tolerance(
+    kit.Rule(
         "sheared square: uncertainty of the reference, relative", ACCURACY, "1",
         "what the question asks of it: a tenth of the smallest difference",
+        table="target", value="uncertainty",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **load_cases.COLUMNS,
-    "cells": "cells per side",
-    "measure": "where on the loaded edge the displacement is taken",
-    "target": "which isotropic body the lattice is meant to be",
-    "E": "in-plane modulus of the target (N/m)",
-    "nu": "in-plane Poisson's ratio of the target (1)",
-    "tip_springs": "displacement of the candidate along the load (m)",
-    "tip_homogenised": "the same of the lattice's own cubic body, by FEM (m)",
-    "tip_target": "the same of the target, by FEM (m)",
-    "against_own_body": "springs - homogenised body, relative to the homogenised body (1)",
-    "model_form": "part of total: homogenised body - target (1)",
-    "with_model_form": "springs - target, relative to the target: discretisation + model_form (1)",
-    "uncertainty": "largest estimated relative error of the two FEM tips (1)",
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate's tip with every target's."""
-    bodies = [Anisotropic(TENSOR), *(in_plane(*constants) for constants in TARGETS.values())]
+    bodies = [kit.Anisotropic(TENSOR), *(in_plane(*constants) for constants in TARGETS.values())]
     own, *targets = setting.sweep(elastic_tip, bodies, "sheared squares")
     tips = setting.sweep(partial(spring_tip, candidate), CELLS, "sheared networks")
     rows = []
@@ -104,37 +102,36 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
                 row |= {"model_form": own[0][i] / target[0][i] - 1, "with_model_form": whole}
                 rows.append(row | {"uncertainty": max(own[1], target[1])})
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"target": table},
-        observed=observe(table),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
 
-def in_plane(E: float, nu: float) -> Material:
+def in_plane(E: float, nu: float) -> kit.Material:
     """Isotropic tensor with these in-plane constants; nu above 1/2 is plane strain's to have."""
     if nu <= 0.5:
         return plane_stress(E, nu)
     C11 = E / (1 - nu**2)
-    return Anisotropic(C11 * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]))
+    return kit.Anisotropic(C11 * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]))
 
 
-def sheared_beam(material: Material) -> Problem:
+def sheared_beam(material: kit.Material) -> kit.Problem:
     """Unit square, left edge clamped, shear along y on the right one."""
-    load = Traction(BOX.side("right"), (0.0, SHEAR))
-    support = Support(BOX.side("left"), (0.0, 0.0))
-    return Problem(BOX, material, (support,), (load,), name="sheared square")
+    load = kit.Traction(BOX.side("right"), (0.0, SHEAR))
+    support = kit.Support(BOX.side("left"), (0.0, 0.0))
+    return kit.Problem(BOX, material, (support,), (load,), name="sheared square")
 
 
-def elastic_tip(material: Material) -> tuple[Array, float]:
+def elastic_tip(material: kit.Material) -> tuple[kit.Array, float]:
     """Displacements (m) of an elastic body by measure, and their relative uncertainty."""
     problem = sheared_beam(material)
     edge = np.linspace(0, 1, 2001)
     points = np.column_stack([np.ones_like(edge), edge])
 
-    def tips(cells: int) -> Array:
+    def tips(cells: int) -> kit.Array:
         mesh = reference_fem.box_discretisation(BOX, cells, "Q2", 2.0)
         move = reference_fem.solve_problem(problem, mesh).at(points)[:, 1]
         return np.array([np.trapezoid(move, edge), move[len(move) // 2]])
@@ -144,9 +141,9 @@ def elastic_tip(material: Material) -> tuple[Array, float]:
     return estimate.value * size, float((estimate.uncertainty / estimate.value).max())
 
 
-def spring_tip(candidate: DisplacementSolver, cells: int) -> Array:
+def spring_tip(candidate: kit.DisplacementSolver, cells: int) -> kit.Array:
     """Displacements (m) of the candidate's network by measure."""
-    problem = sheared_beam(Anisotropic(TENSOR))
+    problem = sheared_beam(kit.Anisotropic(TENSOR))
     network = lattice_network(problem, square(BOX, cells), (K1, 2 * K1))
     move = candidate(problem, network, "linear")
     edge = network.points[:, 0] == 1
@@ -154,28 +151,6 @@ def spring_tip(candidate: DisplacementSolver, cells: int) -> Array:
     y, tip = network.points[edge, 1][up], move[edge, 1][up]
     # As the load is shared out: corner points stand for half as much of the edge.
     return np.array([np.trapezoid(tip, y), tip[len(y) // 2]])
-
-
-def observe(table: pd.DataFrame) -> dict[str, Observed]:
-    """The judged quantities."""
-    mean = table[table["measure"] == MEASURES[0]]
-    away = []
-    for target, pair in KNOWN.items():
-        series = mean[mean["target"] == target].set_index("cells")["with_model_form"]
-        away += [
-            (series[cells] - value) / digit
-            for cells, (value, digit) in zip((CELLS[0], CELLS[-1]), pair, strict=True)
-        ]
-    own = mean[mean["target"] == next(iter(TARGETS))]
-    order = observed_order(
-        1 / own["cells"].to_numpy()[-2:], own["against_own_body"].to_numpy()[-2:]
-    )
-    values = (
-        farthest_value(away, 0.0),
-        Observed(order, 2 * clamped_free_exponent(TENSOR, np.pi / 2)),
-        farthest_value(table["uncertainty"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

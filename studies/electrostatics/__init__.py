@@ -24,9 +24,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import check_functions
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
 from . import (
     controls,
@@ -62,10 +60,10 @@ FAULTS = controls.FAULTS
 
 def run(
     candidate: ChargeSolver = MOMENTS,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = check_functions(candidate, ChargeSolver)
+    candidate = kit.check_functions(candidate, ChargeSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return gather_evidence(asked | {"controls": controls.run}, questions)
+    return kit.gather_evidence(asked | {"controls": controls.run}, questions)

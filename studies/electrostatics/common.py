@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from msvalidate import kit
 from msvalidate.dielectric import charges as electrostatics
 from msvalidate.dielectric.charges import (
     Charges,
@@ -21,28 +22,9 @@ from msvalidate.dielectric.charges.dielectric import ChargesInAir, SlabInAir, fo
 from msvalidate.dielectric.charges.moments import Weighting
 from msvalidate.dielectric.charges.patches import patch_capacitance
 from msvalidate.dielectric.charges.report_model import ReportModel
-from msvalidate.problem import Array
 
 VOLTAGES = (1.0, 0.0)
 """Of electrodes 0 and 1 (V). Were they ±½, symmetry would keep the charges neutral in any case."""
-COLUMNS = {
-    "width_over_gap": "width of both strips over the gap between them (1)",
-    "grading": "segments of one length (uniform), or such that equal angles of a half circle "
-    "project on them (cosine)",
-    "weighting": "potential asked for at middles of segments (collocation) or as means over them "
-    "(galerkin)",
-    "segments": "of each electrode, or of the one that is looked at (1)",
-    "shape": "of the upper electrode: flat, or wavy over a flat one",
-    "order": "exponent of the length of segments that fits the errors (1)",
-    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
-    "springs, halves to each end, or between nodes",
-    "pull_error": "force between flat strips over dW/dd of the closed form, less 1 (1)",
-    "stretch_error": "forces along flat strips times their place, over w·dW/dw of the closed form, "
-    "less 1 (1)",
-    "place": "middle of a segment over half the width, 0 in the strip's middle (1)",
-    "permittivity_ratio": "of the slab over that of the air around (1)",
-}
-"""What columns of several tables mean."""
 
 
 class ChargeSolver(NamedTuple):
@@ -65,11 +47,11 @@ class ChargeSolver(NamedTuple):
     """
 
     charges: Callable[..., Charges]
-    forces: Callable[[Charges], Array]
-    tangent: Callable[[Charges], Array]
+    forces: Callable[[Charges], kit.Array]
+    tangent: Callable[[Charges], kit.Array]
     plates: Callable[..., float]
     in_air: Callable[..., SlabInAir]
-    forces_in_air: Callable[[ChargesInAir], Array]
+    forces_in_air: Callable[[ChargesInAir], kit.Array]
     report: Callable[..., ReportModel]
 
 

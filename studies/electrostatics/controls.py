@@ -19,14 +19,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import Charges, Electrodes
 from msvalidate.dielectric.charges.moments import Weighting, to_complex
 from msvalidate.dielectric.charges.patches import Patches
 from msvalidate.dielectric.charges.report_model import ReportModel
 from msvalidate.dielectric.kernels import charges as integrals
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.problem import Array
 
 from . import strips, virtual_work
 from .common import MOMENTS, VOLTAGES, ChargeSolver
@@ -34,18 +32,14 @@ from .shortcuts import halve_to_ends
 
 PROBE = 0.01
 """Size of the fault from which the smallest noticed one is extrapolated."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "smallest fault of charges and forces noticed, largest over the kinds", 0.01, "1",
         "capacitances are held to 1e-4 and a fault enters them with a lever of a tenth or more; a "
         "hundredth leaves a factor of ten",
+        table="resolution", value="smallest_noticed",
     ),
 )  # fmt: skip
-COLUMNS = {
-    "fault": "what is wrong, by which part of it",
-    "smallest_noticed": "smallest fault that makes a tolerance fail, as a part (1)",
-    "noticed_by": "the quantity that fails",
-}
 
 
 def perturb_potentials(
@@ -90,7 +84,7 @@ def drop_edge_forces(
     return replace(right, charge=left)
 
 
-def collocate_middles(charges: Charges) -> Array:
+def collocate_middles(charges: Charges) -> kit.Array:
     """Coulomb's law between middles of segments, half to each end."""
     electrodes = charges.moments.electrodes
     apart = electrodes.middle[:, None] - electrodes.middle
@@ -104,22 +98,24 @@ def collocate_middles(charges: Charges) -> Array:
     return total
 
 
-def interpolate_forces(size: float, faulty: Callable[[Charges], Array], charges: Charges) -> Array:
+def interpolate_forces(
+    size: float, faulty: Callable[[Charges], kit.Array], charges: Charges
+) -> kit.Array:
     """Forces that are the part `size` of a faulty way's, and right for the rest."""
     return (1 - size) * MOMENTS.forces(charges) + size * faulty(charges)
 
 
-def with_forces(faulty: Callable[[Charges], Array], size: float) -> ChargeSolver:
+def with_forces(faulty: Callable[[Charges], kit.Array], size: float) -> ChargeSolver:
     """The method of moments with forces that are partly a faulty way's."""
     return MOMENTS._replace(forces=partial(interpolate_forces, size, faulty))
 
 
-def without_permittivity(charges: Charges) -> Array:
+def without_permittivity(charges: Charges) -> kit.Array:
     """Forces of the same charges in empty space."""
     return MOMENTS.forces(charges) * charges.moments.permittivity
 
 
-def shift_forces(charges: Charges) -> Array:
+def shift_forces(charges: Charges) -> kit.Array:
     """The tangent with the rows of the first electrode twice as large."""
     tangent = MOMENTS.tangent(charges).copy()
     tangent[: 2 * len(tangent) // 4] *= 2
@@ -146,7 +142,7 @@ def collocation(electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any) ->
     return MOMENTS.charges(electrodes, voltages, **{**how, "weighting": "collocation"})
 
 
-def galerkins_tangent(charges: Charges) -> Array:
+def galerkins_tangent(charges: Charges) -> kit.Array:
     """That of Galerkin's charges whatever charges are given: collocation's have none."""
     moments = charges.moments
     meant = MOMENTS.charges(moments.electrodes, charges.voltages, permittivity=moments.permittivity)
@@ -156,13 +152,13 @@ def galerkins_tangent(charges: Charges) -> Array:
 class OfPoints(Charges):
     """Charges whose field is that of line charges in the middles of their segments."""
 
-    def field(self, points: ArrayLike) -> Array:
+    def field(self, points: ArrayLike) -> kit.Array:
         """Field (n, 2) in V/m at points (n, 2) in m, nothing from a charge at the point itself."""
         apart = np.asarray(points)[:, None] - self.moments.electrodes.middle
         square = (apart**2).sum(axis=2)
         square[square == 0] = np.inf
         pulled = (self.charge / square)[..., None] * apart
-        field: Array = pulled.sum(axis=1) / (2 * np.pi * self.moments.permittivity)
+        field: kit.Array = pulled.sum(axis=1) / (2 * np.pi * self.moments.permittivity)
         return field
 
 
@@ -175,7 +171,7 @@ def of_points(electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any) -> C
 class TakenForSymmetric(ReportModel):
     """The report's model whose equations, which are not symmetric, serve as their own transpose."""
 
-    def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
+    def solve(self, potential: kit.Array, *, adjoint: bool = False) -> kit.Array:
         """Charges (k, ...) in C/m at potentials of their seats (V), whether transposed or not."""
         del adjoint  # the fault
         return super().solve(potential)
@@ -221,8 +217,8 @@ FAULTS: dict[str, dict[str, Any]] = {
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
 
-CAPACITANCE = strips.TOLERANCES[0]
-DERIVATIVE = virtual_work.TOLERANCES[0]
+CAPACITANCE = strips.RULES[0]
+DERIVATIVE = virtual_work.RULES[0]
 RATIO, SEGMENTS = 6.0, 160
 WAVY = ("wavy", "galerkin", 8)
 
@@ -257,17 +253,15 @@ KINDS: dict[str, tuple[Callable[[float], ChargeSolver], Callable[[ChargeSolver],
 """Fault -> the solver that has it in some size, what notices it over its limit, and in words."""
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """State the smallest fault of each kind that the study notices."""
     table = pd.DataFrame([smallest(kind) for kind in KINDS])
     said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
-    return Evidence(
+    return kit.Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(f"Smallest faults that this study notices, as parts: {said}.",),
-        rounding={"smallest_noticed": 1e-7},
     )
 
 

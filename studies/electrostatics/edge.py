@@ -23,16 +23,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import Electrodes, facing_strips, strip_points
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
-from msvalidate.judging.compare import farthest_value, fitted_power
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
-from . import common
 from .common import VOLTAGES, ChargeSolver
 
 RADIUS = 100.0
@@ -53,38 +48,17 @@ CORNER, LEFT_OUT = 0.4, 4
 """How far from its corner the exponent is fitted, over the height, and segments left out there."""
 DRAWN = 80
 """Segments of the strips whose densities are drawn."""
-TOLERANCES = (
-    Tolerance(
-        "exponent of the density at the edge, from the charge near it", 5e-3, "1",
-        "the root's next term bends the slope by s/(12a), 0.008 at the far end of the fit and some "
-        "0.002 in its middle; the charge of single segments weighs no more",
-    ),
-    Tolerance(
-        "charge within a tenth of half the width from the edge, over that of theory", 5e-4, "1",
-        "what the last segment errs by, 0.04 of its own charge, its neighbours make good: the "
-        "charge of k of them errs by 0.04/k² or so, and with 160 segments k is 20 or more",
-    ),
-    Tolerance(
+RULES = (
+    kit.Rule(
         "exponent of the free charge at the corner of a slab in air", 0.02, "1",
         "segments there err by a part in a hundred, and the three powers 0.63, 1 and 1.37 that are "
         "told apart at a ratio of 10 are close; the error falls with more segments",
+        table="corner", value="exponent", reference="exponent_expected",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "distance": "from the edge to the farther end of a segment, over half the width (1)",
-    "share": "part of the strip's charge within that distance (1)",
-    "share_exact": "the same of the strip alone by theory (1)",
-    "density_over_mean": "density of the segment that ends there over the strip's mean (1)",
-    "tip_over_exact": "charge of the segment at the edge over that of theory (1)",
-    "exponent": "of the distance in the density, from the charge near the edge (1)",
-    "exponent_expected": "the same by theory (1)",
-    "charge_near_edge": "within a tenth of half the width from the edge, over that of theory (1)",
-    "density": "charge per area of both faces, times the gap over permittivity and voltage (1)",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Charge near the edge for several numbers of segments."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(WEIGHTINGS, numbers))
@@ -93,19 +67,27 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     along = pd.concat([density(candidate, ratio) for ratio in RATIOS], ignore_index=True)
     finest = table[(table["segments"] == max(numbers)) & (table["weighting"] == "galerkin")]
     corners = pd.DataFrame([at_corner(candidate, ratio) for ratio in PERMITTIVITY_RATIOS])
-    values = (
-        farthest_value(finest["exponent"], -0.5),
-        farthest_value(finest["charge_near_edge"], 1.0),
-        farthest_value(corners["exponent"], corners["exponent_expected"]),
-    )
-    return Evidence(
-        tables={"edge": table, "edge_charge": lines[-1], "density": along, "corner": corners},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+    own = (
+        kit.Tolerance(
+            "exponent of the density at the edge, from the charge near it", 5e-3, "1",
+            "the root's next term bends the slope by s/(12a), 0.008 at the far end of the fit and "
+            "some 0.002 in its middle; the charge of single segments weighs no more",
+            observed=kit.farthest_value(finest["exponent"], -0.5),
+        ),
+        kit.Tolerance(
+            "charge within a tenth of half the width from the edge, over that of theory", 5e-4, "1",
+            "what the last segment errs by, 0.04 of its own charge, its neighbours make good: the "
+            "charge of k of them errs by 0.04/k² or so, and with 160 segments k is 20 or more",
+            observed=kit.farthest_value(finest["charge_near_edge"], 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"edge": table, "corner": corners},
+        tolerances=(*RULES, *own),
+        drawn={"edge_charge": lines[-1], "density": along},
         figures={"density": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, corners),),
-        rounding=dict.fromkeys(("share", "density_over_mean", "density", "exponent"), 1e-10),
     )
 
 
@@ -130,7 +112,7 @@ def alone(candidate: ChargeSolver, case: tuple[str, int]) -> pd.DataFrame:
     )
 
 
-def in_a_circle(line: Array) -> Electrodes:
+def in_a_circle(line: kit.Array) -> Electrodes:
     """A chain of points as electrode 0, in the middle of a polygon that is nearly a circle."""
     angle = 2 * np.pi * np.arange(CORNERS) / CORNERS
     circle = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
@@ -148,7 +130,7 @@ def summary(line: pd.DataFrame) -> dict[str, object]:
     """Row of one number of segments."""
     distance, share = line["distance"].to_numpy(), line["share"].to_numpy()
     near = np.flatnonzero(distance <= NEAR)
-    power = fitted_power(distance[near[SKIPPED:]], share[near[SKIPPED:]])
+    power = kit.fitted_power(distance[near[SKIPPED:]], share[near[SKIPPED:]])
     within = np.interp(np.sqrt(NEAR), np.sqrt(distance), share)
     return {
         "weighting": line["weighting"].iloc[0],
@@ -175,7 +157,7 @@ def at_corner(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
     }
 
 
-def fitted_exponent(start: Array, end: Array, charge: Array) -> float:
+def fitted_exponent(start: kit.Array, end: kit.Array, charge: kit.Array) -> float:
     """The power λ with which charges between two distances fit sums of s^λ, s and s^(2-λ) best.
 
     These are the powers of a corner's potentials below 2: an even field has the power 1.
@@ -221,12 +203,12 @@ def finding(table: pd.DataFrame, corners: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Density along facing strips, and near an edge."""
     along, near = tables["density"], tables["edge_charge"]
-    figure, (across, edge) = figures.new_figure(2, size=(3.5, 3.8))
+    figure, (across, edge) = kit.figures.new_figure(2, size=(3.5, 3.8))
     for place, (ratio, line) in enumerate(along.groupby("width_over_gap", sort=False)):
-        colour, label = figures.COLOURS[place], f"facing strips, w/d = {ratio:g}"
+        colour, label = kit.figures.COLOURS[place], f"facing strips, w/d = {ratio:g}"
         across.plot(line["place"], line["density"], color=colour, label=label)
         half = line[line["place"] < 0]
         gaps = (1 + half["place"]) * float(str(ratio)) / 2
@@ -245,5 +227,5 @@ def draw(tables: Tables) -> Figure:
     edge.loglog(ends, 0.8 * np.sqrt(0.1 / ends), ":", color="grey", label="exponent -1/2")
     edge.set(xlabel="distance from the edge\nover gap, or half width a (1)", ylabel="density (1)")
     figure.suptitle("Charge on facing strips and on a strip alone")
-    figures.add_shared_legend(figure, [across, edge], columns=2)
+    kit.figures.add_shared_legend(figure, [across, edge], columns=2)
     return figure

@@ -16,14 +16,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from msvalidate import kit
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 from reference_fem.electric import FAR
 
-from . import common, in_air
+from . import in_air
 from .common import ChargeSolver
 from .in_air import LENGTH, VOLTAGES, Case
 
@@ -33,37 +30,25 @@ WIDE, HIGH = (-4.5, 4.5), (-1.75, 2.75)
 SHOWN = ("potential", "field_x", "field_y")
 GRID = (53, 27)
 """Points of the picture along and up. None of them lies on a face: fields jump there."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "potential in and around the slab, charges against elements", 2e-3, "of the voltage",
         "elements of 8 layers err by 6e-4 in the capacitance, by order 3 from the 1.3e-3 by which "
         "6 and 12 layers differ, and next to an edge by two or three times as much",
+        table="field", value="potential", reference="potential_elements",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "x": "place along the slab from its middle, over its height (1)",
-    "y": "place above the slab's bottom, over its height (1)",
-    "potential": "by charges, over the voltage between the electrodes, 0.5 and -0.5 on them (1)",
-    "potential_elements": "the same by elements, mean of both far boundaries (1)",
-    "field_x": "field along the slab times height over voltage, by charges (1)",
-    "field_y": "field upwards times height over voltage, by charges (1)",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Look at the potential on a grid of points."""
     table = pd.concat([inspect_field(candidate, case) for case in CASES], ignore_index=True)
     del setting  # one size serves both forms: it is a picture
-    return Evidence(
+    return kit.Evidence(
         tables={"field": table},
-        observed={
-            TOLERANCES[0].quantity: farthest_value(table["potential"], table["potential_elements"])
-        },
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"field": draw},
-        columns=COLUMNS,
-        rounding=dict.fromkeys(("potential", "potential_elements", "field_x", "field_y"), 1e-08),
+        columns=kit.columns(__file__),
     )
 
 
@@ -88,10 +73,10 @@ def inspect_field(candidate: ChargeSolver, case: Case) -> pd.DataFrame:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Potential and field lines, equal axes."""
     table = tables["field"]
-    figure, axes = figures.new_figure(1, 2, size=(6.4, 3.2), sharex=True)
+    figure, axes = kit.figures.new_figure(1, 2, size=(6.4, 3.2), sharex=True)
     levels = np.linspace(-0.5, 0.5, 11)
     for axis, ratio in zip(axes, table["permittivity_ratio"].unique(), strict=True):
         rows = table[table["permittivity_ratio"] == ratio]
@@ -117,5 +102,5 @@ def draw(tables: Tables) -> Figure:
     axes[-1].set_xlabel("x over height (1)")
     figure.suptitle("Potential and field lines around a slab covered by a third")
     figure.colorbar(shades, ax=axes, label="potential over voltage (1)")
-    figures.add_shared_legend(figure, axes)
+    kit.figures.add_shared_legend(figure, axes)
     return figure

@@ -27,15 +27,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 from reference_fem.electric import FAR, Charged, Electrode, Far, Slab, slab_mesh, solve_charges
 
-from . import common
 from .common import ChargeSolver
 
 LENGTH = 6.0
@@ -51,53 +46,34 @@ REACHES = (1.0, 2.0, 4.0, 8.0, 16.0)
 """Distances of the far boundary over the slab's length; the last is that of all other tables."""
 REACHED = 0.5
 """How far from an electrode or its edge forces count as its own, over the height."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "capacitance of a slab in air, moments against elements", 2e-3, "1",
         "graded segments leave some 1e-4, graded elements and the far boundary less",
+        table="in_air", value="capacitance_difference",
     ),
-    Tolerance(
+    kit.Rule(
         "error of the far boundary: half of what its two kinds differ by, over the capacitance",
         2e-4, "1",
         "a dipole's energy outside falls with the square of the distance: (1/32)² times an eighth",
+        table="in_air", value="boundary_error",
     ),
-    Tolerance(
+    kit.Rule(
         "change of the elements' capacitance with the last halving of cells", 2e-3, "1",
         "graded to the edges, its errors fall with order 3: what is left is a seventh of it",
+        table="in_air", value="elements_change",
     ),
-    Tolerance(
+    kit.Rule(
         "pull on the top of a slab in air, moments against elements", 2e-3, "1",
         "as of the capacitance, whose derivative it is",
+        table="in_air", value=kit.Quotient("pull", "pull_elements"), reference=1.0,
     ),
-    Tolerance(
-        "force along at an edge of the top of a slab in air, moments against elements",
-        2e-3, "of that without the jump of permittivity",
-        "as of the capacitance, whose derivative it is too",
-    ),
-    Tolerance(
+    kit.Rule(
         "stretch of half a slab in air, moments against elements", 5e-4, "1",
         "stress across the middle, where fields are even: what remains is the far boundary's part",
+        table="in_air", value=kit.Quotient("stretch", "stretch_elements"), reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "covered": "part of the top that its electrode covers (1)",
-    "capacitance_in_air": "by charges on surfaces, per depth over the slab's permittivity (1)",
-    "capacitance_elements": "by elements, mean of both far boundaries (1)",
-    "capacitance_difference": "of charges over that of elements, less 1 (1)",
-    "boundary_error": "half of what far boundaries of both kinds differ by, over the mean (1)",
-    "elements_change": "of the elements' capacitance with the last halving of cells (1)",
-    "pull": "work of lowering the top electrode and, less and less, what is within half the height"
-    " of it, per depth, over εV²/(2d²) times its width (1)",
-    "pull_elements": "the same by elements (1)",
-    "edge_work": "work of moving the edge of the top electrode outward and, less and less, what is"
-    " within half the height of it, per depth, over εV²/(4d) (1)",
-    "edge_work_elements": "the same by elements (1)",
-    "stretch": "force along on all of the slab's right half, outward, per depth, over εV²/(2d) (1)",
-    "stretch_elements": "the same by elements (1)",
-    "reach": "distance of the far boundary from the slab, over the slab's length (1)",
-    "far": "natural: lets no field through; floating: a conductor without charge",
-}
 
 
 class Case(NamedTuple):
@@ -107,7 +83,7 @@ class Case(NamedTuple):
     ratio: float
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Both methods on every slab."""
     cases = [Case(*case) for case in product(COVERED, RATIOS)]
     size = (QUICK_SEGMENTS, QUICK_LAYERS) if setting.quick else (SEGMENTS, LAYERS)
@@ -121,24 +97,21 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
     without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
     scale = table["covered"].map(without)
-    values = (
-        farthest_value(table["capacitance_difference"], 0.0),
-        farthest_value(table["boundary_error"], 0.0),
-        farthest_value(table["elements_change"], 0.0),
-        farthest_value(table["pull"] / table["pull_elements"], 1.0),
-        farthest_value(table["edge_work"] / scale, table["edge_work_elements"] / scale),
-        farthest_value(table["stretch"] / table["stretch_elements"], 1.0),
-    )
-    return Evidence(
-        tables={"in_air": table, "far_boundary": far},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        figures={"in_air": draw},
-        columns=COLUMNS,
-        findings=(finding(table),),
-        rounding=dict.fromkeys(
-            ("capacitance_difference", "boundary_error", "elements_change"), 1e-8
+    own = (
+        kit.Tolerance(
+            "force along at an edge of the top of a slab in air, moments against elements",
+            2e-3, "of that without the jump of permittivity",
+            "as of the capacitance, whose derivative it is too",
+            observed=kit.farthest_value(table["edge_work"] / scale,
+            table["edge_work_elements"] / scale),
         ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"in_air": table, "far_boundary": far},
+        tolerances=(*RULES, *own),
+        figures={"in_air": draw},
+        columns=kit.columns(__file__),
+        findings=(finding(table),),
     )
 
 
@@ -176,7 +149,7 @@ def compare_with_elements(
     }
 
 
-def on_nodes(fields: list[Charged]) -> tuple[Array, Array]:
+def on_nodes(fields: list[Charged]) -> tuple[kit.Array, kit.Array]:
     """Places (n, 2) from the middle of the top, and mean forces (n, 2), of nodes in and around."""
     mesh = fields[0].mesh
     inner = np.setdiff1d(np.arange(len(mesh.body.points)), mesh.far)
@@ -184,7 +157,7 @@ def on_nodes(fields: list[Charged]) -> tuple[Array, Array]:
     return mesh.body.points[inner] - (LENGTH / 2, 1.0), force / len(fields)
 
 
-def sum_forces(points: Array, forces: Array, case: Case) -> dict[str, float]:
+def sum_forces(points: kit.Array, forces: kit.Array, case: Case) -> dict[str, float]:
     """Pull on the top electrode, force along at its right edge, stretch of half, over wide plates'.
 
     Points (n, 2) are counted from the middle of the top.
@@ -200,7 +173,7 @@ def sum_forces(points: Array, forces: Array, case: Case) -> dict[str, float]:
     }
 
 
-def taper_forces(distance: Array) -> Array:
+def taper_forces(distance: kit.Array) -> kit.Array:
     """1 at no distance, falling smoothly to 0 at `REACHED`."""
     return np.maximum(1 - (distance / REACHED) ** 2, 0.0) ** 2
 
@@ -231,14 +204,14 @@ SHOWN = (
 """What is drawn: by charges, by elements, and its label."""
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Capacitance, margin and stretch, and what the far boundary does."""
     table, far = tables["in_air"], tables["far_boundary"]
-    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.8))
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.5, 2.8))
     *compared, box = axes
     for axis, (ours, theirs, name) in zip(compared, SHOWN, strict=True):
         for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
-            colour, part = figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
+            colour, part = kit.figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
             ratio, charges = rows["permittivity_ratio"], f"{part}, charges on surfaces"
             axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, finite elements")
             axis.semilogx(ratio, rows[ours], "o", color=colour, mfc="none", label=charges)
@@ -246,7 +219,7 @@ def draw(tables: Tables) -> Figure:
         top = 1.1 * float(table[[ours, theirs]].to_numpy().max())
         axis.set(xlabel="permittivity\nover air's (1)", ylabel=name, ylim=(0, top))
     for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
-        style = {"marker": figures.MARKERS[place + 1], "color": figures.COLOURS[place + 2]}
+        style = {"marker": kit.figures.MARKERS[place + 1], "color": kit.figures.COLOURS[place + 2]}
         label = f"far boundary: {FAR_WORDS[str(kind)]}"
         box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
@@ -255,5 +228,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_title(title)
     box.set_title("far boundary of elements, ratio 3,\n100% covered")
     figure.suptitle("A slab of rubber in air, by two methods")
-    figures.add_shared_legend(figure, axes, columns=2)
+    kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure

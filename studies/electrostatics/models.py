@@ -24,17 +24,13 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import Electrodes, facing_strips, facing_strips_capacitance
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.patches import Patches, conductors
 from msvalidate.dielectric.charges.plates import plate
 from msvalidate.dielectric.charges.report_model import report_forces
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Array
 
-from . import common
 from .common import ChargeSolver
 from .model_cases import DEPTHS, MODELS, PLANE, RATIOS, Model
 from .models_drawing import draw
@@ -49,47 +45,6 @@ ACROSS = 16
 """Patches along each side of plates whose charge is free along the depth."""
 MIDDLE, MARGIN = 1.0, 0.5
 """Width over the gap of what counts as the middle, and as the margin."""
-TOLERANCES = (
-    Tolerance(
-        "charge of the report's model at endless depth over the plane model's", 1e-3, "1",
-        "both by collocation on the same springs, asked for at half the depth: charge falls to the "
-        "plane's like 1/depth or faster, and two depths leave terms of (w/depth)², 1e-3",
-    ),
-    Tolerance(
-        "charge of the report's model against the same plates by patches", 1e-9, "1",
-        "the same equations by other formulas; rounding times their condition",
-    ),
-    Tolerance(
-        "charge and forces of the slab in air at ratio 1, against the plane model",
-        1e-9, "of the largest",
-        "no bound charge is left, and the equations are Galerkin's; rounding times their condition",
-    ),
-    Tolerance(
-        "squeeze in the middle in air, ratio 10, over ½ε(V/d)²", 5e-3, "1",
-        "the field above the middle, d/w of that in the gap or so, pulls back with its square over "
-        "the ratio, 0.003; the margin's field decays inwards like exp(-2πx/d)",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "model": "kernel of charges and what surrounds the slab",
-    "depth_over_gap": 'of the plates (1); "endless" in the plane',
-    "charge_over_plane": "of the upper electrode over that of the plane model (1)",
-    "squeeze_in_middle": "force downwards on the middle gap's width over that of ½ε(V/d)² (1)",
-    "squeeze_over_plane": "force downwards on the upper electrode over the plane model's (1)",
-    "margin_squeeze_over_plane": "force downwards within half a gap from the edge over the plane "
-    "model's there (1)",
-    "margin_along_over_plane": "force along half the upper electrode, outward, over the plane "
-    "model's (1)",
-    "stretch_over_plane": "force along on half of both electrodes and of all faces, outward, over "
-    "the plane model's (1)",
-    "as_report_over_plane": "charge per depth of the report's model over that of the plane by "
-    "collocation on the same springs (1)",
-    "plates_over_plane": "the same of plates in space whose charge is free along the depth, over "
-    "that of the closed form (1)",
-    "squeeze": "force downwards on a point over its part of the width, over ½ε(V/d)² (1)",
-    "along_here": "force along the strip on a point, outward to the right, over εV²/(4d) (1)",
-}
 
 
 class Upper(NamedTuple):
@@ -99,12 +54,12 @@ class Upper(NamedTuple):
     """
 
     charge: float
-    points: Array
-    forces: Array
+    points: kit.Array
+    forces: kit.Array
     stretch: float = 0.0
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Charge, squeeze and margin of every model."""
     found = setting.sweep(partial(upper, candidate), MODELS, "models")
     plane = found[0]
@@ -113,23 +68,41 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     depths = pd.DataFrame([at_depth(candidate, depth) for depth in (*DEPTHS, *DEEP)])
     first, second = depths["as_report_over_plane"].iloc[-2:]
     air, ten = found[MODELS.index(Model("in air", "endless", "derivatives", 1.0))], table.iloc[-1]
-    values = (
-        Observed(second + (second - first) * DEEP[0] / (DEEP[1] - DEEP[0]), 1.0),
-        by_patches(candidate),
-        farthest_value(
-            [air.charge / plane.charge, *(air.forces / np.abs(plane.forces).max()).ravel()],
-            [1.0, *(plane.forces / np.abs(plane.forces).max()).ravel()],
+    own = (
+        kit.Tolerance(
+            "charge of the report's model at endless depth over the plane model's", 1e-3, "1",
+            "both by collocation on the same springs, asked for at half the depth: charge falls to "
+            "the plane's like 1/depth or faster, and two depths leave terms of (w/depth)², 1e-3",
+            observed=kit.Observed(second + (second - first) * DEEP[0] / (DEEP[1] - DEEP[0]), 1.0),
         ),
-        Observed(float(ten["squeeze_in_middle"]), 1.0),
-    )
-    return Evidence(
-        tables={"models": table, "depths": depths, "along_electrode": lines},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        kit.Tolerance(
+            "charge of the report's model against the same plates by patches", 1e-9, "1",
+            "the same equations by other formulas; rounding times their condition",
+            observed=by_patches(candidate),
+        ),
+        kit.Tolerance(
+            "charge and forces of the slab in air at ratio 1, against the plane model",
+            1e-9, "of the largest",
+            "no bound charge is left, and the equations are Galerkin's; rounding times their "
+            "condition",
+            observed=kit.farthest_value( [air.charge / plane.charge,
+            *(air.forces / np.abs(plane.forces).max()).ravel()], [1.0,
+            *(plane.forces / np.abs(plane.forces).max()).ravel()], ),
+        ),
+        kit.Tolerance(
+            "squeeze in the middle in air, ratio 10, over ½ε(V/d)²", 5e-3, "1",
+            "the field above the middle, d/w of that in the gap or so, pulls back with its square "
+            "over the ratio, 0.003; the margin's field decays inwards like exp(-2πx/d)",
+            observed=kit.Observed(float(ten["squeeze_in_middle"]), 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"models": table, "depths": depths},
+        tolerances=own,
+        drawn={"along_electrode": lines},
         figures={"models": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, depths),),
-        rounding={"along_here": 1e-12},
     )
 
 
@@ -170,7 +143,7 @@ def squeeze(found: Upper, width: float, *, margin: bool = False) -> float:
     return float(-(share * found.forces[:, 1])[near].sum())
 
 
-def right_half(points: Array, forces: Array) -> float:
+def right_half(points: kit.Array, forces: kit.Array) -> float:
     """Force along on points to the right of the middle, outward (N/m)."""
     return float(forces[points[:, 0] > 1e-9, 0].sum())
 
@@ -227,14 +200,14 @@ def at_depth(candidate: ChargeSolver, depth: float) -> dict[str, object]:
     }
 
 
-def by_patches(candidate: ChargeSolver) -> Observed:
+def by_patches(candidate: ChargeSolver) -> kit.Observed:
     """Charge of the report's model, over the same plates' by patches, at the depth farthest off."""
     given = electrodes()
     found = []
     for depth in DEPTHS:
         report = candidate.report(given, depth=depth).charges(VOLTAGES)
         found.append(float(report.totals[0]) * depth / candidate.plates(rectangles(given, depth)))
-    return farthest_value(found, 1.0)
+    return kit.farthest_value(found, 1.0)
 
 
 def rectangles(given: Electrodes, depth: float) -> Patches:

@@ -9,8 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate import kit
 
 from .model_cases import MODELS, Model
 
@@ -38,17 +37,17 @@ STYLES: dict[str, dict[str, Any]] = {
     label(model): {"color": colour, "ls": style}
     for model, colour, style in zip(
         MODELS,
-        ("black", "#888888", *figures.COLOURS[:6]),
+        ("black", "#888888", *kit.figures.COLOURS[:6]),
         ("-", ":", "-", "-", "-", "--", "--", "--"),
         strict=True,
     )
 }
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Squeeze along the electrode, force along it near its edge, and totals."""
-    figure, axes = figures.new_figure(2, 2, size=(3.6, 3.4))
-    down, outward, totals = figures.widen_third(figure, axes)
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.6, 3.4))
+    down, outward, totals = kit.figures.widen_third(figure, axes)
     lines = tables["along_electrode"]
     for key, rows in lines.groupby(KEYS, sort=False):
         model = Model(*key)  # type: ignore[arg-type]
@@ -64,7 +63,7 @@ def draw(tables: Tables) -> Figure:
         axis.set_xlabel("place over half the width (1)")
     draw_totals(totals, tables["models"])
     figure.suptitle("Models of charges side by side: facing strips")
-    figures.add_shared_legend(figure, [down, outward], columns=2)
+    kit.figures.add_shared_legend(figure, [down, outward], columns=2)
     return figure
 
 
@@ -73,7 +72,7 @@ def draw_totals(axis: Axes, table: pd.DataFrame) -> None:
     names = [label(Model(*key)) for key in table[KEYS].itertuples(index=False)]
     places = np.arange(len(names))[::-1]
     for i, (column, name) in enumerate(TOTALS.items()):
-        style = figures.series_style(i)
+        style = kit.figures.series_style(i)
         axis.semilogx(table[column], places + 0.12 * (1 - i), ls="", label=name, **style)
     axis.set_yticks(places, names, fontsize=8)
     axis.set(xlabel="total over the\nplane model's (1)", title="totals")

@@ -21,6 +21,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import facing_strips_capacitance
 from msvalidate.dielectric.charges.pieces import PLACES
 from msvalidate.dielectric.charges.report_model import (
@@ -28,13 +29,7 @@ from msvalidate.dielectric.charges.report_model import (
     consistent_forces,
     report_forces,
 )
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
-from . import common
 from .common import VOLTAGES, ChargeSolver, pair
 from .derivatives import differences, growth, steps_of
 from .shortcuts import HALF, RATIO
@@ -45,36 +40,22 @@ WAVY, WAVY_WIDTH = 6, 4.0
 """Springs and width over gap of wavy electrodes, whose forces are held to the energy."""
 FORCES = {"derivatives": consistent_forces, "point sums": report_forces}
 WAYS = tuple(product(PLACES, FORCES))
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "forces by charges on springs and on nodes, farthest from their energy's derivatives",
         1e-6, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment",
+        table="nodes_own_energy", rows={"forces_by": 'derivatives'}, value="own_error",
     ),
-    Tolerance(
+    kit.Rule(
         "order of the charge by charges on springs and on nodes", 0.1, "1",
         "the last piece's length makes the error; the next term is smaller by it over the gap",
-    ),
-    Tolerance(
-        "sum of forces times places on wavy electrodes, from what the plane's law makes of it",
-        2e-14, "of the sum of forces times the width",
-        "the plane's energy has no unit of length, so its derivatives add up to nothing; in sums "
-        "over pairs of points each adds its qq'/(2πε), -Σq²/(4πε) in all of charges that are "
-        "neutral; rounding of 2e-16 times a condition of ten, and ten times that for differences",
+        table="nodes_orders", value="order", reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "charges_on": "springs (each even), or nodes (each even on the halves of its springs)",
-    "charge_error": "charge over the closed form's, less 1 (1)",
-    "edge_along": "force along the strip on the edge's point over the closed form's on a tip (1)",
-    "own_error": "farthest force on wavy electrodes from differences of their own energy, over the "
-    "largest (1)",
-    "own_moment": "net moment over the sum of forces times the width (1)",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Compare four ways."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(WAYS, numbers))
@@ -85,24 +66,28 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
         [
             {
                 "charges_on": where,
-                "order": observed_order(1 / rows["segments"], rows["charge_error"]),
+                "order": kit.observed_order(1 / rows["segments"], rows["charge_error"]),
             }
             for where, rows in once.groupby("charges_on", sort=False)
         ]
     )
-    values = (
-        farthest_value(own[own["forces_by"] == "derivatives"]["own_error"], 0.0),
-        farthest_value(orders["order"], 1.0),
-        farthest_value([unit_of_length(candidate, *way) for way in WAYS], 0.0),
-    )
-    return Evidence(
+    by_law = (
+        kit.Tolerance(
+            "sum of forces times places on wavy electrodes, from what the plane's law makes of it",
+            2e-14, "of the sum of forces times the width",
+            "the plane's energy has no unit of length, so its derivatives add up to nothing; in "
+            "sums over pairs of points each adds its qq'/(2πε), -Σq²/(4πε) in all of charges that "
+            "are neutral; rounding of 2e-16 times a condition of ten, and ten times that for "
+            "differences",
+            observed=kit.farthest_value([unit_of_length(candidate, *way) for way in WAYS], 0.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"nodes": table, "nodes_own_energy": own, "nodes_orders": orders},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *by_law),
         figures={"nodes": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, own),),
-        rounding={"own_error": 1e-9, "own_moment": 1e-13, "order": 1e-5},
     )
 
 
@@ -134,7 +119,7 @@ def compare_with_own_energy(candidate: ChargeSolver, where: str, how: str) -> di
     electrodes = pair("wavy", WAVY_WIDTH, WAVY)
     points = electrodes.points
 
-    def energy(x: Array) -> Array:
+    def energy(x: kit.Array) -> kit.Array:
         return np.array(charge_nodes(candidate, where, electrodes.moved(x.reshape(-1, 2))).energy)
 
     force = FORCES[how](charge_nodes(candidate, where, electrodes))
@@ -176,22 +161,22 @@ def finding(table: pd.DataFrame, own: pd.DataFrame) -> str:
     return f"With {last['segments'].iloc[0]} even springs a strip, " + "; ".join(said) + "."
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Errors of charge and stretch against the number of springs."""
     table = tables["nodes"]
-    figure, (charge, stretch) = figures.new_figure(2, size=(3.5, 3.4))
+    figure, (charge, stretch) = kit.figures.new_figure(2, size=(3.5, 3.4))
     groups = table.groupby(["charges_on", "forces_by"], sort=False)
     for place, ((where, how), rows) in enumerate(groups):
-        style, name = figures.series_style(place), f"on {where}, {how}"
+        style, name = kit.figures.series_style(place), f"on {where}, {how}"
         if how == "derivatives":
             charge.loglog(rows["segments"], rows["charge_error"].abs(), label=name, **style)
         stretch.loglog(rows["segments"], rows["stretch_error"].abs(), label=name, **style)
     for axis, column in ((charge, "charge_error"), (stretch, "stretch_error")):
-        figures.draw_order(axis, table["segments"], 1.6 * table[column].abs().max(), 1)
-        figures.tick_at(axis, table["segments"])
+        kit.figures.draw_order(axis, table["segments"], 1.6 * table[column].abs().max(), 1)
+        kit.figures.tick_at(axis, table["segments"])
         axis.set_xlabel("springs of each\nelectrode (1)")
     charge.set_ylabel("relative error\nof the charge (1)")
     stretch.set_ylabel("relative error of\nthe stretch, w·dW/dw (1)")
     figure.suptitle("Charges on springs or on nodes: facing strips")
-    figures.add_shared_legend(figure, [charge, stretch], columns=2)
+    kit.figures.add_shared_legend(figure, [charge, stretch], columns=2)
     return figure

@@ -16,14 +16,10 @@ from itertools import product
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
 from msvalidate.dielectric.charges.plates import disc, plate
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 
-from . import common
 from .common import ChargeSolver
 
 SIDE = RADIUS = 1.0
@@ -36,51 +32,37 @@ BODIES = {
 """Body -> how it is made of some patches across, and its capacitance over the permittivity (m)."""
 ACROSS, QUICK_ACROSS = (8, 12, 16, 24, 32), (8, 12, 16, 24)
 ORDER = 3.0
-TOLERANCES = (
-    Tolerance(
-        "capacitance of a square plate", 4e-5, "1",
-        "errors fall with order 3 to 2e-4 at 24 patches across, of which extrapolation by that "
-        "order leaves a tenth; the accepted value is known to 1.5e-5",
+limit_of = partial(kit.Rule, unit="1", table="plate_limits", value="extrapolated", reference=1.0)
+RULES = (
+    limit_of(
+        "capacitance of a square plate", 4e-5, rows={"body": "square plate"},
+        because="errors fall with order 3 to 2e-4 at 24 patches across, of which extrapolation by "
+        "that order leaves a tenth; the accepted value is known to 1.5e-5",
     ),
-    Tolerance(
-        "capacitance of a disc", 5e-6, "1",
-        "errors fall with order 3 to 3e-5 at 24 rings, of which extrapolation by that order leaves "
-        "a tenth; the polygon in the disc's place errs by 2e-6",
+    limit_of(
+        "capacitance of a disc", 5e-6, rows={"body": "disc"},
+        because="errors fall with order 3 to 3e-5 at 24 rings, of which extrapolation by that "
+        "order leaves a tenth; the polygon in the disc's place errs by 2e-6",
     ),
-    Tolerance(
-        "order of the capacitance of square and disc", 0.3, "1",
-        "the next term is smaller by a patch in the middle over the half width, a sixth to an "
-        "eighteenth, with a factor of order 1; rings bring half of it",
+    limit_of(
+        "order of the capacitance of square and disc", 0.3, value="order", reference=ORDER,
+        because="the next term is smaller by a patch in the middle over the half width, a sixth to "
+        "an eighteenth, with a factor of order 1; rings bring half of it",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "body": "thin, alone in space: square plate or disc",
-    "patches_across": "patches along a side of the square, rings of the disc (1)",
-    "patches": "of the body (1)",
-    "capacitance_over_accepted": "capacitance over the accepted one (1)",
-    "extrapolated": "the same of endless patches, by order 3 from the two finest meshes (1)",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Capacitances of both bodies on several meshes."""
     cases = list(product(BODIES, QUICK_ACROSS if setting.quick else ACROSS))
     table = pd.DataFrame(setting.sweep(partial(plate_rows, candidate), cases, "plates"))
     limits = pd.DataFrame([limit(str(body), rows) for body, rows in table.groupby("body")])
-    by_body = limits.set_index("body")["extrapolated"]
-    values = (
-        *(farthest_value(by_body[body], 1.0) for body in BODIES),
-        farthest_value(limits["order"], ORDER),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"plates": table, "plate_limits": limits},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"plates": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(limits),),
-        rounding={"order": 1e-5},
     )
 
 
@@ -103,7 +85,7 @@ def limit(body: str, rows: pd.DataFrame) -> dict[str, object]:
     growth = (n[-1] / n[-2]) ** ORDER
     return {
         "body": body,
-        "order": observed_order(1 / n, value - 1),
+        "order": kit.observed_order(1 / n, value - 1),
         "extrapolated": float(value[-1] + (value[-1] - value[-2]) / (growth - 1)),
     }
 
@@ -117,16 +99,16 @@ def finding(limits: pd.DataFrame) -> str:
     return f"Capacitance in space over the accepted one, less 1: {said}."
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Errors against the number of patches along a side."""
     table = tables["plates"]
     table = table.assign(error=(table["capacitance_over_accepted"] - 1).abs())
-    figure, (axis,) = figures.new_figure(size=(4.2, 3.3))
+    figure, (axis,) = kit.figures.new_figure(size=(4.2, 3.3))
     for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
-        style = figures.series_style(place)
+        style = kit.figures.series_style(place)
         axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)
-    figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
-    figures.tick_at(axis, table["patches_across"])
+    kit.figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
+    kit.figures.tick_at(axis, table["patches_across"])
     axis.set_xlabel("patches along a side,\nor rings of the disc (1)")
     axis.set_ylabel("relative error\nof the capacitance (1)")
     axis.set_title("Capacitance of plates alone in space")

@@ -15,40 +15,27 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import Moments
 from msvalidate.dielectric.charges.moments import coefficients
-from msvalidate.judging.evidence import Evidence, Tables
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 
-from . import common
 from .common import VOLTAGES, ChargeSolver, pair
 
 SEGMENTS = (250, 500, 1000, 2000)
 QUICK_SEGMENTS = (250, 500)
 """Of each electrode."""
 WIDTH = 6.0
-COLUMNS = {
-    **common.COLUMNS,
-    "unknowns": "charges of both electrodes (1)",
-    "integrals_seconds": "to integrate all pairs of segments (s)",
-    "factor_seconds": "to set up and factorise the equations, integrals included (s)",
-    "charges_seconds": "to find charges with the factor (s)",
-    "forces_seconds": "to find forces (s)",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Time one size after another, whatever the workers."""
     sizes = QUICK_SEGMENTS if setting.quick else SEGMENTS
     time_solution(candidate, sizes[0])  # compiles
     times = pd.DataFrame([time_solution(candidate, n) for n in sizes])
-    return Evidence(
+    return kit.Evidence(
         tables={"scaling": times},
-        observed={},
-        tolerances=(),
         figures={"scaling": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(times),),
     )
 
@@ -90,10 +77,10 @@ def finding(times: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Seconds against charges."""
     times = tables["scaling"]
-    figure, (seconds,) = figures.new_figure(size=(4.5, 4.0))
+    figure, (seconds,) = kit.figures.new_figure(size=(4.5, 4.0))
     drawn = {
         "integrals_seconds": "integrals",
         "factor_seconds": "integrals and factor",
@@ -101,13 +88,13 @@ def draw(tables: Tables) -> Figure:
         "charges_seconds": "charges by factor",
     }
     for place, (column, name) in enumerate(drawn.items()):
-        style = figures.series_style(place)
+        style = kit.figures.series_style(place)
         seconds.loglog(times["unknowns"], times[column].astype(float), label=name, **style)
     n = np.array([times["unknowns"].min(), times["unknowns"].max()])
     square = times["integrals_seconds"].max() * (n / n[-1]) ** 2 / 2
     seconds.loglog(n, square, ":", color="grey", label="square of the number")
-    figures.tick_at(seconds, times["unknowns"])
+    kit.figures.tick_at(seconds, times["unknowns"])
     seconds.set(xlabel="charges (1)", ylabel="time on this machine (s)")
     figure.suptitle("What charges cost")
-    figures.add_shared_legend(figure, [seconds], columns=2)
+    kit.figures.add_shared_legend(figure, [seconds], columns=2)
     return figure

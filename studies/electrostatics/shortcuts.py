@@ -23,14 +23,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import Charges, facing_strips
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
-from . import common
 from .common import VOLTAGES, ChargeSolver
 from .derivatives import growth
 
@@ -48,42 +43,24 @@ NEAR = 4
 """Points from the edge whose forces are told."""
 HALF = 0.5 * (VOLTAGES[0] - VOLTAGES[1]) ** 2
 """½V² (V²), with unit gap and permittivity."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "growth of σ²/(2ε) with a doubling of segments, over K²·ln 2/ε a halving of the last",
         0.02, "1",
         "the tip looks the same at every fineness; what differs is the first-order error of K², "
         "a few times 1/n",
+        table="both_faces_growth", value="growth_over_expected", reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "pull of point sums on the middle of wide strips, over coth(πd/l)", 2e-3, "1",
         "ends are 30 segments away, where points and segments differ by (1/30)²/24 or so, and the "
         "density by its margin of d/(30πl)·l/w",
-    ),
-    Tolerance(
-        "consistent force along half a strip, finest, over that on a tip by the closed form",
-        2e-4, "1",
-        "what even segments miss at the tip goes with their length over the gap, 0.025 and less, "
-        "with a small factor: the tip's pull holds for the charge that is there",
+        table="point_sums", value=kit.Quotient("points_over_exact", "coth"), reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "faces_over_exact": "Σσ²·l/(2ε) of a strip over the pull by the closed form (1)",
-    "growth_over_expected": "its growth with the last doubling of segments over that of theory (1)",
-    "length_over_gap": "length of segments over the gap (1)",
-    "points_over_exact": "pull on the middle by Coulomb's law between middles over that by the "
-    "field of even segments (1)",
-    "coth": "coth(πd/l), expected of it (1)",
-    "from_edge": 'points from the edge, 0 the edge\'s own (1), or "half" for all of half the strip',
-    "along": "consistent force along the strip, outward, over the closed form's on a tip (1)",
-    "along_halves": "the same with halves of each segment's force (1)",
-    "across": "consistent force across the gap over the closed form's pull on the strip (1)",
-    "across_halves": "the same with halves of each segment's force (1)",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Measure the three."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(DOUBLINGS, numbers))
@@ -93,24 +70,26 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
     points = pd.DataFrame([point_sums(candidate, length) for length in LENGTHS])
     tips = pd.concat([tip(candidate, *case) for case in cases], ignore_index=True)
-    values = (
-        farthest_value(growths["growth_over_expected"], 1.0),
-        farthest_value(points["points_over_exact"] / points["coth"], 1.0),
-        farthest_value(half_strips(tips, max(numbers))["along"], 1.0),
-    )
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "consistent force along half a strip, finest, over that on a tip by the closed form",
+            2e-4, "1",
+            "what even segments miss at the tip goes with their length over the gap, 0.025 and "
+            "less, with a small factor: the tip's pull holds for the charge that is there",
+            observed=kit.farthest_value(half_strips(tips, max(numbers))["along"], 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={
             "both_faces": faces,
             "point_sums": points,
             "both_faces_growth": growths,
             "halves": tips,
         },
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *own),
         figures={"shortcuts": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(faces, points, tips),
-        rounding=dict.fromkeys(("growth_over_expected", "along", "along_halves"), 1e-09),
     )
 
 
@@ -163,7 +142,7 @@ def point_sums(candidate: ChargeSolver, length: float) -> dict[str, object]:
     }
 
 
-def halve_to_ends(found: Charges) -> Array:
+def halve_to_ends(found: Charges) -> kit.Array:
     """Force (n, 2) on points: half of what the field in its middle does to a segment, each end."""
     electrodes = found.moments.electrodes
     pulled = found.charge[:, None] * found.field(electrodes.middle)
@@ -224,21 +203,21 @@ def findings(faces: pd.DataFrame, points: pd.DataFrame, tips: pd.DataFrame) -> t
     return faces_said, f"Coulomb's law between middles pulls too hard: {wrong}.", halves_said
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Forces by three shortcuts over those of the closed form or the energy, a panel each."""
     faces, points, tips = tables["both_faces"], tables["point_sums"], tables["halves"]
-    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9))
-    both, sums, tip_axis = figures.widen_third(figure, axes)
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.5, 2.9))
+    both, sums, tip_axis = kit.figures.widen_third(figure, axes)
     for place, (grading, rows) in enumerate(by_grading(faces)):
-        style, n = figures.series_style(place), rows["segments"].to_numpy()
+        style, n = kit.figures.series_style(place), rows["segments"].to_numpy()
         pull = rows["faces_over_exact"].to_numpy()
         both.semilogx(n, pull, ls="", label=f"{grading} segments", **style)
         slope = DOUBLINGS[grading] * 2 / (np.pi * RATIO)
         both.semilogx(n, pull[-1] + slope * np.log(n / n[-1]), color=style["color"], lw=0.8)
-    figures.tick_at(both, faces["segments"])
+    kit.figures.tick_at(both, faces["segments"])
     both.set(title=f"pressure σ²/(2ε), w/d = {RATIO:g}", xlabel="segments of each strip (1)")
     both.set_ylabel("pull over the closed form's (1)")
-    lengths, blue = points["length_over_gap"], figures.COLOURS[0]
+    lengths, blue = points["length_over_gap"], kit.figures.COLOURS[0]
     sums.plot(lengths, points["points_over_exact"], "o", color=blue, label="point sums")
     drawn = np.linspace(min(LENGTHS), max(LENGTHS), 80)
     sums.plot(drawn, 1 / np.tanh(np.pi / drawn), color="black", lw=0.8, label="coth(πd/l)")
@@ -248,7 +227,7 @@ def draw(tables: Tables) -> Figure:
     near = near[near["segments"] == near["segments"].max()]
     where = near["from_edge"].astype(float)
     for place, (column, name) in enumerate((("along", "consistent"), ("along_halves", "halves"))):
-        colour, x = figures.COLOURS[place], where + 0.4 * place - 0.2
+        colour, x = kit.figures.COLOURS[place], where + 0.4 * place - 0.2
         tip_axis.bar(x, near[column], 0.36, color=colour, label=name)
     tip_axis.set_xticks(list(range(NEAR)))
     tip_axis.set(title="force along the strip", xlabel="points from the edge (1)")

@@ -19,14 +19,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import facing_strips, facing_strips_capacitance
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 
-from . import common
 from .common import ChargeSolver
 
 RATIOS = (1.0, 6.0, 10.0)
@@ -42,58 +38,47 @@ ORDER_BECAUSE = (
     "the next term of the error is smaller by a segment over the gap, at most an eighth, and fits "
     "through three sizes or more weigh the finer ones as much"
 )
-TOLERANCES = (
+RULES = (
     *(
-        Tolerance(
+        kit.Rule(
             f"capacitance of facing strips, graded segments, {weighting}", 1e-4, "1",
             "errors fall with order 2 from 1e-3 or so at 40 segments: 64 times less at 320",
+            table="strips", rows={"grading": "cosine", "weighting": weighting},
+            by=("width_over_gap",), last=1, value="capacitance_error",
         )
         for weighting in WEIGHTINGS
     ),
     *(
-        Tolerance(
+        kit.Rule(
             f"order of the capacitance, {grading} segments, {weighting}", 0.1, "1",
-            ORDER_BECAUSE,
+            ORDER_BECAUSE, table="strip_orders", rows={"grading": grading, "weighting": weighting},
+            value="order", reference="order_expected",
         )
         for grading, weighting in product(GRADINGS, WEIGHTINGS)
     ),
-    Tolerance(
+    kit.Rule(
         "Galerkin's capacitance above the closed form, largest", 1e-10, "1",
         "a maximum over fewer charges is no larger; 1e-10 is rounding times the condition of the "
         "equations",
-    ),
-    Tolerance(
-        "capacitance of strips a thousand times as large", 1e-10, "1",
-        "per depth it has no unit of length; rounding times the condition of the equations",
+        table="strips", rows={"weighting": "galerkin"},
+        value=lambda rows: rows["capacitance_error"].clip(lower=0.0),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "capacitance": "per depth over the permittivity (1)",
-    "capacitance_exact": "the same by the closed form (1)",
-    "capacitance_error": "of the method of moments over the closed form, less 1 (1)",
-    "order_expected": "order that theory gives (1)",
-    "capacitance_limit": "by the nearer of its limits (1)",
-    "limit": "wide plates: w/d + (1 + ln(2πw/d))/π; two wires: π/arcosh(2d/w), of a quarter of the "
-    "width as radius",
-}
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Errors of both weightings with both gradings, and their orders."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(RATIOS, GRADINGS, WEIGHTINGS, numbers))
     table = pd.DataFrame(setting.sweep(partial(strip_rows, candidate), cases, "facing strips"))
     keys = ["width_over_gap", "grading", "weighting"]
     orders = pd.DataFrame([fit_orders(rows) for _, rows in table.groupby(keys, sort=False)])
-    return Evidence(
+    return kit.Evidence(
         tables={"strips": table, "strip_orders": orders, "closed_form": closed_form()},
-        observed=by_quantity(TOLERANCES, judge(candidate, table, orders)),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, judge_size(candidate, int(table["segments"].min()))),
         figures={"strips": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, orders),),
-        rounding={"capacitance_error": 1e-11, "order": 1e-5},
     )
 
 
@@ -122,7 +107,7 @@ def fit_orders(rows: pd.DataFrame) -> dict[str, object]:
         "width_over_gap": case["width_over_gap"],
         "grading": case["grading"],
         "weighting": case["weighting"],
-        "order": observed_order(1 / rows["segments"], rows["capacitance_error"]),
+        "order": kit.observed_order(1 / rows["segments"], rows["capacitance_error"]),
         "order_expected": GRADINGS[str(case["grading"])],
     }
 
@@ -143,28 +128,17 @@ def closed_form() -> pd.DataFrame:
     )
 
 
-def judge(candidate: ChargeSolver, table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
-    """What `TOLERANCES` name, in their order."""
-    finest = table[table["segments"] == table["segments"].max()].set_index(["grading", "weighting"])
-    grouped = orders.set_index(["grading", "weighting"])
-    galerkin = table[table["weighting"] == "galerkin"]["capacitance_error"]
-    size, ratio = int(table["segments"].min()), RATIOS[1]
+def judge_size(candidate: ChargeSolver, size: int) -> kit.Tolerance:
+    """Strips that are larger by `LARGER`, in so many segments."""
     small, large = (
-        float(candidate.charges(facing_strips(ratio * unit, unit, size)).totals[0])
+        float(candidate.charges(facing_strips(RATIOS[1] * unit, unit, size)).totals[0])
         for unit in (1.0, LARGER)
     )
-    return [
-        *(
-            farthest_value(finest.loc[[("cosine", weighting)], "capacitance_error"], 0.0)
-            for weighting in WEIGHTINGS
-        ),
-        *(
-            farthest_value(rows["order"], rows["order_expected"])
-            for rows in (grouped.loc[[key]] for key in product(GRADINGS, WEIGHTINGS))
-        ),
-        Observed(max(0.0, float(galerkin.max()))),
-        Observed(large / small, 1.0),
-    ]
+    return kit.Tolerance(
+        "capacitance of strips a thousand times as large", 1e-10, "1",
+        "per depth it has no unit of length; rounding times the condition of the equations",
+        observed=kit.Observed(large / small, 1.0),
+    )  # fmt: skip
 
 
 def finding(table: pd.DataFrame, orders: pd.DataFrame) -> str:
@@ -184,31 +158,31 @@ def finding(table: pd.DataFrame, orders: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Errors against the number of segments, and the closed form."""
     table, form = tables["strips"], tables["closed_form"]
-    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9))
-    *errors, last = figures.widen_third(figure, axes)
+    figure, axes = kit.figures.new_figure(2, 2, size=(3.5, 2.9))
+    *errors, last = kit.figures.widen_third(figure, axes)
     for axis, (grading, order) in zip(errors, GRADINGS.items(), strict=True):
         rows = table[table["grading"] == grading]
         for (ratio, weighting), line in rows.groupby(["width_over_gap", "weighting"], sort=False):
-            style = figures.series_style(RATIOS.index(ratio)) | {"ls": "-"}
+            style = kit.figures.series_style(RATIOS.index(ratio)) | {"ls": "-"}
             if weighting != "galerkin":
                 style |= {"ls": "--", "mfc": "none"}
             label = f"w/d = {ratio:g}, {str(weighting).replace('galerkin', 'Galerkin')}"
             axis.loglog(line["segments"], line["capacitance_error"].abs(), label=label, **style)
         most = rows["capacitance_error"].abs().max()
-        figures.draw_order(axis, rows["segments"], 2 * most, order)
-        figures.tick_at(axis, rows["segments"])
+        kit.figures.draw_order(axis, rows["segments"], 2 * most, order)
+        kit.figures.tick_at(axis, rows["segments"])
         axis.set(title=f"{grading} segments", xlabel="segments of each strip (1)")
     axes[0].set_ylabel("relative error of\nthe capacitance (1)")
     closed = form["capacitance_exact"]
     last.loglog(form["width_over_gap"], closed, color="black", label="closed form")
     for place, (name, rows) in enumerate(form.groupby("limit", sort=False), start=3):
         width, limit = rows["width_over_gap"], rows["capacitance_limit"]
-        last.loglog(width, limit, "--", color=figures.COLOURS[place], label=str(name))
+        last.loglog(width, limit, "--", color=kit.figures.COLOURS[place], label=str(name))
     met = table[table["segments"] == table["segments"].max()]
-    orange = figures.COLOURS[1]
+    orange = kit.figures.COLOURS[1]
     last.loglog(met["width_over_gap"], met["capacitance"], "o", color=orange, label="moments")
     last.set(
         title="capacitance",
@@ -217,5 +191,5 @@ def draw(tables: Tables) -> Figure:
     )
     last.legend(fontsize=8)
     figure.suptitle("Capacitance of facing strips")
-    figures.add_shared_legend(figure, errors, columns=2)
+    kit.figures.add_shared_legend(figure, errors, columns=2)
     return figure

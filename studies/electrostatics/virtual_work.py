@@ -21,16 +21,12 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.charges import Charges, facing_strips
 from msvalidate.dielectric.charges.dielectric import ChargesInAir
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Array
 
-from . import common
 from .common import VOLTAGES, ChargeSolver, pair
 from .derivatives import differences, growth, steps_of
 from .virtual_work_drawing import draw
@@ -47,68 +43,58 @@ QUICK_SEGMENTS = (6, 12)
 RATIO = 6.0
 FINE = (20, 40, 80, 160, 320)
 QUICK_FINE = (20, 40, 80, 160)
-TOLERANCES = (
-    Tolerance(
+galerkin = partial(kit.Rule, table="virtual_work", rows={"weighting": "galerkin"})
+flat = partial(galerkin, unit="1", table="flat_strips", last=1)
+tangent = partial(kit.Rule, unit="of its largest component", table="tangents")
+RULES = (
+    galerkin(
         "Galerkin's forces, farthest from differences of the energy", 1e-7, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment: 1e-8 times the bend "
-        "of the energy of neighbours, of order 1 to 10",
+        "of the energy of neighbours, of order 1 to 10", value="force_error",
     ),
-    Tolerance(
+    galerkin(
         "Galerkin's forces on the edges, farthest from differences of the energy",
-        1e-7, "of that force",
-        "as of all forces: those on edges are the largest",
+        1e-7, "of that force", "as of all forces: those on edges are the largest",
+        value="edge_force_error",
     ),
-    Tolerance(
+    galerkin(
         "net force of Galerkin's forces", 1e-12, "of the sum of their sizes",
-        "pairs cancel as numbers; some hundred roundings of 1e-16",
+        "pairs cancel as numbers; some hundred roundings of 1e-16", value="net_force",
     ),
-    Tolerance(
+    galerkin(
         "net moment of Galerkin's forces", 1e-12, "of the sum of their sizes times the width",
-        "exact integrals; some thousand roundings of 1e-16",
+        "exact integrals; some thousand roundings of 1e-16", value="net_moment",
     ),
-    Tolerance(
-        "asymmetry of the tangent", 1e-10, "of its largest component",
-        "a second derivative; rounding times the condition of the equations",
+    tangent(
+        "asymmetry of the tangent", 1e-10, value="asymmetry",
+        because="a second derivative; rounding times the condition of the equations",
     ),
-    Tolerance(
-        "tangent, farthest from differences of the forces", 1e-6, "of its largest component",
-        "differences of fourth order, as of the energy",
+    tangent(
+        "tangent, farthest from differences of the forces", 1e-6, value="tangent_error",
+        because="differences of fourth order, as of the energy",
     ),
-    Tolerance(
-        "pull between flat strips, finest, over dW/dd of the closed form", 1e-4, "1",
-        "falls with order 2 like the capacitance, from 1e-3 or so at 40 segments",
+    flat(
+        "pull between flat strips, finest, over dW/dd of the closed form", 1e-4, value="pull_error",
+        because="falls with order 2 like the capacitance, from 1e-3 or so at 40 segments",
     ),
-    Tolerance(
-        "stretch of flat strips, finest, over dW/dw of the closed form", 1e-4, "1",
-        "as of the pull, which it equals",
+    flat(
+        "stretch of flat strips, finest, over dW/dw of the closed form", 1e-4,
+        value="stretch_error", because="as of the pull, which it equals",
     ),
-    Tolerance(
+    galerkin(
         "order of pull and stretch", 0.1, "1",
         "as of the capacitance: derivatives of an error that goes like 1/n² do so too",
+        table="flat_orders", reference=2.0,
+        value=lambda rows: rows[["pull_order", "stretch_order"]].to_numpy().ravel(),
     ),
-    Tolerance(
+    kit.Rule(
         "forces on a wavy slab in air, farthest from differences of the energy",
         1e-6, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment, whose next term grows "
         "with the cube of the field at edges and corners",
+        table="slab_in_air", value="outline_error",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **common.COLUMNS,
-    "points": "of both electrodes, or around the slab (1)",
-    "force_error": "farthest force of a point from differences of the energy, over the largest "
-    "force (1)",
-    "edge_force_error": "the same of the points at the edges, over their own force (1)",
-    "net_force": "size of the sum of all forces over the sum of their sizes (1)",
-    "net_moment": "of all forces, over the sum of their sizes times the electrodes' width (1)",
-    "tangent_error": "farthest component of the tangent from differences of the forces, over its "
-    "largest (1)",
-    "asymmetry": "farthest component of the tangent from its transpose's, over its largest (1)",
-    "pull_order": "exponent of 1/n that fits the errors of the pull (1)",
-    "outline_error": "farthest force on a wavy slab in air from differences of the energy, over "
-    "the largest (1)",
-    "stretch_order": "exponent of 1/n that fits the errors of the stretch (1)",
-}
 
 
 ROUNDING = {
@@ -120,7 +106,7 @@ ROUNDING = {
 }
 
 
-def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: kit.Setting) -> kit.Evidence:
     """Hold forces to the energy, and to closed forms."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(SHAPES, WEIGHTINGS, numbers))
@@ -133,7 +119,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     orders = pd.DataFrame([fit_orders(str(w), rows) for w, rows in flat.groupby("weighting")])
     ratios = QUICK_PERMITTIVITY_RATIOS if setting.quick else PERMITTIVITY_RATIOS
     slabs = pd.DataFrame([wavy_electrodes(candidate, ratio) for ratio in ratios])
-    return Evidence(
+    return kit.Evidence(
         tables={
             "virtual_work": table,
             "tangents": bends,
@@ -141,13 +127,10 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
             "flat_orders": orders,
             "slab_in_air": slabs,
         },
-        observed=judge(table, bends, flat, orders)
-        | {TOLERANCES[-1].quantity: farthest_value(slabs["outline_error"], 0.0)},
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"virtual_work": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, flat),),
-        rounding=ROUNDING,
     )
 
 
@@ -156,7 +139,7 @@ def compare_with_energy(candidate: ChargeSolver, case: tuple[str, str, int]) -> 
     shape, weighting, segments = case
     electrodes = pair(shape, WIDTH, segments)
 
-    def solved(x: Array) -> Charges:
+    def solved(x: kit.Array) -> Charges:
         moved = electrodes.moved(x.reshape(-1, 2))
         return candidate.charges(moved, permittivity=PERMITTIVITY, weighting=weighting)
 
@@ -183,7 +166,7 @@ def compare_with_forces(candidate: ChargeSolver, shape: str, segments: int) -> d
     """Row of one tangent."""
     electrodes = pair(shape, WIDTH, segments)
 
-    def forces(x: Array) -> Array:
+    def forces(x: kit.Array) -> kit.Array:
         moved = electrodes.moved(x.reshape(-1, 2))
         found = candidate.charges(moved, permittivity=PERMITTIVITY)
         return candidate.forces(found).ravel()
@@ -205,7 +188,7 @@ def wavy_electrodes(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
     x, y = flat.points.T
     wavy = flat.moved(flat.points + 0.05 * np.column_stack([np.sin(5 * y), np.cos(4 * x + 1)]))
 
-    def solved(points: Array) -> ChargesInAir:
+    def solved(points: kit.Array) -> ChargesInAir:
         moved = wavy.moved(points.reshape(-1, 2))
         return candidate.in_air(moved, ratio=ratio, permittivity=PERMITTIVITY).charges(VOLTAGES)
 
@@ -245,31 +228,9 @@ def fit_orders(weighting: str, rows: pd.DataFrame) -> dict[str, object]:
     parts = 1 / rows["segments"]
     return {
         "weighting": weighting,
-        "pull_order": observed_order(parts, rows["pull_error"]),
-        "stretch_order": observed_order(parts, rows["stretch_error"]),
+        "pull_order": kit.observed_order(parts, rows["pull_error"]),
+        "stretch_order": kit.observed_order(parts, rows["stretch_error"]),
     }
-
-
-def judge(
-    table: pd.DataFrame, bends: pd.DataFrame, flat: pd.DataFrame, orders: pd.DataFrame
-) -> dict[str, Observed]:
-    """What `TOLERANCES` name."""
-    galerkin, fine, order = (
-        given[given["weighting"] == "galerkin"] for given in (table, flat, orders)
-    )
-    finest = fine.iloc[-1]
-    values = (
-        farthest_value(galerkin["force_error"], 0.0),
-        farthest_value(galerkin["edge_force_error"], 0.0),
-        farthest_value(galerkin["net_force"], 0.0),
-        farthest_value(galerkin["net_moment"], 0.0),
-        farthest_value(bends["asymmetry"], 0.0),
-        farthest_value(bends["tangent_error"], 0.0),
-        Observed(float(finest["pull_error"])),
-        Observed(float(finest["stretch_error"])),
-        farthest_value(order[["pull_order", "stretch_order"]], 2.0),
-    )
-    return by_quantity(TOLERANCES[:-1], values)
 
 
 def finding(table: pd.DataFrame, flat: pd.DataFrame) -> str:

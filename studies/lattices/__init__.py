@@ -21,10 +21,8 @@ from __future__ import annotations
 
 from functools import cache, partial
 
+from msvalidate import kit
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
 
 from . import choice, clamped, controls, cost, orthotropic, solids, uniform
 from .cases import Solid
@@ -62,26 +60,26 @@ that should notice."""
 
 
 def run(
-    candidate: DisplacementSolver = solve_springs,
-    setting: Setting = FULL,
+    candidate: kit.DisplacementSolver = kit.solve_springs,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
     solid: Solid = homogenise,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate and one way to homogenise."""
-    candidate = check_displacements(candidate)
+    candidate = kit.check_displacements(candidate)
     endless = cache(partial(solids.solid_tables, solid, setting))
     stretched = cache(lambda: uniform.run(candidate, solid, setting))
     held = cache(lambda: clamped.run(candidate, solid, setting))
-    rested = cache(lambda: cost.run(solid, setting, endless()[0]["solids"]))
-    return gather_evidence(
+    rested = cache(lambda: cost.run(solid, setting, endless()["solids"]))
+    return kit.gather_evidence(
         {
-            "solids": lambda: solids.run(*endless()),
+            "solids": lambda: solids.run(endless()),
             "orthotropic": lambda: orthotropic.run(candidate, solid, setting),
             "uniform": stretched,
             "clamped": held,
             "cost": rested,
             "choice": lambda: choice.run(
-                {**endless()[0], **stretched().tables, **held().tables, **rested().tables}
+                {**endless(), **stretched().tables, **held().tables, **rested().tables}
             ),
             "controls": controls.run,
             "random_solids": lambda: random_solids.run(solid, setting),

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import eigsh
 
+from msvalidate import kit
 from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, fill, patterns
-from msvalidate.output import figures
-from msvalidate.problem import Anisotropic, Array, Box, ProblemError, SolverError
 
 Solid = Callable[..., Homogenised]
 """From a pattern, its constants (N/m) and a spacing (m) to the solid that it is."""
@@ -33,20 +34,6 @@ MOVED = 1e-9
 """Part of the affine tensor that points release by moving, above which it is no rounding."""
 MOST_CELLS = 12
 """Cells along an edge of the smallest box that is looked for."""
-COLUMNS = {
-    "lattice": "name of the lattice",
-    "rule": "name of the rule for its spring constants",
-    "k": "spring constants by kind, the shortest springs first (N/m)",
-    "axes": "2 in the plane, 3 in space",
-    "strains": "what the solid resists: every strain, or it shears freely, or it gives way",
-    "body": f'"{STANDS}", or why there is none: "no body" (the solid lets some strain pass), "no '
-    'corner point" (none in the corner of the cell: a box would have no corners), "no box" (the '
-    'cells fill none), "mechanism" (points move without resistance)',
-    "cells": "cells of the pattern along the x axis",
-    "points": "points of the network",
-    "spacing": "length of the pattern's unit (m)",
-    "test": "pull: traction along the normal of the loaded side; shear: across it",
-}
 
 
 class Case(NamedTuple):
@@ -60,7 +47,7 @@ class Case(NamedTuple):
         """What repeats."""
         known = patterns.all_patterns()
         if self.lattice not in known:
-            raise ProblemError(f"lattice: {self.lattice!r}; choose from {', '.join(known)}")
+            raise kit.ProblemError(f"lattice: {self.lattice!r}; choose from {', '.join(known)}")
         return known[self.lattice]()
 
     @property
@@ -68,7 +55,7 @@ class Case(NamedTuple):
         """Spring constants (N/m), one a kind."""
         rules = self.pattern.rules
         if self.rule not in rules:
-            raise ProblemError(
+            raise kit.ProblemError(
                 f"{self.lattice}: rule {self.rule!r}; choose from {', '.join(rules)}"
             )
         return rules[self.rule]
@@ -86,7 +73,7 @@ def all_cases() -> list[Case]:
     return [Case(name, rule) for _, name, rules in found for rule in rules]
 
 
-def resists_shear(tensor: Array) -> str:
+def resists_shear(tensor: kit.Array) -> str:
     """Whether every strain costs energy, in words."""
     values, modes = np.linalg.eigh(tensor)
     free = modes[:, values <= STIFF * max(values[-1], np.finfo(float).tiny)]
@@ -110,7 +97,7 @@ def body(solid: Solid, case: Case) -> str:
         return "no corner point"
     try:
         lattice = fill_box(case, TRIED[pattern.dim])
-    except ProblemError:
+    except kit.ProblemError:
         return "no box"
     return STANDS if is_stable(case, lattice) else "mechanism"
 
@@ -131,7 +118,7 @@ def is_stable(case: Case, lattice: Lattice) -> bool:
     return bool(least.max() > FREE)
 
 
-def tensor_of(solid: Solid, case: Case, spacing: float = 1.0) -> Array:
+def tensor_of(solid: Solid, case: Case, spacing: float = 1.0) -> kit.Array:
     """Voigt tensor, (3, 3) in N/m or (6, 6) in Pa, of a case at a spacing (m), points at rest."""
     return solid(case.pattern, case.constants, spacing).tensor
 
@@ -142,7 +129,7 @@ def fill_box(case: Case, across: int) -> PatternLattice:
     base = proportions(pattern.size)
     cells = np.array(base) * max(1, round(across / max(base)))
     edges = cells * pattern.size
-    return fill(pattern, Box(tuple((edges / edges.max()).tolist())), tuple(cells.tolist()))
+    return fill(pattern, kit.Box(tuple((edges / edges.max()).tolist())), tuple(cells.tolist()))
 
 
 def sizes(case: Case, wanted: tuple[int, ...]) -> list[int]:
@@ -156,17 +143,17 @@ def sizes(case: Case, wanted: tuple[int, ...]) -> list[int]:
     return [times * base for times in found[1:]]
 
 
-def box_of(lattice: Lattice) -> Box:
+def box_of(lattice: Lattice) -> kit.Box:
     """The box that a lattice fills."""
-    if not isinstance(lattice.domain, Box):
-        raise ProblemError(f"{lattice.name} lattice in a {lattice.domain}; fill a box")
+    if not isinstance(lattice.domain, kit.Box):
+        raise kit.ProblemError(f"{lattice.name} lattice in a {lattice.domain}; fill a box")
     return lattice.domain
 
 
 def cells_along(lattice: Lattice) -> int:
     """Cells along the x axis of a box."""
     if not isinstance(lattice, PatternLattice):
-        raise ProblemError(f"{lattice.name} lattice: no piece of a pattern; give one that is")
+        raise kit.ProblemError(f"{lattice.name} lattice: no piece of a pattern; give one that is")
     return round(box_of(lattice).size[0] / (lattice.spacing * lattice.pattern.size[0]))
 
 
@@ -184,7 +171,7 @@ def proportions(size: tuple[float, ...]) -> tuple[int, ...]:
     return best
 
 
-def material(solid: Solid, case: Case, lattice: PatternLattice) -> Anisotropic:
+def material(solid: Solid, case: Case, lattice: PatternLattice) -> kit.Anisotropic:
     """The elastic body that a piece of lattice stands for.
 
     Raises
@@ -194,10 +181,10 @@ def material(solid: Solid, case: Case, lattice: PatternLattice) -> Anisotropic:
     """
     tensor = tensor_of(solid, case, lattice.spacing)
     if resists_shear(tensor) != "every strain":
-        raise SolverError(
+        raise kit.SolverError(
             f"{lattice.name}, {case.rule}: {resists_shear(tensor)}; no body to compare"
         )
-    return Anisotropic(tensor)
+    return kit.Anisotropic(tensor)
 
 
 def support_releases(solid: Solid, case: Case) -> bool:
@@ -213,14 +200,24 @@ def springs_a_point(case: Case) -> float:
     return float(2 * (stiffness > 0).sum() / len(pattern.points))
 
 
+def numbers(column: str) -> Callable[[pd.DataFrame], Any]:
+    """What reads the numbers of a column without its words; NaN, which fails, where none is."""
+
+    def read(rows: pd.DataFrame) -> Any:
+        found = pd.to_numeric(rows[column], errors="coerce").dropna()
+        return found if len(found) else math.nan
+
+    return read
+
+
 def style(number: int) -> dict[str, Any]:
     """How the case of a number is drawn, in every figure the same; of 24 no two are alike.
 
     After each round of the colours every colour has its next marker and its next line.
     """
-    around = number // len(figures.COLOURS)
+    around = number // len(kit.figures.COLOURS)
     return {
-        "marker": figures.MARKERS[(number + around) % len(figures.MARKERS)],
-        "color": figures.COLOURS[number % len(figures.COLOURS)],
+        "marker": kit.figures.MARKERS[(number + around) % len(kit.figures.MARKERS)],
+        "color": kit.figures.COLOURS[number % len(kit.figures.COLOURS)],
         "linestyle": LINES[around % len(LINES)],
     }

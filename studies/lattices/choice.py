@@ -13,60 +13,24 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate import kit
 
 from . import cases, solids
 from .cases import Case
 
-NO_BODY = '"no body", "no corner point", "no box" or "mechanism", as in the column body of solids'
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "known lattices and rules without a row", 0, "1",
-        "lattices are found by what their functions return, not listed",
+        "lattices are found by what their functions return, not listed", table="lattices",
+        value=lambda rows: len(cases.all_cases()) - len(rows.drop_duplicates(["lattice", "rule"])),
     ),
 )  # fmt: skip
-MEANING = {"E": "modulus along x (N/m, Pa at a spacing of 1 m)", "nu": "Poisson's ratio (1)"}
-MEANING["A"] = 'Zener\'s ratio, "none" where the solid is neither square nor cubic (1)'
-COLUMNS = {
-    **cases.COLUMNS,
-    **{name: solids.COLUMNS[name] for name in ("E", "nu", "A", "isotropic", "omega2_m")},
-    **{
-        f"{name}_closed": f'{meaning}, from the closed form, "none" where there is none'
-        for name, meaning in MEANING.items()
-    },
-    **{
-        f"{name}_body": f"{meaning}, of the finest body under uniform stress, or {NO_BODY}"
-        for name, meaning in MEANING.items()
-    },
-    **{
-        f"{test}_difference": f"work of the load on the finest clamped body in {test}, over that "
-        f"of the elastic body, less 1, or {NO_BODY} (1)"
-        for test in ("pull", "shear")
-    },
-    **{
-        f"{test}_order": f'order of this difference, or "not resolved", "not asymptotic", '
-        f"{NO_BODY} (1)"
-        for test in ("pull", "shear")
-    },
-    "springs_a_point": solids.COLUMNS["springs_a_point"],
-    "rest_steps": f"steps to rest, as in the table cost, or {NO_BODY}",
-}
 
 
-def run(tables: dict[str, pd.DataFrame]) -> Evidence:
+def run(tables: dict[str, pd.DataFrame]) -> kit.Evidence:
     """One table of the tables `solids`, `uniform`, `clamped`, `clamped_order` and `cost`."""
     found = pd.DataFrame([row(case, tables) for case in cases.all_cases()])
-    missing = len(cases.all_cases()) - len(found.drop_duplicates(["lattice", "rule"]))
-    return Evidence(
-        tables={"lattices": found},
-        observed={TOLERANCES[0].quantity: Observed(float(missing))},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={"E_body": 1e-9, "nu_body": 1e-9, "A_body": 1e-9, "E": 1e-12, "E_closed": 1e-12}
-        | {"nu_closed": 1e-12, "A_closed": 1e-12}
-        | {"pull_difference": 1e-7, "shear_difference": 1e-7, "pull_order": 1e-4}
-        | {"shear_order": 1e-4},
-    )
+    return kit.Evidence(tables={"lattices": found}, tolerances=RULES, columns=kit.columns(__file__))
 
 
 def row(case: Case, tables: dict[str, pd.DataFrame]) -> dict[str, object]:
@@ -83,7 +47,7 @@ def row(case: Case, tables: dict[str, pd.DataFrame]) -> dict[str, object]:
     if body:
         body["E_body"] = body["E_over"] * own["E"]
         body |= {f"{name}_body": body[f"{name}_measured"] for name in ("nu", "A")}
-    for name, on_paper in zip(MEANING, closed, strict=True):
+    for name, on_paper in zip(("E", "nu", "A"), closed, strict=True):
         found |= {f"{name}_closed": on_paper, name: own[name]}
         found[f"{name}_body"] = body.get(f"{name}_body", none)
     for test in ("pull", "shear"):

@@ -13,19 +13,14 @@ Expected   Stress is singular where the held side ends: twice the exponent of th
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import figures
 
 from . import cases, edges, elastic, loading
 from .cases import Case, Solid
@@ -37,62 +32,60 @@ DOUBT = 0.25
 """Part of an error that the reference's own may be: the order is then known to 0.4 at most."""
 ALIKE = 0.2
 """Largest distance of an order seen from that of the limit."""
-TOLERANCES = (
-    Tolerance(
+
+
+def _away(rows: pd.DataFrame) -> pd.Series | float:
+    """Orders that are resolved, from those expected; NaN, which fails, where there is none."""
+    known = rows[rows["clamped_order"] != "not resolved"]
+    away = pd.to_numeric(known["clamped_order"], errors="coerce") - known["clamped_expected"]
+    return away if len(away) else np.nan
+
+
+RULES = (
+    kit.Rule(
         "work of elastic bodies: uncertainty, relative", 0.02, "1",
         "half of what an extrapolation adds, 2.4 % on 12 cells at most: a tenth of the coarsest "
         "lattices' difference; whether it serves for an order, clamped_order says",
+        table="clamped", value="uncertainty",
     ),
-    Tolerance(
+    kit.Rule(
         "lattices of like cells: order, from twice the exponent of the clamped side's end",
         ALIKE, "1",
-        "a sheared body bends as well, with an error of order 2 beside that of its corners, and a "
-        "pulled one has weak corners: two sizes are off by 0.17 and -0.12 at 16 and 32 cells of "
-        "the plane, and by -0.18 at 3 and 4 of space",
+        "a sheared body bends as well, with an error of order 2 beside that of its corners, "
+        "and a pulled one has weak corners: two sizes are off by 0.17 and -0.12 at 16 and 32 "
+        "cells of the plane, and by -0.18 at 3 and 4 of space",
+        table="clamped_order", rows={"springs_cross": "no"}, value=_away,
     ),
-    Tolerance(
+    kit.Rule(
         "lattices with springs across sides, pulled: order, from 1", ALIKE, "1",
         "the next term is of order 1.4 to 1.6 and smaller by far: 0.08 for 3 and 4 cells",
+        table="clamped_order", rows={"springs_cross": "yes", "test": "pull"}, value=_away,
     ),
-    Tolerance(
+    kit.Rule(
         "lattices whose difference does not fall with the spacing", 0, "1",
-        "every lattice converges to its solid; where springs cross sides and the body is sheared, "
-        "two errors of opposite sign cancel at few cells, so those are left out",
+        "every lattice converges to its solid; where springs cross sides and the body is "
+        "sheared, two errors of opposite sign cancel at few cells, so those are left out",
+        table="clamped_order", value=lambda rows: (
+            (rows["falls"] == "no") & ((rows["springs_cross"] == "no") | (rows["test"] == "pull"))
+        ).sum(),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "work": "work of the load over that on a free bar of the same modulus, of the lattice (1)",
-    "work_fem": "the same of the elastic body, by finite elements, extrapolated (1)",
-    "uncertainty": "of work_fem, relative: half of what the extrapolation added (1)",
-    "difference": "work over work_fem, less 1 (1)",
-    "springs_cross": "whether springs run from a cell to the next across a side",
-    "twice_exponent": "twice the exponent of the displacement where the held side ends (1)",
-    "clamped_expected": "order of the difference on paper: 1 with springs across sides, else "
-    "twice_exponent (1)",
-    "clamped_order": "slope of log|difference| against log(spacing) between the finest two sizes, "
-    'or a word: "not resolved" (the reference is not known so well), "not asymptotic" (the '
-    "difference grows, or changes sign) (1)",
-}
 
 
-def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
+def run(candidate: kit.DisplacementSolver, solid: Solid, setting: kit.Setting) -> kit.Evidence:
     """Load clamped bodies, and judge them."""
     table = measure(candidate, solid, setting)
     orders = approach(table, solid)
-    return Evidence(
+    return kit.Evidence(
         tables={"clamped": table, "clamped_order": orders},
-        observed=by_quantity(TOLERANCES, observe(table, orders)),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"clamped": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, orders),
-        rounding={"work": 1e-9, "work_fem": 1e-7, "uncertainty": 1e-7, "difference": 1e-7}
-        | {"clamped_order": 1e-4},
     )
 
 
-def measure(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
+def measure(candidate: kit.DisplacementSolver, solid: Solid, setting: kit.Setting) -> pd.DataFrame:
     """The table `clamped`."""
     wanted = QUICK if setting.quick else SIZES
     todo = [
@@ -122,7 +115,9 @@ def measure(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd
     return pd.DataFrame(rows)
 
 
-def lattice_work(candidate: DisplacementSolver, solid: Solid, todo: tuple[Case, str, int]) -> float:
+def lattice_work(
+    candidate: kit.DisplacementSolver, solid: Solid, todo: tuple[Case, str, int]
+) -> float:
     """Work of the load on a clamped lattice, over that on a free bar of the solid's modulus."""
     case, test, across = todo
     lattice = cases.fill_box(case, across)
@@ -143,10 +138,12 @@ def approach(table: pd.DataFrame, solid: Solid) -> pd.DataFrame:
         crosses = edges.crosses(case)
         mine = table[(table["lattice"] == pattern.name) & (table["rule"] == case.rule)]
         for test in loading.TESTS:
-            pair = mine[mine["test"] == test].iloc[-2:]
+            own = mine[mine["test"] == test]
+            first, *_, last = own["difference"].abs()
             row = {"axes": pattern.dim, "test": test, "springs_cross": "yes" if crosses else "no"}
             row |= {"twice_exponent": corner, "clamped_expected": 1.0 if crosses else corner}
-            rows.append(case.head | row | {"clamped_order": order(pair)})
+            row |= {"clamped_order": order(own.iloc[-2:]), "falls": "yes" if last < first else "no"}
+            rows.append(case.head | row)
     return pd.DataFrame(rows)
 
 
@@ -157,28 +154,7 @@ def order(pair: pd.DataFrame) -> float | str:
         return "not resolved"
     if gap[0] * gap[1] <= 0 or abs(gap[1]) >= abs(gap[0]):
         return "not asymptotic"
-    return observed_order(pair["spacing"], gap)
-
-
-def observe(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
-    """What the tolerances judge, in their order."""
-    away = pd.to_numeric(orders["clamped_order"], errors="coerce") - orders["clamped_expected"]
-    known = orders["clamped_order"] != "not resolved"
-    crosses, pulled = orders["springs_cross"] == "yes", orders["test"] == "pull"
-    plain = orders[~crosses | pulled][["lattice", "rule", "test"]]
-    ends = table.merge(plain).groupby(["lattice", "rule", "test"])["difference"]
-    first, last = ends.first().abs(), ends.last().abs()
-    return [
-        farthest_value(table["uncertainty"], 0.0),
-        _worst(away[known & ~crosses]),
-        _worst(away[known & crosses & pulled]),
-        Observed(float((last >= first).sum())),
-    ]
-
-
-def _worst(away: pd.Series) -> Observed:
-    """The farthest from 0; NaN, which fails, where none is left to judge."""
-    return farthest_value(away, 0.0) if len(away) else Observed(math.nan)
+    return kit.observed_order(pair["spacing"], gap)
 
 
 def findings(table: pd.DataFrame, orders: pd.DataFrame) -> tuple[str, ...]:
@@ -208,7 +184,7 @@ def of_one_sign(difference: pd.Series) -> list[pd.Index]:
     return [part.index for _, part in difference.groupby((stiff != stiff.shift()).cumsum())]
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Difference against the number of cells: a row for plane and space, a column a test.
 
     Markers are open where the lattice is too stiff; a line breaks where the sign changes.
@@ -216,7 +192,7 @@ def draw(tables: Tables) -> Figure:
     table, orders = tables["clamped"], tables["clamped_order"]
     names = list(dict.fromkeys(zip(orders["lattice"], orders["rule"], strict=True)))
     dims = sorted(set(orders["axes"]))
-    figure, axes = figures.new_figure(2, len(dims), size=(3.3, 2.9), sharey="row")
+    figure, axes = kit.figures.new_figure(2, len(dims), size=(3.3, 2.9), sharey="row")
     places = [(dim, test) for dim in dims for test in loading.TESTS]
     for axis, (dim, test) in zip(axes, places, strict=True):
         part = orders[(orders["axes"] == dim) & (orders["test"] == test)]
@@ -246,5 +222,5 @@ def draw(tables: Tables) -> Figure:
     axes[0].plot([], [], "o", color="black", mfc="white", label="too stiff")
     axes[0].plot([], [], "o", color="black", label="too soft")
     figure.suptitle("Work of the load on clamped bodies, beside their solids'")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -17,18 +17,15 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.constants.homogenise import Homogenised, homogenise
-from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.lattice import Constants, Pattern
-from msvalidate.network import Network, faults
-from msvalidate.problem import Array, Problem
+from msvalidate.network import faults
 
 from . import cases, solids, uniform
 from .cases import Case, Solid
 
-Fault = Callable[[Network, float], Network]
+Fault = Callable[[kit.Network, float], kit.Network]
 PROBE = 1e-5
 """Size of the fault from which the smallest that is noticed is extrapolated."""
 BODIES: dict[str, Fault] = {
@@ -46,25 +43,24 @@ UNITS = {
     SOLID: "part missing",
 }
 ACROSS = {2: 8, 3: 2}
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "smallest fault noticed, largest over the kinds", 1e-6, "1",
         "a thousand times the limit of an identity: no fault hides behind a weak lever",
+        table="controls", value="smallest_noticed",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "fault": "what is wrong with the network, or the pattern",
-    "fault_unit": "how the fault's size is measured",
-    "smallest_noticed": "smallest fault that makes a tolerance fail, in its unit",
-}
 
 
 def apply_fault(
-    fault: Fault, size: float, problem: Problem, network: Network, answer: Answer = "linear"
-) -> Array:
+    fault: Fault,
+    size: float,
+    problem: kit.Problem,
+    network: kit.Network,
+    answer: kit.Answer = "linear",
+) -> kit.Array:
     """A candidate whose network has a fault."""
-    return solve_springs(problem, fault(network, size), answer)
+    return kit.solve_springs(problem, fault(network, size), answer)
 
 
 def soften(size: float, pattern: Pattern, k: Constants, spacing: float = 1.0) -> Homogenised:
@@ -75,7 +71,7 @@ def soften(size: float, pattern: Pattern, k: Constants, spacing: float = 1.0) ->
     return homogenise(replace(pattern, factor=factor), k, spacing)
 
 
-def body_with(fault: str, size: float) -> DisplacementSolver:
+def body_with(fault: str, size: float) -> kit.DisplacementSolver:
     """The spring network with a fault of some kind and size."""
     return partial(apply_fault, BODIES[fault], size)
 
@@ -85,7 +81,7 @@ def solid_with(size: float) -> Solid:
     return partial(soften, size)
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """State the smallest fault of each kind that is noticed."""
     rows = [
         case.head | {"fault": fault, "fault_unit": UNITS[fault], "smallest_noticed": size}
@@ -96,12 +92,10 @@ def run() -> Evidence:
         )
     ]
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"controls": table},
-        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={"smallest_noticed": 1e-10},
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(
             "Smallest faults noticed: "
             + "; ".join(
@@ -129,5 +123,5 @@ def smallest(case: Case, fault: str) -> float:
 
 def smallest_of_solid(case: Case) -> float:
     """Smallest part of a direction that `solids` misses."""
-    found = solids.measure(solid_with(PROBE), case).solid
-    return PROBE * solids.TOLERANCES[0].limit / float(str(found["closed_form_error"]))
+    found, _ = solids.measure(solid_with(PROBE), case)
+    return PROBE * solids.CLOSED / float(str(found["closed_form_error"]))

@@ -22,15 +22,12 @@ import pandas as pd
 from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill
 from msvalidate.network import tangent
-from msvalidate.problem import Anisotropic, Array, Box
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import Run
@@ -47,47 +44,31 @@ ERROR = 1e-6
 AT_REST = 1e-12
 """Tolerance of a run, far below what the error needs: the error ends it."""
 LOOK_EVERY = 2
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "steps to rest over the prediction from frequencies, worst", 0.05, "1",
         "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
         "is taken at every second of 120 steps or more",
+        table="cost", value=kit.Quotient("steps", "steps_predicted"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "highest frequency of a body beyond that of one cell alone, relative", 1e-9, "1",
-        "energy and mass of the body are sums over cells that are alike, so no quotient of sums "
-        "is beyond that of one; left is rounding",
+        "energy and mass of the body are sums over cells that are alike, so no quotient of "
+        "sums is beyond that of one; left is rounding",
+        table="cost", value=lambda rows: np.maximum(
+            0.0, rows["highest_over"] / cases.numbers("cell_over")(rows) - 1
+        ).max(),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "root_kappa": "highest over lowest frequency of the clamped body (1)",
-    "highest_over": "highest frequency of the body over that of the endless lattice (1)",
-    "cell_over": "highest frequency of one cell alone over that of the endless lattice, or "
-    '"none" where springs run from cell to cell (1)',
-    "steps": "steps of viscous leapfrog to a displacement error of 1e-6",
-    "steps_predicted": "the same of the slowest mode alone",
-    "springs_a_point": "springs with stiffness that meet at a point",
-    "work_a_point": "steps times springs a point",
-    "work_of_body": "steps times springs with stiffness",
-}
 
 
-def run(solid: Solid, setting: Setting, endless: pd.DataFrame) -> Evidence:
+def run(solid: Solid, setting: kit.Setting, endless: pd.DataFrame) -> kit.Evidence:
     """Count steps to rest, and judge them; `endless` is the table `solids`."""
     table = measure_costs(solid, setting, endless)
-    whole = table[table["cell_over"] != "none"]
-    values = (
-        farthest_value(table["steps"] / table["steps_predicted"], 1.0),
-        Observed(
-            max(0.0, float((whole["highest_over"] / whole["cell_over"].astype(float) - 1).max()))
-        ),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"cost": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=findings(table),
     )
 
@@ -112,7 +93,7 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     return tuple(said)
 
 
-def measure_costs(solid: Solid, setting: Setting, endless: pd.DataFrame) -> pd.DataFrame:
+def measure_costs(solid: Solid, setting: kit.Setting, endless: pd.DataFrame) -> pd.DataFrame:
     """The table `cost`."""
     fastest = endless.set_index(["lattice", "rule"])["omega2_m"]
     todo = [(case, float(fastest[case.pattern.name, case.rule])) for case in cases.stiff(solid)]
@@ -158,10 +139,10 @@ def measure(solid: Solid, todo: tuple[Case, float]) -> dict[str, object]:
     }
 
 
-def of_one_cell(case: Case, body: Anisotropic, spacing: float) -> float:
+def of_one_cell(case: Case, body: kit.Anisotropic, spacing: float) -> float:
     """Highest frequency (rad/s) of a cell with nothing around it."""
     pattern = case.pattern
-    box = Box(tuple((spacing * np.array(pattern.size)).tolist()))
+    box = kit.Box(tuple((spacing * np.array(pattern.size)).tolist()))
     cell = fill(pattern, box, 1)
     problem = loading.uniform(box, body, (0, 0), 0.0)
     network = lattice_network(problem, cell, case.constants)
@@ -170,7 +151,7 @@ def of_one_cell(case: Case, body: Anisotropic, spacing: float) -> float:
     return math.sqrt(float(eigvalsh(matrix)[-1]))
 
 
-def near(rest: Array, run: Run) -> bool:
+def near(rest: kit.Array, run: Run) -> bool:
     """Whether a run is as near to rest as it should come."""
     return bool(abs(run.displacement - rest).max() <= ERROR * abs(rest).max())
 

@@ -13,13 +13,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import lsmr
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import voigt_directions
-from msvalidate.judging.candidate import solve_springs
 from msvalidate.lattice import Lattice, Pattern, PatternLattice, fill
 from msvalidate.network import tangent
-from msvalidate.problem import VOIGT, Array, Box, Index, Mask, SolverError
 
 from . import cases, loading
 from .cases import Case, Solid
@@ -32,7 +31,7 @@ BALANCED = 1e-9
 """Force left on a point, over the largest load, that is rounding."""
 
 
-def crossing(pattern: Pattern) -> Mask:
+def crossing(pattern: Pattern) -> kit.Mask:
     """Which springs (m,) run from a cell to the next across a side: no one cell holds both ends."""
     i, j = pattern.springs.T
     place = pattern.points / np.array(pattern.size)
@@ -50,10 +49,10 @@ def crosses(case: Case) -> bool:
 
 def piece(pattern: Pattern, cells: tuple[int, ...]) -> PatternLattice:
     """A box of so many cells, spacing 1 m."""
-    return fill(pattern, Box(tuple((np.array(cells) * pattern.size).tolist())), cells)
+    return fill(pattern, kit.Box(tuple((np.array(cells) * pattern.size).tolist())), cells)
 
 
-def near_sides(lattice: Lattice, cell: Array) -> Index:
+def near_sides(lattice: Lattice, cell: kit.Array) -> kit.Index:
     """Number (n,) of axes along which each point lies less than a cell from a side."""
     room = cell * (1 - BALANCED)
     near = (lattice.points < room) | (lattice.points > np.array(cases.box_of(lattice).size) - room)
@@ -71,7 +70,7 @@ def unbalanced_force(case: Case, solid: Solid, test: str) -> int | None:
     a, b = loading.components(pattern.dim)[test]
     problem = loading.uniform(cases.box_of(lattice), body, (a, b), 1.0)
     network = lattice_network(problem, lattice, case.constants)
-    strain = loading.compliances(body.C)[:, VOIGT[pattern.dim].index((a, b))]
+    strain = loading.compliances(body.C)[:, kit.VOIGT[pattern.dim].index((a, b))]
     move = lattice.points @ loading.gradient(strain, pattern.dim)
     left = network.force - (tangent(network, network.points) @ move.ravel()).reshape(move.shape)
     at = np.abs(left).max(axis=1) > BALANCED * np.abs(network.force).max()
@@ -124,7 +123,7 @@ def unbalanced_rest(case: Case) -> float:
     return float(found[3] / np.abs(pull).max())
 
 
-def _balance(lattice: Lattice, pull: Array) -> coo_array:
+def _balance(lattice: Lattice, pull: kit.Array) -> coo_array:
     """Matrix (n·d·strains, m) from weights of springs to forces on points."""
     m, d, strains = pull.shape
     place = np.arange(d * strains).reshape(1, d, strains)
@@ -146,8 +145,8 @@ def rewired_error(case: Case) -> float | str:
     lattice = piece(pattern, (2,) * pattern.dim)
     body = cases.material(homogenise, case, lattice)
     try:
-        S = loading.compliance(solve_springs, lattice, case.constants, body)
-    except SolverError:  # the springs left do not hold its points
+        S = loading.compliance(kit.solve_springs, lattice, case.constants, body)
+    except kit.SolverError:  # the springs left do not hold its points
         return "mechanism"
     return float(S[0] * loading.modulus(body.C) - 1)
 

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import VOIGT, Anisotropic, Array, Box
 from reference_fem.body import nodal_forces
 
 from . import cases, loading
@@ -34,11 +33,11 @@ class Reference(NamedTuple):
     uncertainty: float
 
 
-def bodies(solid: Solid, setting: Setting) -> dict[Case, dict[str, Reference]]:
+def bodies(solid: Solid, setting: kit.Setting) -> dict[Case, dict[str, Reference]]:
     """Every elastic body, in both tests; those of one tensor but for a factor are solved once."""
     meshes = QUICK_MESHES if setting.quick else MESHES
     number: dict[Case, int] = {}
-    distinct: list[tuple[Array, Box, tuple[int, ...]]] = []
+    distinct: list[tuple[kit.Array, kit.Box, tuple[int, ...]]] = []
     for case in cases.stiff(solid):
         tensor = cases.tensor_of(solid, case)
         tensor = tensor / loading.modulus(tensor)
@@ -55,14 +54,14 @@ def bodies(solid: Solid, setting: Setting) -> dict[Case, dict[str, Reference]]:
     return {case: found[n] for case, n in number.items()}
 
 
-def solve_reference(body: tuple[Array, Box, tuple[int, ...]]) -> dict[str, Reference]:
+def solve_reference(body: tuple[kit.Array, kit.Box, tuple[int, ...]]) -> dict[str, Reference]:
     """Both tests of an elastic body of modulus 1, on three meshes, each twice as fine."""
     tensor, box, meshes = body
     works: dict[str, list[float]] = {test: [] for test in loading.TESTS}
     for cells in meshes:
         mesh = reference_fem.box_discretisation(box, cells, ELEMENT[box.dim], GRADING[box.dim])
         for test, found in works.items():
-            problem = loading.clamped(box, Anisotropic(tensor), test, 1.0)
+            problem = loading.clamped(box, kit.Anisotropic(tensor), test, 1.0)
             move = reference_fem.solve_problem(problem, mesh).displacement
             found.append(float((nodal_forces(problem, mesh) * move).sum() / box.volume))
     return {test: extrapolate(*found) for test, found in works.items()}
@@ -80,13 +79,13 @@ def extrapolate(coarse: float, medium: float, fine: float) -> Reference:
     return Reference(fine + beyond, TRUST * abs(beyond) / abs(fine + beyond))
 
 
-def corner_order(tensor: Array, dim: int) -> float:
+def corner_order(tensor: kit.Array, dim: int) -> float:
     """Twice the least exponent of the displacement where the clamped side meets a free one."""
     if dim == 2:
         return 2 * clamped_free_exponent(tensor, np.pi / 2)
     found = []
     for across in (1, 2):  # along an edge the body cannot stretch: the plane across it decides
         pairs = ((0, 0), (across, across), (0, across))
-        plane = [VOIGT[3].index(pair if pair in VOIGT[3] else pair[::-1]) for pair in pairs]
+        plane = [kit.VOIGT[3].index(pair if pair in kit.VOIGT[3] else pair[::-1]) for pair in pairs]
         found.append(2 * clamped_free_exponent(tensor[np.ix_(plane, plane)], np.pi / 2))
     return min(found)

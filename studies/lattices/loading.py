@@ -4,21 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import Constants, Lattice
-from msvalidate.network import Network
-from msvalidate.problem import (
-    VOIGT,
-    Anisotropic,
-    Array,
-    Box,
-    Material,
-    Problem,
-    Region,
-    Support,
-    Traction,
-)
 
 from .cases import box_of
 
@@ -32,7 +20,7 @@ Stress = tuple[int, int]
 """The axes of a stress component, as in `VOIGT`."""
 
 
-def uniform(box: Box, material: Material, stress: Stress, size: float) -> Problem:
+def uniform(box: kit.Box, material: kit.Material, stress: Stress, size: float) -> kit.Problem:
     """Tractions of a uniform stress (Pa) on all sides; supports that take no force."""
     d = box.dim
     corner = np.zeros(d)
@@ -45,47 +33,47 @@ def uniform(box: Box, material: Material, stress: Stress, size: float) -> Proble
     for normal, way in sorted({stress, stress[::-1]}):
         for side, sign in zip(SIDES[normal], (-1.0, 1.0), strict=True):
             traction = tuple(sign * size * (axis == way) for axis in range(d))
-            loads.append(Traction(box.side(side), traction))
-    supports = tuple(Support(Region(tuple(at.tolist())), free) for at, free in held)
-    return Problem(box, material, supports, tuple(loads), name="uniform stress")
+            loads.append(kit.Traction(box.side(side), traction))
+    supports = tuple(kit.Support(kit.Region(tuple(at.tolist())), free) for at, free in held)
+    return kit.Problem(box, material, supports, tuple(loads), name="uniform stress")
 
 
-def clamped(box: Box, material: Material, test: str, size: float) -> Problem:
+def clamped(box: kit.Box, material: kit.Material, test: str, size: float) -> kit.Problem:
     """Left side held, a uniform traction (Pa) on the right one, along x or along y."""
     d = box.dim
     way = TESTS.index(test)
     traction = tuple(size * (axis == way) for axis in range(d))
-    return Problem(
+    return kit.Problem(
         box,
         material,
-        (Support(box.side("left"), (0.0,) * d),),
-        (Traction(box.side("right"), traction),),
+        (kit.Support(box.side("left"), (0.0,) * d),),
+        (kit.Traction(box.side("right"), traction),),
         name=f"clamped, {test}",
     )
 
 
-def modulus(tensor: Array) -> float:
+def modulus(tensor: kit.Array) -> float:
     """Young's modulus along x (unit of the tensor)."""
     return float(1 / compliances(tensor)[0, 0])
 
 
-def compliances(tensor: Array) -> Array:
+def compliances(tensor: kit.Array) -> kit.Array:
     """The inverse of a tensor (one over its unit)."""
     return np.asarray(np.linalg.inv(tensor), dtype=float)
 
 
-def work(network: Network, move: Array) -> float:
+def work(network: kit.Network, move: kit.Array) -> float:
     """Work (J) of a network's loads on a displacement (n, d) in m."""
     return float((network.force * move).sum())
 
 
 def components(dim: int) -> dict[str, Stress]:
     """The stresses whose strains give E, nu and A: along the pull, across it, and of shear."""
-    return {"pull": VOIGT[dim][0], "across": VOIGT[dim][1], "shear": VOIGT[dim][-1]}
+    return {"pull": kit.VOIGT[dim][0], "across": kit.VOIGT[dim][1], "shear": kit.VOIGT[dim][-1]}
 
 
 def compliance(
-    candidate: DisplacementSolver, lattice: Lattice, constants: Constants, body: Anisotropic
+    candidate: kit.DisplacementSolver, lattice: Lattice, constants: Constants, body: kit.Anisotropic
 ) -> tuple[float, float, float]:
     """Strain per stress (1 over the unit of a tensor): along a pull, across it, and of shear.
 
@@ -109,9 +97,9 @@ def compliance(
     )
 
 
-def gradient(strain: Array, dim: int) -> Array:
+def gradient(strain: kit.Array, dim: int) -> kit.Array:
     """Symmetric matrix (d, d) of a Voigt strain."""
     matrix = np.diag(strain[:dim])
-    for (a, b), value in zip(VOIGT[dim][dim:], strain[dim:], strict=True):
+    for (a, b), value in zip(kit.VOIGT[dim][dim:], strain[dim:], strict=True):
         matrix[a, b] = matrix[b, a] = value / 2
     return matrix

@@ -19,13 +19,9 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Pattern, fill, patterns
-from msvalidate.problem import Anisotropic, Array, Box
 
 from . import loading
 from .cases import Solid
@@ -34,46 +30,36 @@ ALONG = (1.3, 0.7, 2.1)
 """Spring constants (N/m) along x, y and z."""
 ACROSS = {(1, 2): 0.45, (0, 2): 0.9, (0, 1): 1.6}
 """Axes of a face -> spring constant (N/m) along both of its diagonals, no two alike."""
-BOX, CELLS, SPACING = Box((0.6, 0.4, 0.8)), (3, 2, 4), 0.2
+BOX, CELLS, SPACING = kit.Box((0.6, 0.4, 0.8)), (3, 2, 4), 0.2
 STRESS = 1e-4
 """Pa, of a solid with moduli near 10 Pa."""
-TOLERANCES = (
-    Tolerance(
-        "orthotropic cubes: tensor against that on paper, relative", 1e-10, "1",
-        "a sum of a few terms, and points that do not move: rounding",
-    ),
-    Tolerance(
-        "orthotropic cubes: shear of springs and of elements over that on paper, from 1", 1e-9, "1",
-        "uniform stress is exact in both: left is rounding, 1e-16 times a condition number of up "
-        "to 1e5",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "stress": "component of stress on the body",
-    "entry_on_paper": "the tensor's entry for that shear, on paper (Pa)",
-    "entry": "the same of the homogenised lattice (Pa)",
-    "strain_on_paper": "engineering shear strain: stress over entry_on_paper (1)",
-    "strain_springs": "the same of the body of springs (1)",
-    "strain_fem": "the same of linear hexahedra (1)",
-}
 
 
-def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
+def run(candidate: kit.DisplacementSolver, solid: Solid, setting: kit.Setting) -> kit.Evidence:
     """Homogenise the lattice, and shear a body of it in three ways."""
     pattern, C = lattice(), on_paper()
     found = solid(pattern, pattern.rules["axes"], SPACING).tensor
     rows = [sheared(candidate, pattern, C, found, i, pair) for i, pair in enumerate(ACROSS)]
     table = pd.DataFrame(rows)
     ratios = [table[f"strain_{who}"] / table["strain_on_paper"] for who in ("springs", "fem")]
-    values = (
-        Observed(float(np.abs(found - C).max() / np.abs(C).max())),
-        farthest_value(pd.concat(ratios), 1.0),
-    )
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "orthotropic cubes: tensor against that on paper, relative", 1e-10, "1",
+            "a sum of a few terms, and points that do not move: rounding",
+            observed=kit.Observed(float(np.abs(found - C).max() / np.abs(C).max())),
+        ),
+        kit.Tolerance(
+            "orthotropic cubes: shear of springs and of elements over that on paper, from 1",
+            1e-9, "1",
+            "uniform stress is exact in both: left is rounding, 1e-16 times a condition number of "
+            "up to 1e5",
+            observed=kit.farthest_value(pd.concat(ratios), 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"orthotropic": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=own,
+        columns=kit.columns(__file__),
     )
 
 
@@ -90,7 +76,7 @@ def lattice() -> Pattern:
     )
 
 
-def on_paper() -> Array:
+def on_paper() -> kit.Array:
     """Voigt tensor (6, 6) in Pa, in the order xx, yy, zz, yz, xz, xy."""
     C = np.diag([*ALONG, *ACROSS.values()])
     for (a, b), k in ACROSS.items():
@@ -101,15 +87,15 @@ def on_paper() -> Array:
 
 
 def sheared(
-    candidate: DisplacementSolver,
+    candidate: kit.DisplacementSolver,
     pattern: Pattern,
-    C: Array,
-    found: Array,
+    C: kit.Array,
+    found: kit.Array,
     i: int,
     pair: tuple[int, int],
 ) -> dict[str, object]:
     """Row of one shear."""
-    problem = loading.uniform(BOX, Anisotropic(C), pair, STRESS)
+    problem = loading.uniform(BOX, kit.Anisotropic(C), pair, STRESS)
     network = lattice_network(problem, fill(pattern, BOX, CELLS), pattern.rules["axes"])
     mesh = reference_fem.box_discretisation(BOX, CELLS, "H1")
     elastic = reference_fem.solve_problem(problem, mesh).displacement
@@ -123,7 +109,7 @@ def sheared(
     }
 
 
-def shear(points: Array, displacement: Array, pair: tuple[int, int]) -> float:
+def shear(points: kit.Array, displacement: kit.Array, pair: tuple[int, int]) -> float:
     """Engineering shear strain of the linear field next to displacements (n, 3) in m."""
     level = np.column_stack([points, np.ones(len(points))])
     slope = np.linalg.lstsq(level, displacement, rcond=None)[0]

@@ -11,21 +11,19 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.constants.directions import directional_modulus
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
-from msvalidate.problem import VOIGT, Array
 
 ROUND = 181
 """Directions of a curve; of a surface as many round, and half as many up and down."""
 FINE = 61
-COLUMNS = 4
+PANELS = 4
 LIGHT = LightSource(azdeg=180, altdeg=60)
 
 
-def tensors(tables: Tables, axes: int) -> Iterator[tuple[str, str, float | str, Array]]:
+def tensors(tables: kit.Tables, axes: int) -> Iterator[tuple[str, str, float | str, kit.Array]]:
     """Lattice, rule, Zener's ratio and Voigt tensor of every solid that resists every strain."""
-    place = {f"{'xyz'[a]}{'xyz'[b]}": n for n, (a, b) in enumerate(VOIGT[axes])}
+    place = {f"{'xyz'[a]}{'xyz'[b]}": n for n, (a, b) in enumerate(kit.VOIGT[axes])}
     table, solids = tables["tensors"], tables["solids"]
     for row in solids[(solids["axes"] == axes)].to_dict("records"):
         if row["strains"] != "every strain":
@@ -43,16 +41,16 @@ def told(zener: float | str) -> str:
     return f"A = {zener:.3g}" if isinstance(zener, float) else "no A"
 
 
-def draw_plane(tables: Tables) -> Figure:
+def draw_plane(tables: kit.Tables) -> Figure:
     """E by direction over E along x, a curve for each plane lattice."""
     axis: Any  # a polar one
-    figure, (axis,) = figures.new_figure(size=(5.0, 4.4), subplot_kw={"projection": "polar"})
+    figure, (axis,) = kit.figures.new_figure(size=(5.0, 4.4), subplot_kw={"projection": "polar"})
     angle = np.linspace(0, 2 * np.pi, ROUND)
     normal = np.column_stack([np.cos(angle), np.sin(angle)])
     dashes = ["-", "--", "-.", ":"]
     for n, (lattice, rule, zener, C) in enumerate(tensors(tables, 2)):
         modulus = directional_modulus(C, normal)
-        colour = figures.COLOURS[n % len(figures.COLOURS)]
+        colour = kit.figures.COLOURS[n % len(kit.figures.COLOURS)]
         label = f"{lattice}, {rule}: {told(zener)}"
         style = dashes[n % len(dashes)]
         # Later ones narrower: several are the same circle.
@@ -63,11 +61,11 @@ def draw_plane(tables: Tables) -> Figure:
     axis.set_ylabel("modulus over that along x (1)", labelpad=28)
     axis.set_rlabel_position(100)
     figure.suptitle("Plane lattices: Young's modulus by direction")
-    figures.add_shared_legend(figure, [axis], columns=1)
+    kit.figures.add_shared_legend(figure, [axis], columns=1)
     return figure
 
 
-def draw_space(tables: Tables) -> Figure:
+def draw_space(tables: kit.Tables) -> Figure:
     """E by direction over E along x, a surface for each solid, on one scale of colour."""
     drawn = list(tensors(tables, 3))
     theta, phi = np.meshgrid(np.linspace(0, np.pi, FINE // 2 + 1), np.linspace(0, 2 * np.pi, FINE))
@@ -79,9 +77,9 @@ def draw_space(tables: Tables) -> Figure:
         along_x = directional_modulus(C, np.array([[1.0, 0.0, 0.0]]))[0]
         radius.append(directional_modulus(C, normal.reshape(-1, 3)).reshape(theta.shape) / along_x)
     scale = Normalize(min(r.min() for r in radius), max(r.max() for r in radius))
-    columns = min(COLUMNS, len(drawn))
+    columns = min(PANELS, len(drawn))
     rows = -(-len(drawn) // columns)
-    figure, axes = figures.new_figure(
+    figure, axes = kit.figures.new_figure(
         columns, rows, size=(1.8, 2.2), subplot_kw={"projection": "3d"}
     )
     colours = colormaps["cividis"]

@@ -15,7 +15,6 @@ Expected   Where every spring runs inside a cell or along its sides, cells are a
 
 from __future__ import annotations
 
-import math
 from functools import partial
 from itertools import product
 
@@ -23,13 +22,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
+from msvalidate import kit
 from msvalidate.lattice import patterns
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
 from . import cases, edges, loading
 from .cases import Case, Solid
@@ -39,69 +33,27 @@ SIZES = {2: (8, 16, 32), 3: (2, 3, 4, 6, 8)}
 QUICK = {2: (8, 16, 32), 3: (2, 3, 4)}
 """Cells along an edge, about, by the number of axes."""
 EXACT = 1e-9
-TOLERANCES = (
-    Tolerance(
-        "bodies that should be exact: error of E, nu or G, relative", EXACT, "1",
-        "cells that share springs are all alike: uniform strain is exact; left is rounding, 1e-16 "
-        "times a condition number of up to 1e5",
-    ),
-    Tolerance(
-        "bodies that should not be exact and are", 0, "1",
-        "a force that nothing balances moves points: the pattern says which tests have one",
-    ),
-    Tolerance(
-        "order of the error of the finest pair, from that of the pattern's edges", 0.35, "1",
-        "the next term is of one order more: as large as the first at one cell, it adds a part "
-        "1/N, 0.29 for 3 and 4 cells",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    **cases.COLUMNS,
-    "E_over": "modulus of the body over that of the solid (1)",
-    "nu_measured": "Poisson's ratio of the body (1)",
-    "A_measured": "Zener's ratio of the body: 2·G·(1 + nu)/E, or "
-    '"none" where its solid is neither square nor cubic (1)',
-    "pull_error": "strain along a pull over that of the solid, less 1 (1)",
-    "across_error": "strain across a pull, over Poisson's ratio times that along it, of the body "
-    "less that of the solid (1)",
-    "shear_error": "shear strain over that of the solid, less 1 (1)",
-    "springs_cross": "whether springs run from a cell to the next across a side",
-    "unbalanced": "where uniform strain leaves forces: nowhere, at sides, edges, or corners of the "
-    "body, or inside, where points of a cell move apart",
-    "order_expected": "number of axes along which these places are few, or "
-    '"exact", or "none" where points move inside (1)',
-    "order": "slope of log|error| against log(spacing) between the finest two sizes, or "
-    '"exact" (1)',
-    "left_over": "least force that any weights of the springs at the boundary leave on a point "
-    'inside the body, over the largest of a spring there, or "none" where points move inside a '
-    "cell (1)",
-    "pull_error_rewired": "pull_error of two cells with the springs that cross left out and those "
-    'that stay in their place, "none" where none stay, or '
-    '"mechanism" where those left do not hold all points (1)',
-}
-
-ROUNDED = ("pull_error", "across_error", "shear_error", "left_over", "pull_error_rewired")
 
 
-def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
+def run(candidate: kit.DisplacementSolver, solid: Solid, setting: kit.Setting) -> kit.Evidence:
     """Stretch and shear bodies, and judge them."""
     table = measure_bodies(candidate, solid, setting)
     orders = approach(table, solid)
     crossing = [case for case in cases.stiff(solid) if edges.crosses(case)]
     mended = pd.DataFrame(setting.sweep(edges.rebuild_lattice, crossing, "weights"))
-    return Evidence(
+    return kit.Evidence(
         tables={"uniform": table, "uniform_order": orders}
         | ({"crossing": mended} if len(mended) else {}),
-        observed=by_quantity(TOLERANCES, observe(table, orders)),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"uniform": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, orders, mended),
-        rounding=dict.fromkeys(ROUNDED, 1e-10),
     )
 
 
-def measure_bodies(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
+def measure_bodies(
+    candidate: kit.DisplacementSolver, solid: Solid, setting: kit.Setting
+) -> pd.DataFrame:
     """The table `uniform`."""
     wanted = QUICK if setting.quick else SIZES
     todo = [
@@ -113,7 +65,7 @@ def measure_bodies(candidate: DisplacementSolver, solid: Solid, setting: Setting
 
 
 def measure(
-    candidate: DisplacementSolver, solid: Solid, todo: tuple[Case, int]
+    candidate: kit.DisplacementSolver, solid: Solid, todo: tuple[Case, int]
 ) -> dict[str, object]:
     """One row of the table `uniform`."""
     case, across = todo
@@ -153,32 +105,38 @@ def approach(table: pd.DataFrame, solid: Solid) -> pd.DataFrame:
                 "order_expected": expected,
             }
             error = pair[f"{test}_error"].to_numpy()
-            rows.append(case.head | row | {"order": order(pair["spacing"], error)})
+            row |= {"order": order(pair["spacing"], error)}
+            both = ["pull_error", "across_error"] if test == "pull" else ["shear_error"]
+            rows.append(case.head | row | {"largest_error": mine[both].abs().to_numpy().max()})
     return pd.DataFrame(rows)
 
 
-def order(spacing: pd.Series, error: Array) -> float | str:
+def order(spacing: pd.Series, error: kit.Array) -> float | str:
     """Power with which an error fell, or that there is none."""
-    return "exact" if np.abs(error).max() <= EXACT else observed_order(spacing, error)
+    return "exact" if np.abs(error).max() <= EXACT else kit.observed_order(spacing, error)
 
 
-def observe(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
-    """What the tolerances judge, in their order."""
-    exact = orders[orders["order_expected"] == "exact"]
-    errors: list[float] = []
-    for row in exact.to_dict("records"):
-        mine = table[(table["lattice"] == row["lattice"]) & (table["rule"] == row["rule"])]
-        both = ["pull_error", "across_error"] if row["test"] == "pull" else ["shear_error"]
-        errors.append(float(mine[both].abs().to_numpy().max()))
-    inexact = orders[~orders["order_expected"].isin(["exact", "none"])]
-    falling = inexact[inexact["order"] != "exact"]
-    away = falling["order"].astype(float) - falling["order_expected"].astype(float)
-    # NaN, which fails, where none is left to judge.
-    return [
-        farthest_value(errors, 0.0) if errors else Observed(math.nan),
-        Observed(float(len(inexact) - len(falling))),
-        farthest_value(away, 0.0) if len(away) else Observed(math.nan),
-    ]
+FALLING = {"order_expected": (1, 2, 3)}
+RULES = (
+    kit.Rule(
+        "bodies that should be exact: error of E, nu or G, relative", EXACT, "1",
+        "cells that share springs are all alike: uniform strain is exact; left is rounding, "
+        "1e-16 times a condition number of up to 1e5",
+        table="uniform_order", rows={"order_expected": "exact"}, value="largest_error",
+    ),
+    kit.Rule(
+        "bodies that should not be exact and are", 0, "1",
+        "a force that nothing balances moves points: the pattern says which tests have one",
+        table="uniform_order", rows=FALLING, value=lambda rows: rows["order"] == "exact",
+    ),
+    kit.Rule(
+        "order of the error of the finest pair, from that of the pattern's edges", 0.35, "1",
+        "the next term is of one order more: as large as the first at one cell, it adds a part "
+        "1/N, 0.29 for 3 and 4 cells",
+        table="uniform_order", rows=FALLING, reference="order_expected",
+        value=lambda rows: pd.to_numeric(rows["order"], errors="coerce"),
+    ),
+)  # fmt: skip
 
 
 def findings(table: pd.DataFrame, orders: pd.DataFrame, mended: pd.DataFrame) -> tuple[str, ...]:
@@ -236,14 +194,14 @@ def _orders(rows: pd.DataFrame) -> str:
     return f"orders observed {found.min():.2f} to {found.max():.2f}"
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Error of the strain against cells: a row for plane and space, a column a test."""
     table, orders = tables["uniform"], tables["uniform_order"]
     known = {kind().name: kind().dim for kind in patterns.all_patterns().values()}
     inexact = orders[orders["order"] != "exact"].assign(axes=orders["lattice"].map(known))
     dims = sorted(set(inexact["axes"]))
     tests = loading.TESTS
-    figure, axes = figures.new_figure(len(tests), len(dims), size=(3.3, 2.9), sharey=True)
+    figure, axes = kit.figures.new_figure(len(tests), len(dims), size=(3.3, 2.9), sharey=True)
     names = list(dict.fromkeys(zip(table["lattice"], table["rule"], strict=True)))
     for axis, (dim, test) in zip(axes, product(dims, tests), strict=True):
         here = inexact[(inexact["axes"] == dim) & (inexact["test"] == test)]
@@ -266,5 +224,5 @@ def draw(tables: Tables) -> Figure:
     for axis in axes[:: len(tests)]:
         axis.set_ylabel("error of the strain (1)")
     figure.suptitle("Bodies under uniform stress whose strain is not exact")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure

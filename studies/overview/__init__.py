@@ -14,41 +14,34 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache, partial
 
-from msvalidate.judging.candidate import (
-    Answer,
-    DisplacementSolver,
-    check_displacements,
-    solve_springs,
-)
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network, faults
-from msvalidate.output.results import Results, check_results
-from msvalidate.problem import Array, Problem
+from msvalidate import kit
+from msvalidate.network import faults
 
 from . import good_for, ordinary, part
 
 READS_RESULTS = True
 
 
-def solve_stiffened(problem: Problem, network: Network, answer: Answer) -> Array:
+def solve_stiffened(problem: kit.Problem, network: kit.Network, answer: kit.Answer) -> kit.Array:
     """A candidate whose springs are 1 % stiffer."""
-    return solve_springs(problem, faults.stiffen_all(network, 0.01), answer)
+    return kit.solve_springs(problem, faults.stiffen_all(network, 0.01), answer)
 
 
-def solve_slanted(problem: Problem, network: Network, answer: Answer) -> Array:
+def solve_slanted(problem: kit.Problem, network: kit.Network, answer: kit.Answer) -> kit.Array:
     """A candidate whose diagonals are 2 % stiffer."""
-    return solve_springs(problem, faults.stiffen_diagonals(network, 0.02), answer)
+    return kit.solve_springs(problem, faults.stiffen_diagonals(network, 0.02), answer)
 
 
-def solve_without_volumes(problem: Problem, network: Network, answer: Answer) -> Array:
+def solve_without_volumes(
+    problem: kit.Problem, network: kit.Network, answer: kit.Answer
+) -> kit.Array:
     """A candidate that leaves the energy of volumes out."""
-    return solve_springs(problem, replace(network, volumes=None), answer)
+    return kit.solve_springs(problem, replace(network, volumes=None), answer)
 
 
-def solve_reversed(problem: Problem, network: Network, answer: Answer) -> Array:
+def solve_reversed(problem: kit.Problem, network: kit.Network, answer: kit.Answer) -> kit.Array:
     """A candidate whose displacements have the wrong sign."""
-    return -solve_springs(problem, network, answer)
+    return -kit.solve_springs(problem, network, answer)
 
 
 FAULTS = {
@@ -61,15 +54,15 @@ FAULTS = {
 
 
 def run(
-    candidate: Results | None = None,
-    setting: Setting = FULL,
-    springs: DisplacementSolver = solve_springs,
+    candidate: kit.Results | None = None,
+    setting: kit.Setting = kit.FULL,
+    springs: kit.DisplacementSolver = kit.solve_springs,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named."""
-    results = check_results(candidate, quick=setting.quick)
-    own = cache(partial(part.run, check_displacements(springs), setting))
-    return gather_evidence(
+    results = kit.check_results(candidate, quick=setting.quick)
+    own = cache(partial(part.run, kit.check_displacements(springs), setting))
+    return kit.gather_evidence(
         {
             "good_for": lambda: good_for.run(results, {**own().tables, **ordinary.run().tables}),
             "part": own,

@@ -19,11 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.constants.stiffness import in_plane_moduli
 from msvalidate.judging.compare import NOT_ASKED
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.output.results import Results
-from msvalidate.problem import SolverError
 from msvalidate_check.words import AGREES, NOT_RESOLVED, agreement
 
 from ..benchmarks import cook
@@ -35,48 +33,7 @@ BAND = 0.05
 ONE_PERCENT, TWENTY = 0.01, 20
 NEGLIGIBLE = 1e-3
 """A thousandth of the displacement: references are known to that."""
-TOLERANCES = (
-    Tolerance(
-        "springs that are the material: error at the finest spacing, worst body", BAND, "1",
-        "a lattice whose tensor is the material's converges to it; the finest of every body is "
-        "some 20 spacings across or more in the plane, and 8 in space",
-        layer="agreement",
-    ),
-    Tolerance(
-        "springs that are the material: bodies whose error rises at a refinement", 0, "1",
-        "refinement brings a consistent model nearer, until the reference's own error shows",
-    ),
-    Tolerance(
-        "springs that are another material: bodies that agree at the finest spacing", 0, "1",
-        "a wrong tensor stays wrong, however many springs there are",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "body": ordinary.COLUMNS["body"],
-    "springs": "lattice and rule, as their table names them: the best that were tried, or, where "
-    "it warns, the worst or usual ones",
-    "material": 'whether the springs\' solid is the material: "yes", "no", "near" where it is not '
-    'but within the band, or "too coarse" where it is but the part has few cells through a wall',
-    "across_coarse": "cells or spacings across, few (1)",
-    "error_coarse": "difference from linear elasticity at that, over the displacement (1)",
-    "error_at_20": "the same at 20 across, on the line of errors in logarithms, or "
-    '"not asked" beyond its ends (1)',
-    "across_fine": "cells or spacings across, many (1)",
-    "error_fine": "difference from linear elasticity at that, over the displacement (1)",
-    "doubt_fine": "how far the reference may be off there, on the same scale (1)",
-    "rises": "refinements at which the error rises, beyond a thousandth (1)",
-    "verdict": f'"agrees" within {BAND:g} at the fine spacing, else "differs"',
-    "condition": "what must hold for it",
-    "cells_over_linear": "cells across for an error of 1 % over those of linear quadrilaterals on "
-    f'the same body; "never" where more do not help, "{NOT_RESOLVED}" where 1 % is beyond the '
-    f'sizes looked at, "{NOT_ASKED}" where elements were not (1)',
-    "time_over_linear_here": "the same of seconds from the problem to the displacement, or "
-    f'"never", "{NOT_RESOLVED}" or "{NOT_ASKED}" (1)',
-    "study": "that found it",
-    "table": "of that study",
-    "taken_from_here": "this run, stored results, or the committed baseline",
-}
-ERRORS = ("error_coarse", "error_at_20", "error_fine", "doubt_fine")
+ERRORS = ("error_coarse", "error_at_20", "error_fine", "uncertainty_fine")
 LINEAR_PARTS = ("boundary", "discretisation", "model_form")
 """Of the budget of errors in `displacement`."""
 Line = dict[float, float]
@@ -102,20 +59,20 @@ class Question:
     timed: bool = False
 
 
-def run(results: Results, own: Mapping[str, pd.DataFrame]) -> Evidence:
+def run(results: kit.Results, own: Mapping[str, pd.DataFrame]) -> kit.Evidence:
     """The rows, from the studies' tables; `own` are those of this study."""
     table = pd.DataFrame([row(question, results, own) for question in QUESTIONS])
-    return Evidence(
+    return kit.Evidence(
         tables={"good_for": table},
-        observed=by_quantity(TOLERANCES, observe(table)),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=judge(table),
+        columns=kit.columns(__file__),
         findings=findings(table),
-        rounding={**dict.fromkeys(ERRORS, 1e-7), "cells_over_linear": 1e-5},
     )
 
 
-def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -> dict[str, object]:
+def row(
+    question: Question, results: kit.Results, own: Mapping[str, pd.DataFrame]
+) -> dict[str, object]:
     """One row of the table."""
     mine = question.study == "overview"
     found = own[question.table] if mine else results.table(question.study, question.table)
@@ -123,9 +80,9 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
     springs = " or ".join(dict.fromkeys(told["springs"]))
     errors = line_of(told)
     if len(errors) < 2:
-        raise SolverError(f"{question.study}/{question.table}: too few sizes of {springs}")
+        raise kit.SolverError(f"{question.study}/{question.table}: too few sizes of {springs}")
     (coarse, first), (fine, last) = list(errors.items())[:: len(errors) - 1]
-    doubt = float(told.loc[told["across"] == fine, "doubt"].max())
+    uncertainty = float(told.loc[told["across"] == fine, "uncertainty"].max())
     said = question.condition
     said = said if isinstance(said, str) else said({**own, question.table: found})
     return {
@@ -137,8 +94,8 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
         "error_at_20": at_cells(TWENTY, errors),
         "across_fine": int(fine),
         "error_fine": last,
-        "doubt_fine": doubt,
-        "verdict": agreement(last, doubt, BAND),
+        "uncertainty_fine": uncertainty,
+        "verdict": agreement(last, uncertainty, BAND),
         "rises": rises(errors),
         "condition": said,
         "cells_over_linear": over_linear(question, errors, found),
@@ -197,11 +154,15 @@ def rises(line: Line) -> int:
 
 
 def tell(
-    rows: pd.DataFrame, springs: str | list[str], across: str, error: str | pd.Series, doubt: str
+    rows: pd.DataFrame,
+    springs: str | list[str],
+    across: str,
+    error: str | pd.Series,
+    uncertainty: str,
 ) -> pd.DataFrame:
-    """Rows of a table as what is told of them: springs, cells across, error and doubt, positive."""
+    """Rows of a table as what is told of them: springs, cells across, error, uncertainty."""
     size = rows[error] if isinstance(error, str) else error
-    numbers = {"across": rows[across], "error": size, "doubt": rows[doubt]}
+    numbers = {"across": rows[across], "error": size, "uncertainty": rows[uncertainty]}
     told = pd.DataFrame({name: column.astype(float).abs() for name, column in numbers.items()})
     return told.assign(springs=springs)
 
@@ -288,7 +249,7 @@ def of_ordinary(asked: ordinary.Part) -> Callable[[pd.DataFrame], pd.DataFrame]:
     def told(table: pd.DataFrame) -> pd.DataFrame:
         mine = table[table["body"] == asked.body]
         springs = [models.lattice_label(name) for name in mine["lattice"]]
-        return tell(mine, springs, "cells_across", "difference", "doubt")
+        return tell(mine, springs, "cells_across", "difference", "uncertainty")
 
     return told
 
@@ -376,14 +337,28 @@ QUESTIONS = (
 )  # fmt: skip
 
 
-def observe(table: pd.DataFrame) -> list[Observed]:
+def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
     """What the tolerances judge, in their order."""
     good, other = (table[table["material"] == word] for word in ("yes", "no"))
-    return [
-        Observed(float(good["error_fine"].max())),
-        Observed(float((good["rises"] > 0).sum())),
-        Observed(float((other["verdict"] == AGREES).sum())),
-    ]
+    return (
+        kit.Tolerance(
+            "springs that are the material: error at the finest spacing, worst body", BAND, "1",
+            "a lattice whose tensor is the material's converges to it; the finest of every body is "
+            "some 20 spacings across or more in the plane, and 8 in space",
+            layer="agreement",
+            observed=kit.Observed(float(good["error_fine"].max())),
+        ),
+        kit.Tolerance(
+            "springs that are the material: bodies whose error rises at a refinement", 0, "1",
+            "refinement brings a consistent model nearer, until the reference's own error shows",
+            observed=kit.Observed(float((good["rises"] > 0).sum())),
+        ),
+        kit.Tolerance(
+            "springs that are another material: bodies that agree at the finest spacing", 0, "1",
+            "a wrong tensor stays wrong, however many springs there are",
+            observed=kit.Observed(float((other["verdict"] == AGREES).sum())),
+        ),
+    )  # fmt: skip
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:

@@ -8,29 +8,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import isotropic_moduli, square_constants
 from msvalidate.lattice import patterns, square, voronoi, voronoi_box
-from msvalidate.network import Network
-from msvalidate.problem import (
-    Array,
-    Box,
-    Isotropic,
-    Material,
-    Problem,
-    Support,
-    Traction,
-)
 
 NU = 0.4
-BLOCK = Box((1.0, 1.0))
-MATERIAL = Isotropic(E=1.0, nu=NU, state="plane_strain")
+BLOCK = kit.Box((1.0, 1.0))
+MATERIAL = kit.Isotropic(E=1.0, nu=NU, state="plane_strain")
 ALONG = MATERIAL.E / (1 - NU**2)
 """Modulus in the plane (Pa): what a pull along an axis of a free block sees."""
-CENTRAL = Isotropic(E=ALONG, nu=1 / 3)
+CENTRAL = kit.Isotropic(E=ALONG, nu=1 / 3)
 """What isotropic central springs of this modulus are: in the plane they have one ratio."""
 SAMPLE = 400
 """Points of the periodic cell that gives the modulus of random springs."""
@@ -45,13 +36,13 @@ POINTS = {"uniform": "random points", "blue_noise": "spread points"}
 STIFFNESS = {"1": "equal springs", "A/L": "springs as facet over length"}
 
 
-def problem(material: Material = MATERIAL) -> Problem:
+def problem(material: kit.Material = MATERIAL) -> kit.Problem:
     """The part: clamped on the left, 1 mPa of shear down on the right."""
-    return Problem(
+    return kit.Problem(
         BLOCK,
         material,
-        (Support(BLOCK.side("left"), (0.0, 0.0)),),
-        (Traction(BLOCK.side("right"), (0.0, -1e-3)),),
+        (kit.Support(BLOCK.side("left"), (0.0, 0.0)),),
+        (kit.Traction(BLOCK.side("right"), (0.0, -1e-3)),),
     )
 
 
@@ -62,13 +53,13 @@ class Squares:
     constants: tuple[float, float] | Calibration
     weights: str = "shared"
 
-    def network(self, across: int, _draw: int = 0) -> Network:
+    def network(self, across: int, _draw: int = 0) -> kit.Network:
         """The block of so many cells."""
         lattice = square(BLOCK, across)
         return lattice_network(problem(), lattice, self.constants, weights=self.weights)
 
     @property
-    def solid(self) -> Array:
+    def solid(self) -> kit.Array:
         """Tensor (3, 3) in N/m of an endless lattice."""
         if isinstance(self.constants, Calibration):
             return self.constants.tensor
@@ -87,19 +78,19 @@ class Random:
     points: str
     stiffness: str
 
-    def network(self, across: int, draw: int) -> Network:
+    def network(self, across: int, draw: int) -> kit.Network:
         """The block of so many mean spacings."""
         given = {"points": self.points, "stiffness": self.stiffness}
         lattice = voronoi_box(BLOCK, 1 / across, **given, seed=draw)
         return lattice_network(problem(), lattice, (ALONG / isotropic_moduli(self._unit).E,))
 
     @property
-    def solid(self) -> Array:
+    def solid(self) -> kit.Array:
         """Tensor (3, 3) in N/m of an endless network."""
         return self._unit * (ALONG / isotropic_moduli(self._unit).E)
 
     @cached_property
-    def _unit(self) -> Array:
+    def _unit(self) -> kit.Array:
         """The same of springs whose constant is 1."""
         sample = voronoi(SAMPLE, dim=2, points=self.points, stiffness=self.stiffness)
         return homogenise(sample, (1.0,)).tensor

@@ -19,12 +19,11 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import Delaunay
 
+from msvalidate import kit
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import compare_case
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.lattice import fill, patterns
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Box, Isotropic, Mesh, Problem, Region, Support, Traction
 
 BAND = 0.05
 LENGTH, HEIGHT = 120.0, 40.0
@@ -38,37 +37,8 @@ LEANING = np.array([[1.0, 0.02], [0.01, 1.0]])
 LEG, WIDE, WALL = 50.0, 40.0, 5.0
 """Of the bracket: two walls at a right angle (mm)."""
 MM = 1e-3
-PLASTIC = Isotropic(E=2e9, nu=0.4, thickness=4 * MM)
-METAL = Isotropic(E=70e9, nu=0.33, state="solid")
-TOLERANCES = (
-    Tolerance(
-        "ordinary parts: reference's own error over the difference of springs, worst", 0.5, "1",
-        "a difference is resolved where the reference moves it by less than half",
-    ),
-    Tolerance(
-        "ordinary parts: parts whose difference does not fall at half of the spacing", 0, "1",
-        "the springs are the material, and finer ones are nearer",
-    ),
-    Tolerance(
-        "plate with two holes, held at its straight side: difference at the spacing of `case run`",
-        BAND, "1", "the band of displacements; the least ligament, beside a hole, has 4 cells",
-        layer="agreement",
-    ),
-    Tolerance(
-        "parts that elements are advised for: those that agree at half of the spacing", 0, "1",
-        "what springs do well is no case for elements",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "body": "what was loaded, or the question",
-    "lattice": "of the springs",
-    "cells_across": "of the lattice, across the body's narrowest side; fewest as `case run` takes "
-    "by itself (1)",
-    "spacing": "of the lattice (m)",
-    "difference": "largest difference of the displacement from the elements', at the points of the "
-    "coarser lattice, over the largest displacement (1)",
-    "doubt": "how far the elements' own may be off, on the same scale (1)",
-}
+PLASTIC = kit.Isotropic(E=2e9, nu=0.4, thickness=4 * MM)
+METAL = kit.Isotropic(E=70e9, nu=0.33, state="solid")
 PLATE = f"plate {LENGTH:g} x {HEIGHT:g} mm with two holes, ratio {PLASTIC.nu:g}"
 
 
@@ -77,11 +47,11 @@ class Part:
     """A body that is made, held and loaded."""
 
     body: str
-    problem: Callable[[], Problem]
+    problem: Callable[[], kit.Problem]
 
 
 @cache
-def plate() -> Mesh:
+def plate() -> kit.Mesh:
     """Delaunay's triangles of the plate (m), its bolt's hole named."""
     lines = [np.linspace(0, size, round(size / SIZE) + 1) for size in (LENGTH, HEIGHT)]
     points = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
@@ -97,24 +67,26 @@ def plate() -> Mesh:
         cells, middle = cells[outside], middle[outside]
     bolt = len(points) - len(HOLES) * ROUND + np.arange(ROUND)  # the first of the circles
     rim = np.column_stack([bolt, np.roll(bolt, -1)])
-    return Mesh(MM * points, cells, "triangle", {"bolt": rim})
+    return kit.Mesh(MM * points, cells, "triangle", {"bolt": rim})
 
 
-def bracket() -> Mesh:
+def bracket() -> kit.Mesh:
     """Cubes of a wall's thickness, an L along x and z."""
     counts = tuple(round(size / WALL) for size in (LEG, WIDE, LEG))
-    whole = fill(patterns.cubic18(), Box(tuple(MM * WALL * n for n in counts)), counts)
+    whole = fill(patterns.cubic18(), kit.Box(tuple(MM * WALL * n for n in counts)), counts)
     middle = whole.points[whole.cells].mean(axis=1)
     cells = whole.cells[(middle[:, [0, 2]] < MM * WALL).any(axis=1)]
     used, numbered = np.unique(cells, return_inverse=True)
-    return Mesh(whole.points[used], numbered.reshape(cells.shape), "hexahedron")
+    return kit.Mesh(whole.points[used], numbered.reshape(cells.shape), "hexahedron")
 
 
-def pulled_down(body: Mesh, law: Isotropic, held: str = "") -> Problem:
+def pulled_down(body: kit.Mesh, law: kit.Isotropic, held: str = "") -> kit.Problem:
     """A body that is held at its first end, or a named side, and sheared down at its other one."""
-    ends = [Region((x, *[None] * (body.dim - 1))) for x in body.span[0]]
-    support = Support(body.side(held) if held else ends[0], (0.0,) * body.dim)
-    return Problem(body, law, (support,), (Traction(ends[1], (*[0.0] * (body.dim - 1), -1e6)),))
+    ends = [kit.Region((x, *[None] * (body.dim - 1))) for x in body.span[0]]
+    support = kit.Support(body.side(held) if held else ends[0], (0.0,) * body.dim)
+    return kit.Problem(
+        body, law, (support,), (kit.Traction(ends[1], (*[0.0] * (body.dim - 1), -1e6)),)
+    )
 
 
 CLAMPED = Part(f"{PLATE}, held at a side", lambda: pulled_down(plate(), PLASTIC))
@@ -127,16 +99,14 @@ PARTS, ADVISED = (CLAMPED, BOLTED, BRACKET), (BOLTED, BRACKET)
 """All, and those that elements are advised for."""
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """Differences of all parts, at two spacings each."""
     table = pd.DataFrame([row for part in PARTS for row in rows(part)])
-    return Evidence(
+    return kit.Evidence(
         tables={"ordinary": table},
-        observed=by_quantity(TOLERANCES, observe(table)),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=judge(table),
+        columns=kit.columns(__file__),
         findings=(finding(table),),
-        rounding={"difference": 1e-8, "doubt": 1e-8},
     )
 
 
@@ -144,7 +114,7 @@ def run() -> Evidence:
 def rows(part: Part) -> list[dict[str, object]]:
     """A part as `case run` compares it, displacements alone, and at half of that spacing."""
     found = compare_case(Case(part.problem(), quantities=("displacement",)))
-    wanted, doubt = found.reference.displacement.value, found.rows[0].doubt
+    wanted, uncertainty = found.reference.displacement.value, found.rows[0].uncertainty
     narrowest = min(high - low for low, high in found.case.problem.domain.span)
     told = []
     for springs in found.springs[:2]:
@@ -155,27 +125,45 @@ def rows(part: Part) -> list[dict[str, object]]:
             "cells_across": round(narrowest / springs.spacing),
             "spacing": springs.spacing,
             "difference": away,
-            "doubt": doubt,
+            "uncertainty": uncertainty,
         })  # fmt: skip
     return told
 
 
-def observe(table: pd.DataFrame) -> list[Observed]:
+def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
     """What the tolerances judge, in their order."""
     coarse, fine = (table.groupby("body", sort=False).nth(k).set_index("body") for k in (0, 1))
     advised = fine.loc[[part.body for part in ADVISED]]
-    return [
-        Observed(float((table["doubt"] / table["difference"]).max())),
-        Observed(float((fine["difference"] >= coarse["difference"]).sum())),
-        Observed(float(coarse["difference"][CLAMPED.body])),
-        Observed(float((advised["difference"] <= BAND).sum())),
-    ]
+    return (
+        kit.Tolerance(
+            "ordinary parts: reference's own error over the difference of springs, worst", 0.5, "1",
+            "a difference is resolved where the reference moves it by less than half",
+            observed=kit.Observed(float((table["uncertainty"] / table["difference"]).max())),
+        ),
+        kit.Tolerance(
+            "ordinary parts: parts whose difference does not fall at half of the spacing", 0, "1",
+            "the springs are the material, and finer ones are nearer",
+            observed=kit.Observed(float((fine["difference"] >= coarse["difference"]).sum())),
+        ),
+        kit.Tolerance(
+            "plate with two holes, held at its straight side: difference at the spacing of `case "
+            "run`",
+            BAND, "1", "the band of displacements; the least ligament, beside a hole, has 4 cells",
+            layer="agreement",
+            observed=kit.Observed(float(coarse["difference"][CLAMPED.body])),
+        ),
+        kit.Tolerance(
+            "parts that elements are advised for: those that agree at half of the spacing", 0, "1",
+            "what springs do well is no case for elements",
+            observed=kit.Observed(float((advised["difference"] <= BAND).sum())),
+        ),
+    )  # fmt: skip
 
 
 def finding(table: pd.DataFrame) -> str:
     """How far off each part is."""
     said = "; ".join(
-        f"{row['body']}: {100 * row['difference']:.2g} % ± {100 * row['doubt']:.2g} %"
+        f"{row['body']}: {100 * row['difference']:.2g} % ± {100 * row['uncertainty']:.2g} %"
         for row in table.groupby("body", sort=False).head(1).to_dict("records")
     )
     return f"Springs of `case run` beside elements, at the spacing that it takes by itself: {said}."

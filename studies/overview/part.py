@@ -28,21 +28,11 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import NOT_ASKED, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
-from msvalidate.network import Network
-from msvalidate.problem import (
-    Anisotropic,
-    Array,
-    Index,
-    Isotropic,
-    Material,
-)
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import elastic_tensor
 
@@ -60,53 +50,6 @@ REPEATS, QUICK_REPEATS = 5, 3
 """Random networks are drawn anew each time; of errors and times the median counts."""
 INSIDE = 1 - 1e-9
 LINEAR, QUADRATIC_ELEMENTS = ("P1 elements", "Q1 elements"), "Q2 elements"
-TOLERANCES = (
-    Tolerance(
-        "springs with volume energy over Q1 elements on the same cells: error, worst factor", 2.5,
-        "1",
-        "both are of second order before the corner shows; bent, a row of N cells is too stiff by "
-        "1.25/N^2 of springs and by about half of that of Q1",
-        layer="agreement",
-    ),
-    Tolerance(
-        "springs with volume energy: deflection extrapolated, over the reference's, less 1", 3e-3,
-        "1",
-        "errors of three sizes fall as a power; what is left of 1 % at 20 cells is a tenth or "
-        "two of it, as the power still changes from 2 towards the corner's",
-    ),
-    Tolerance(
-        "central springs: deflection extrapolated, over that of elements of their ratio, less 1",
-        3e-3, "1", "as with the volume energy",
-    ),
-    Tolerance(
-        "Q2 elements: order of the displacement error less twice the exponent of the corner", 0.25,
-        "1",
-        "the fit is over three to five sizes, and the smooth part of the error, of order 4, is up "
-        "to a quarter of the whole on the coarsest",
-    ),
-    Tolerance(
-        "uncertainty of the reference over the smallest error that it judges", 0.5, "1",
-        "a difference is resolved where the reference moves it by less than half",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "model": "the springs, or the elements",
-    "across": "cells, or mean spacings, across the part (1)",
-    "couplings": "springs, or pairs of nodes that share an element (1)",
-    "error": "distance of the displacement from the reference's at the model's own points, those "
-    "of the loaded edge left out, over its norm (1)",
-    "error_range": "largest less smallest error of the draws; 0 where nothing is drawn (1)",
-    "deflection_error": "work of the load over the reference's, less 1 (1)",
-    "reference_error": "estimated error of the reference, as error (1)",
-    "solve_seconds": "median time from the problem to the displacement (s)",
-    "order": "of the error in the cells across, over all sizes (1)",
-    "own_error": "how far an elastic body of the springs' own endless solid is from the reference, "
-    f'as error; "{NOT_ASKED}" of elements (1)',
-    "own_ratio": "Poisson's ratio of that solid in the plane, mean over all directions; "
-    f'"{NOT_ASKED}" of elements (1)',
-    "to_one_percent": 'couplings at which the error is 1 %, by its line in logarithms; "never" '
-    'where it stops above, "finer" and "coarser" beyond the sizes looked at (1)',
-}
 ROUNDING = {
     "error": 1e-9,
     "error_range": 1e-9,
@@ -126,13 +69,13 @@ WORDS = {
 }
 STALLED = 0.5
 """An order below it, between the two finest sizes: more springs do not bring the error down."""
-Found = tuple[Array, Array, float, int]
+Found = tuple[kit.Array, kit.Array, float, int]
 """Points (n, 2) in m, their displacement (n, 2) in m, the work of the load (J), and couplings."""
 Answer = Callable[[int, int], Found]
 """Cells across, and which draw -> what was found."""
 
 
-def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
+def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence:
     """Errors, couplings and times of each model at each size."""
     sizes = QUICK_ACROSS if setting.quick else ACROSS
     fewer = QUICK_QUADRATIC if setting.quick else QUADRATIC
@@ -147,14 +90,12 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     own = {str(each): own_solid(each.solid, setting.quick) for each in SPRINGS}
     fitted = pd.DataFrame([fit(str(model), rows, own) for model, rows in lines])
     other = reference(setting.quick, CENTRAL).work / truth.work - 1
-    return Evidence(
+    return kit.Evidence(
         tables={"part": table, "part_orders": fitted},
-        observed=by_quantity(TOLERANCES, observe(table, fitted, other)),
-        tolerances=TOLERANCES,
+        tolerances=judge(table, fitted, other),
         figures={"part": part_drawing.draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, fitted),
-        rounding=ROUNDING,
     )
 
 
@@ -166,18 +107,18 @@ class Reference:
     coarse: reference_fem.Solution
     work: float
 
-    def at(self, points: Array) -> Array:
+    def at(self, points: kit.Array) -> kit.Array:
         """Displacement (n, 2) in m."""
         return self.fine.at(points)
 
-    def error(self, points: Array) -> float:
+    def error(self, points: kit.Array) -> float:
         """How far the two meshes are from each other, over the norm."""
         fine = self.fine.at(points)
         return float(np.linalg.norm(fine - self.coarse.at(points)) / np.linalg.norm(fine))
 
 
 @cache
-def reference(quick: bool, material: Isotropic = MATERIAL) -> Reference:
+def reference(quick: bool, material: kit.Isotropic = MATERIAL) -> Reference:
     """The elastic part, by quadratic elements graded to the corners."""
     across = QUICK_MESH if quick else MESH
     fine, coarse = (elements("Q2", n, GRADING, material) for n in (across, across // 2))
@@ -185,20 +126,20 @@ def reference(quick: bool, material: Isotropic = MATERIAL) -> Reference:
 
 
 def elements(
-    name: str, across: int, grading: float = 1.0, material: Material = MATERIAL
+    name: str, across: int, grading: float = 1.0, material: kit.Material = MATERIAL
 ) -> reference_fem.Solution:
     """The part by elements."""
     mesh = reference_fem.box_discretisation(BLOCK, across, name, grading=grading)
     return reference_fem.solve_problem(problem(material), mesh)
 
 
-def work_of_elements(found: reference_fem.Solution, material: Isotropic = MATERIAL) -> float:
+def work_of_elements(found: reference_fem.Solution, material: kit.Isotropic = MATERIAL) -> float:
     """Work of the load (J): twice the strain energy."""
     force = nodal_forces(problem(material), found.body)
     return float((force * found.displacement).sum())
 
 
-def models(candidate: DisplacementSolver) -> dict[str, Answer]:
+def models(candidate: kit.DisplacementSolver) -> dict[str, Answer]:
     """Every model of the part, springs first."""
     found: dict[str, Answer] = {
         str(each): partial(solve_springs, candidate, each.network) for each in SPRINGS
@@ -209,7 +150,10 @@ def models(candidate: DisplacementSolver) -> dict[str, Answer]:
 
 
 def solve_springs(
-    candidate: DisplacementSolver, build: Callable[[int, int], Network], across: int, draw: int
+    candidate: kit.DisplacementSolver,
+    build: Callable[[int, int], kit.Network],
+    across: int,
+    draw: int,
 ) -> Found:
     """Points, displacement, work of the load and springs of a network at rest."""
     network = build(across, draw)
@@ -228,7 +172,7 @@ def solve_elements(name: str, across: int, _draw: int) -> Found:
     )
 
 
-def couplings(cells: Index) -> int:
+def couplings(cells: kit.Index) -> int:
     """Pairs of nodes that share an element."""
     pairs = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
     return len(np.unique(np.sort(pairs, axis=1), axis=0))
@@ -262,9 +206,9 @@ def measure(
     }
 
 
-def own_solid(solid: Array, quick: bool) -> dict[str, float]:
+def own_solid(solid: kit.Array, quick: bool) -> dict[str, float]:
     """How far an elastic part of a tensor (3, 3) in N/m is off, at points of squares; its ratio."""
-    law, points = Anisotropic(solid / MATERIAL.thickness), square(BLOCK, QUICK_MESH).points
+    law, points = kit.Anisotropic(solid / MATERIAL.thickness), square(BLOCK, QUICK_MESH).points
     points = points[points[:, 0] < INSIDE]
     exact = reference(quick).at(points)
     apart = elements("Q2", QUICK_MESH, GRADING, law).at(points) - exact
@@ -276,7 +220,7 @@ def fit(
     model: str, rows: pd.DataFrame, own: Mapping[str, Mapping[str, float]]
 ) -> dict[str, object]:
     """A model's order, its own solid's error and ratio, and what 1 % takes."""
-    order = observed_order(1 / rows["across"], rows["error"])
+    order = kit.observed_order(1 / rows["across"], rows["error"])
     needed = reach(ONE_PERCENT, rows["across"], rows["error"], rows["couplings"])
     solid = own.get(model, dict.fromkeys(("own_error", "own_ratio"), NOT_ASKED))
     return {"model": model, "order": order, **solid, "to_one_percent": needed}
@@ -292,7 +236,7 @@ def reach(error: float, across: ArrayLike, errors: ArrayLike, costs: ArrayLike) 
     if seen[0] <= error:
         return "coarser"
     if seen[-1] > error:
-        return "never" if observed_order(1 / n[-2:], seen[-2:]) < STALLED else "finer"
+        return "never" if kit.observed_order(1 / n[-2:], seen[-2:]) < STALLED else "finer"
     last = int(np.argmax(seen <= error))
     part = slice(last - 1, last + 1)
     logs = np.interp(-np.log(error), -np.log(seen[part]), np.log(paid[part]))
@@ -305,19 +249,47 @@ def extrapolate(rows: pd.DataFrame) -> float:
     return float(c - (c - b) ** 2 / (c - 2 * b + a))  # Aitken: errors that fall as a power
 
 
-def observe(table: pd.DataFrame, fitted: pd.DataFrame, other: float) -> list[Observed]:
+def judge(table: pd.DataFrame, fitted: pd.DataFrame, other: float) -> tuple[kit.Tolerance, ...]:
     """What the tolerances judge, in their order; `other` is the reference's with ratio 1/3."""
     own = {str(model): rows.reset_index(drop=True) for model, rows in table.groupby("model")}
     factor = np.log(own[str(VOLUME)]["error"] / own["Q1 elements"]["error"])
     order = fitted.set_index("model")["order"]
     corner = 2 * clamped_free_exponent(elastic_tensor(MATERIAL), np.pi / 2)
-    return [
-        Observed(float(np.exp(np.abs(factor).max())), 1.0),
-        Observed(extrapolate(own[str(VOLUME)]) - 1),
-        Observed(extrapolate(own[str(ISOTROPIC)]) / (1 + other) - 1),
-        Observed(float(order[QUADRATIC_ELEMENTS]), corner),
-        Observed(float((table["reference_error"] / table["error"]).max())),
-    ]
+    return (
+        kit.Tolerance(
+            "springs with volume energy over Q1 elements on the same cells: error, worst factor",
+            2.5, "1",
+            "both are of second order before the corner shows; bent, a row of N cells is too stiff "
+            "by 1.25/N^2 of springs and by about half of that of Q1",
+            layer="agreement",
+            observed=kit.Observed(float(np.exp(np.abs(factor).max())), 1.0),
+        ),
+        kit.Tolerance(
+            "springs with volume energy: deflection extrapolated, over the reference's, less 1",
+            3e-3, "1",
+            "errors of three sizes fall as a power; what is left of 1 % at 20 cells is a tenth or "
+            "two of it, as the power still changes from 2 towards the corner's",
+            observed=kit.Observed(extrapolate(own[str(VOLUME)]) - 1),
+        ),
+        kit.Tolerance(
+            "central springs: deflection extrapolated, over that of elements of their ratio, less "
+            "1",
+            3e-3, "1", "as with the volume energy",
+            observed=kit.Observed(extrapolate(own[str(ISOTROPIC)]) / (1 + other) - 1),
+        ),
+        kit.Tolerance(
+            "Q2 elements: order of the displacement error less twice the exponent of the corner",
+            0.25, "1",
+            "the fit is over three to five sizes, and the smooth part of the error, of order 4, is "
+            "up to a quarter of the whole on the coarsest",
+            observed=kit.Observed(float(order[QUADRATIC_ELEMENTS]), corner),
+        ),
+        kit.Tolerance(
+            "uncertainty of the reference over the smallest error that it judges", 0.5, "1",
+            "a difference is resolved where the reference moves it by less than half",
+            observed=kit.Observed(float((table["reference_error"] / table["error"]).max())),
+        ),
+    )  # fmt: skip
 
 
 def findings(table: pd.DataFrame, fitted: pd.DataFrame) -> tuple[str, ...]:

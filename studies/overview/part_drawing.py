@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Tables
+from msvalidate import kit
 from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
 
 TITLE = "A block in plane strain, Poisson's ratio 0.4, clamped on one side and sheared on the other"
@@ -12,7 +12,7 @@ AXES = ("springs, or pairs of nodes that share an element", "seconds from proble
 ELEMENTS = {"P1 elements": ":", "Q1 elements": "--", "Q2 elements": "-"}
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Error of every spring model and of elements on one part, by couplings and by time."""
     table = tables["part"]
     measured = "solve_seconds" in table

@@ -19,9 +19,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 from msvalidate.network import faults
 
 from . import (
@@ -52,13 +50,13 @@ FAULTS = {
 
 
 def run(
-    candidate: DisplacementSolver = solve_springs,
-    setting: Setting = FULL,
+    candidate: kit.DisplacementSolver = kit.solve_springs,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = check_displacements(candidate)
-    return gather_evidence(
+    candidate = kit.check_displacements(candidate)
+    return kit.gather_evidence(
         {
             "finite_size": partial(finite_size.run, candidate, setting),
             "direction": partial(direction.run, setting=setting),

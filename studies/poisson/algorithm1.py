@@ -18,14 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import lattice
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network
-from msvalidate.output import body_drawing, figures
-from msvalidate.problem.statement import prescribed_displacements
+from msvalidate import kit, lattice
 from msvalidate.relaxation.relax import algorithm1
 from msvalidate.relaxation.run import Relaxation
 
@@ -40,45 +33,34 @@ MAGNIFIED = 20
 """Factor on the displacements in the picture of the block."""
 ARROW = 0.12
 """Length (m) of the arrows there."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "rest position against Newton, relative to the largest displacement", 1e-8, "1",
         "stops at 1e-10 of the forces; their error grows by at most the condition number, 4e2",
+        table="algorithm1", value="difference",
     ),
-    Tolerance(
+    kit.Rule(
         "order in the strain of the ratio towards the linear one, k2 = 2 k1", 0.01, "1",
         "the first term of the series; the next is smaller by the strain, at most 1e-2, times a "
         "factor of up to 4, and the line runs over two decades: it weighs 1/(2 ln 10) in the slope",
+        table="algorithm1", rows={"k2": CONSTANTS[-1]}, power_of="strain", reference=1.0,
+        value=lambda rows: (rows["nu_algorithm1"] - rows["nu_linear"]).abs(),
     ),
-    Tolerance(
+    kit.Rule(
         "ratio against the linear one, times 1/strain", 0.35, "1",
         "the bulk drifts by 0.28 per strain at k2 = 2 k1; equal springs on the edge change it by "
         "the order of 1/N = 0.2 of that",
+        table="algorithm1",
+        value=lambda rows: (rows["nu_algorithm1"] - rows["nu_linear"]) / rows["strain"],
     ),
 )  # fmt: skip
-COLUMNS = {
-    **block.COLUMNS,
-    "steps": "time steps to rest",
-    "step_over_limit": "time step over the stability limit (1)",
-    "difference": "largest distance to Newton's position over the largest displacement (1)",
-    "nu_algorithm1": "ratio of the block at rest (1)",
-    "nu_newton": "ratio of the block by Newton's method (1)",
-    "nu_linear": "ratio of the block by one linear solve (1)",
-    "step": "time step number",
-    "residual_N": "largest out-of-balance force on a free component (N)",
-    "kinetic_energy_J": "kinetic energy (J)",
-    "x": "position at rest along the pull (m)",
-    "y": "position at rest across the pull (m)",
-    "ux": "displacement along the pull (m)",
-    "uy": "displacement across the pull (m)",
-}
 
 
 def run(
-    relaxation: Callable[[Network], Relaxation] = algorithm1,
-    candidate: DisplacementSolver = solve_springs,
-    setting: Setting = FULL,
-) -> Evidence:
+    relaxation: Callable[[kit.Network], Relaxation] = algorithm1,
+    candidate: kit.DisplacementSolver = kit.solve_springs,
+    setting: kit.Setting = kit.FULL,
+) -> kit.Evidence:
     """Relax the report's block and compare it with Newton's method."""
     cases = list(product(CONSTANTS, STRAINS))
     found = setting.sweep(partial(relax_block, relaxation, candidate), cases, "Algorithm 1")
@@ -86,30 +68,18 @@ def run(
     last = found[-1][1]
     history = pd.DataFrame(last.history, columns=["step", "residual_N", "kinetic_energy_J"])
     places = np.hstack([last.equilibrium.position, last.equilibrium.displacement])
-    drift = np.abs(table["nu_algorithm1"] - table["nu_linear"])
-    report = table["k2"] == CONSTANTS[-1]
-    values = (
-        farthest_value(table["difference"], 0.0),
-        Observed(observed_order(table["strain"][report], drift[report]), 1.0),
-        farthest_value(drift / table["strain"], 0.0),
-    )
-    return Evidence(
-        tables={
-            "algorithm1": table,
-            "rest": history.astype({"step": int}),
-            "block": pd.DataFrame(places, columns=["x", "y", "ux", "uy"]),
-        },
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+    return kit.Evidence(
+        tables={"algorithm1": table, "block": pd.DataFrame(places, columns=["x", "y", "ux", "uy"])},
+        tolerances=RULES,
+        drawn={"rest": history.astype({"step": int})},
         figures={"rest": draw, "block": draw_block},
-        columns=COLUMNS,
-        rounding={"difference": 1e-12},
+        columns=kit.columns(__file__),
     )
 
 
 def relax_block(
-    relaxation: Callable[[Network], Relaxation],
-    candidate: DisplacementSolver,
+    relaxation: Callable[[kit.Network], Relaxation],
+    candidate: kit.DisplacementSolver,
     case: tuple[float, float],
 ) -> tuple[dict[str, object], Relaxation]:
     """One row, and the run that it tells of."""
@@ -133,14 +103,14 @@ def relax_block(
     return row, rest
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Residual and kinetic energy against the step: equal springs, k2 = 2 k1, strain 1 %."""
     rest = tables["rest"]
-    figure, (force, energy) = figures.new_figure(2, size=(3.4, 2.8))
-    force.semilogy(rest["step"], rest["residual_N"], color=figures.COLOURS[0])
+    figure, (force, energy) = kit.figures.new_figure(2, size=(3.4, 2.8))
+    force.semilogy(rest["step"], rest["residual_N"], color=kit.figures.COLOURS[0])
     force.set(ylabel="residual force (N)", title="what is left of the forces")
     moving = rest[rest["kinetic_energy_J"] > 0]
-    energy.semilogy(moving["step"], moving["kinetic_energy_J"], color=figures.COLOURS[1])
+    energy.semilogy(moving["step"], moving["kinetic_energy_J"], color=kit.figures.COLOURS[1])
     energy.set(ylabel="kinetic energy (J)", title="what is left of the motion")
     for axis in (force, energy):
         axis.set_xlabel("time step (1)")
@@ -148,31 +118,33 @@ def draw(tables: Tables) -> Figure:
     return figure
 
 
-def draw_block(tables: Tables) -> Figure:
+def draw_block(tables: kit.Tables) -> Figure:
     """The report's block at rest: equal springs, k2 = 2 k1, strain 1 %, sliding ends."""
     block_table = tables["block"]
     moved = block_table[["x", "y"]].to_numpy()
     first = moved - block_table[["ux", "uy"]].to_numpy()
     shown = first + MAGNIFIED * (moved - first)
-    figure, (axis,) = figures.new_figure(size=(4.6, 4.5))
+    figure, (axis,) = kit.figures.new_figure(size=(4.6, 4.5))
     springs = lattice.square(block.BOX, CELLS).springs
-    body_drawing.draw_springs(axis, first, springs, "springs, at rest", body_drawing.AT_REST)
-    body_drawing.draw_springs(axis, shown, springs, "springs, pulled")
-    body_drawing.draw_particles(axis, shown)
+    kit.body_drawing.draw_springs(
+        axis, first, springs, "springs, at rest", kit.body_drawing.AT_REST
+    )
+    kit.body_drawing.draw_springs(axis, shown, springs, "springs, pulled")
+    kit.body_drawing.draw_particles(axis, shown)
     k2, strain = CONSTANTS[-1], STRAINS[-1]
     problem, _ = block.spring_block("slide", k2, CELLS, WEIGHTS, strain)
     stretch = 1 + MAGNIFIED * strain * np.array([1.0, -k2 / (block.K1 + k2)])
     corners = block.SIDE * np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * stretch
     elastic = "elastic body, ratio k2/(k1 + k2)"
-    body_drawing.draw_outline(axis, corners, elastic, color=figures.COLOURS[1])
-    held, _ = prescribed_displacements(problem, first)
-    body_drawing.draw_supports(axis, shown, held)
+    kit.body_drawing.draw_outline(axis, corners, elastic, color=kit.figures.COLOURS[1])
+    held, _ = kit.prescribed_displacements(problem, first)
+    kit.body_drawing.draw_supports(axis, shown, held)
     pulled = shown[np.isclose(first[:, 0], block.SIDE)] + (ARROW, 0)
     pull = np.tile((1.0, 0.0), (len(pulled), 1))
-    body_drawing.draw_loads(axis, pulled, pull, ARROW, "prescribed displacement")
+    kit.body_drawing.draw_loads(axis, pulled, pull, ARROW, "prescribed displacement")
     axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)", xlim=(-0.08, 1.4), ylim=(-0.06, 1.06))
     axis.grid(visible=False)
     title = f"Springs alike, k2 = 2 k1, pulled by 1 %;\ndisplacements × {MAGNIFIED}"
     figure.suptitle(title)
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

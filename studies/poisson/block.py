@@ -5,41 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 import reference_fem
-from msvalidate import lattice
+from msvalidate import kit, lattice
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.judging.candidate import Answer
-from msvalidate.network import Network
-from msvalidate.problem import (
-    Anisotropic,
-    Array,
-    Box,
-    Domain,
-    Mask,
-    Polygon,
-    Problem,
-    Region,
-    Support,
-    Traction,
-)
 
-COLUMNS = {
-    "lattice": "which lattice",
-    "weights": "rule for springs on the boundary: shared, equal or per_cell",
-    "k1": "stiffness of axial springs (N/m)",
-    "k2": "stiffness of diagonal springs (N/m)",
-    "cells": "cells per side, N: of a block at 45 degrees the squares, of triangles their sides",
-    "loading": "slide, traction or clamped ends",
-    "angle_deg": "direction of the pull to the axial springs, of triangles to their rows (degrees)",
-    "strain": "axial strain (1)",
-    "nu_tensor": "Poisson's ratio from the homogenised tensor (1)",
-    "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",
-    "nu_springs": "Poisson's ratio of the candidate's block; \"none\" where there is no block (1)",
-}
-"""What columns of several tables mean."""
 SIDE = 1.0
-BOX = Box((SIDE, SIDE))
-QUARTER = Box((SIDE / 2, SIDE / 2))
+BOX = kit.Box((SIDE, SIDE))
+QUARTER = kit.Box((SIDE / 2, SIDE / 2))
 LOADINGS = ("slide", "traction", "clamped")
 DEFINITIONS = ("edges", "middle")
 K1 = 1.0
@@ -52,9 +24,11 @@ GRADING = 2.25
 then within 2e-5 of the limit, against 3e-4 on even lines."""
 
 
-def finite_elements(problem: Problem, spring_network: Network, answer: Answer = "linear") -> Array:
+def finite_elements(
+    problem: kit.Problem, spring_network: kit.Network, answer: kit.Answer = "linear"
+) -> kit.Array:
     """The reference in the candidate's place: an identity control of the linear questions."""
-    if isinstance(problem.domain, Polygon):
+    if isinstance(problem.domain, kit.Polygon):
         side = float(spring_network.rest_length.min())
         mesh = reference_fem.polygon_discretisation(problem.domain, side, "P2")
     else:
@@ -63,8 +37,8 @@ def finite_elements(problem: Problem, spring_network: Network, answer: Answer = 
 
 
 def loaded_block(
-    loading: str, tensor: Array, strain: float = STRAIN, body: Domain = BOX
-) -> Problem:
+    loading: str, tensor: kit.Array, strain: float = STRAIN, body: kit.Domain = BOX
+) -> kit.Problem:
     """Unit square, or another body with straight ends, pulled along x.
 
     Parameters
@@ -81,41 +55,46 @@ def loaded_block(
         Its left end runs from the origin up to its height.
     """
     (_, width), (_, height) = body.span
-    left, right = Region((0.0, None)), Region((width, None))
-    corner = Region((0.0, 0.0))
+    left, right = kit.Region((0.0, None)), kit.Region((width, None))
+    corner = kit.Region((0.0, 0.0))
     pull = strain * width
-    loads: tuple[Traction, ...] = ()
+    loads: tuple[kit.Traction, ...] = ()
     if loading == "slide":
-        supports: tuple[Support, ...] = (
-            Support(left, (0.0, None)),
-            Support(right, (pull, None)),
-            Support(corner, (None, 0.0)),
+        supports: tuple[kit.Support, ...] = (
+            kit.Support(left, (0.0, None)),
+            kit.Support(right, (pull, None)),
+            kit.Support(corner, (None, 0.0)),
         )
     elif loading == "clamped":
-        supports = (Support(left, (0.0, 0.0)), Support(right, (pull, 0.0)))
+        supports = (kit.Support(left, (0.0, 0.0)), kit.Support(right, (pull, 0.0)))
     else:
         stress = strain * (tensor[0, 0] - tensor[0, 1] ** 2 / tensor[0, 0])
-        supports = (Support(corner, (0.0, 0.0)), Support(Region((0.0, height)), (0.0, None)))
-        loads = (Traction(left, (-stress, 0.0)), Traction(right, (stress, 0.0)))
-    return Problem(body, Anisotropic(tensor), supports, loads, name=f"block, {loading}")
+        supports = (
+            kit.Support(corner, (0.0, 0.0)),
+            kit.Support(kit.Region((0.0, height)), (0.0, None)),
+        )
+        loads = (kit.Traction(left, (-stress, 0.0)), kit.Traction(right, (stress, 0.0)))
+    return kit.Problem(body, kit.Anisotropic(tensor), supports, loads, name=f"block, {loading}")
 
 
-def clamped_quarter(tensor: Array, strain: float = STRAIN) -> Problem:
+def clamped_quarter(tensor: kit.Array, strain: float = STRAIN) -> kit.Problem:
     """The quarter of the clamped block beyond its two middle lines, which symmetry holds.
 
     Displacements count from the block's middle, the quarter's origin.
     """
     middle = (
-        Support(QUARTER.side("left"), (0.0, None)),
-        Support(QUARTER.side("bottom"), (None, 0.0)),
+        kit.Support(QUARTER.side("left"), (0.0, None)),
+        kit.Support(QUARTER.side("bottom"), (None, 0.0)),
     )
-    end = Support(QUARTER.side("right"), (strain * SIDE / 2, 0.0))
-    return Problem(QUARTER, Anisotropic(tensor), (*middle, end), name="quarter block, clamped")
+    end = kit.Support(QUARTER.side("right"), (strain * SIDE / 2, 0.0))
+    return kit.Problem(
+        QUARTER, kit.Anisotropic(tensor), (*middle, end), name="quarter block, clamped"
+    )
 
 
 def spring_block(
     loading: str, k2: float, cells: int, weights: str, strain: float = STRAIN
-) -> tuple[Problem, Network]:
+) -> tuple[kit.Problem, kit.Network]:
     """The block as a problem, its material the tensor of the lattice's interior, and as springs."""
     grid = lattice.square(BOX, cells)
     constants = (K1, k2)
@@ -123,27 +102,27 @@ def spring_block(
     return problem, lattice_network(problem, grid, constants, weights=weights)
 
 
-def edge_points(points: Array) -> Array:
+def edge_points(points: kit.Array) -> kit.Array:
     """Those of the points on the block's edges: all that `ratio` and `axial_strain` look at."""
     return points[(_at(points, 0.0) | _at(points, SIDE)).any(axis=1)]
 
 
-def end_traction(problem: Problem) -> float:
+def end_traction(problem: kit.Problem) -> float:
     """Traction (Pa) along x on the right end of a block under traction."""
     load = problem.loads[-1]
-    if not isinstance(load, Traction) or callable(load.traction):
+    if not isinstance(load, kit.Traction) or callable(load.traction):
         raise TypeError("the block is not under uniform traction")
     return load.traction[0]
 
 
-def axial_strain(points: Array, displacement: Array) -> float:
+def axial_strain(points: kit.Array, displacement: kit.Array) -> float:
     """Difference of the plain mean displacement of the two ends, over the length."""
     x = points[:, 0]
     right, left = displacement[_at(x, SIDE), 0], displacement[_at(x, 0.0), 0]
     return float((right.mean() - left.mean()) / SIDE)
 
 
-def ratio(points: Array, displacement: Array, definition: str) -> float:
+def ratio(points: kit.Array, displacement: kit.Array, definition: str) -> float:
     """Poisson's ratio of the block: minus lateral over axial strain.
 
     ``edges``: lateral strain between the plain means of all nodes of the top and bottom edge,
@@ -161,5 +140,5 @@ def ratio(points: Array, displacement: Array, definition: str) -> float:
     return float(-lateral / axial_strain(points, displacement))
 
 
-def _at(values: Array, place: float) -> Mask:
+def _at(values: kit.Array, place: float) -> kit.Mask:
     return np.asarray(np.abs(values - place) < 1e-9)

@@ -20,13 +20,9 @@ from functools import partial
 
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import patterns
-from msvalidate.problem import Anisotropic, Array
 
 from . import block, cube_drawing
 from .cube_block import (
@@ -45,68 +41,72 @@ WHOLE = ("cubic 18", "cubic 26", "FCC, nearest")
 """Lattices whose springs all lie in cells or in their faces."""
 CUBIC = ("cubic 18", "cubic 26")
 """Lattices whose springs of one kind all border as many cells: `per_cell` means something."""
-CLAMPED_CELLS = 3
-"""Size from which the clamped cube is held to FEM: in two cells one layer of points is free."""
+LOSING = tuple(name for name in LATTICES if name not in WHOLE)
+CLAMPED_CELLS = (3, 5, 8)
+"""Sizes at which the clamped cube is held to FEM: in two cells one layer of points is free."""
 DRAWN = 6
 """Cells of the cube that is drawn."""
 NONE = "none"
-EXACT, ONE = 1e-9, "1"
-TOLERANCES = (
-    Tolerance(
-        "cube, shared springs in whole cells: C12/(C11 + C12)", EXACT, ONE,
-        "exact at every size; left is the rounding of a linear solve, 1e-16 times a condition "
-        "number of up to 1e4",
+exact = partial(kit.Rule, limit=1e-9, unit="1", table="cube")
+whole = partial(exact, value="nu_springs", reference="nu_tensor")
+clamped = partial(kit.Rule, unit="1", table="cube_clamped")
+RULES = (
+    whole(
+        "cube, shared springs in whole cells: C12/(C11 + C12)",
+        rows={"lattice": WHOLE, "weights": "shared"},
+        because="exact at every size; left is the rounding of a linear solve, 1e-16 times a "
+        "condition number of up to 1e4",
     ),
-    Tolerance(
-        "cube, per-cell springs: the same with 4 k1 and 2 k2", EXACT, ONE,
-        "exact at every size, as for shared springs",
+    whole(
+        "cube, per-cell springs: the same with 4 k1 and 2 k2", rows={"weights": "per_cell"},
+        because="exact at every size, as for shared springs",
     ),
-    Tolerance(
-        "cube, modulus of shared springs in whole cells, relative", EXACT, ONE,
-        "the same uniform strain, measured by the traction that it takes",
+    exact(
+        "cube, modulus of shared springs in whole cells, relative", table="cube_modulus",
+        rows={"lattice": WHOLE, "weights": "shared"}, value="modulus_ratio", reference=1.0,
+        because="the same uniform strain, measured by the traction that it takes",
     ),
-    Tolerance(
-        "one cubic cell of equal springs: the layers' ratio", EXACT, ONE,
-        "every point is a corner, so uniform strain is exact in an isolated cell",
+    exact(
+        "one cubic cell of equal springs: the layers' ratio",
+        rows={"lattice": CUBIC, "weights": "equal", "cells": 1},
+        value="nu_springs", reference="nu_layers",
+        because="every point is a corner, so uniform strain is exact in an isolated cell",
     ),
-    Tolerance(
-        "cubes of equal springs: work of the layers on a uniform strain", EXACT, ONE,
-        "virtual work: an identity of sums over layers at equilibrium, whatever the shape",
+    exact(
+        "one cell of cubic 18, equal springs: k2/(2k1+3k2)", table="cube_cell",
+        value="nu_springs", reference="nu_cell_cube", because="the same cell, for all constants",
     ),
-    Tolerance(
-        "cubes that lose springs: order in 1/N towards the tensor", 0.25, ONE,
+    exact(
+        "cubes of equal springs: work of the layers on a uniform strain",
+        rows={"lattice": CUBIC, "weights": "equal", "loading": "slide"}, value="layers_work",
+        because="virtual work: an identity of sums over layers at equilibrium, whatever the shape",
+    ),
+    kit.Rule(
+        "cubes that lose springs: order in 1/N towards the tensor", 0.25, "1",
         "an edge effect is of order 1; the next term, log(N)/N², is 0.4 of it at N = 5 and adds "
         "up to 0.2 to the order of a pair",
+        table="cube", rows={"lattice": LOSING, "weights": "shared"}, by=("lattice", "loading"),
+        last=2, value=kit.Difference("nu_springs", "nu_tensor"),
+        power_of=kit.Quotient(1, "cells"), reference=1.0,
     ),
-    Tolerance(
-        "clamped cube, shared springs: difference to FEM times N", 0.03, ONE,
-        "the layer of points next to each clamp, 2/N of a face, is off by a twentieth of the "
-        "contraction of 0.25 to 0.35 that the clamp keeps back; further in, differences fall "
+    clamped(
+        "clamped cube, shared springs: difference to FEM times N", 0.03, layer="agreement",
+        rows={"cells": CLAMPED_CELLS},
+        value=lambda rows: rows["cells"] * (rows["nu_springs"] - rows["nu_fem"]),
+        because="the layer of points next to each clamp, 2/N of a face, is off by a twentieth of "
+        "the contraction of 0.25 to 0.35 that the clamp keeps back; further in, differences fall "
         "faster than 1/N",
-        layer="agreement",
     ),
-    Tolerance(
-        "clamped cube: uncertainty of FEM", 2e-3, ONE,
-        "a third of what the springs may be off at N = 5",
+    clamped(
+        "clamped cube: uncertainty of FEM", 2e-3, rows={"cells": CLAMPED_CELLS},
+        value="nu_fem_uncertainty", because="a third of what the springs may be off at N = 5",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **block.COLUMNS,
-    "constants": "spring constants by length, shortest first (N/m)",
-    "nu_layers": "ratio of N + 1 layers for N cells in uniform strain, equal springs; "
-    '"none" where springs are not equal, or cells not cubic (1)',
-    "layers_work": "work of the layers' forces on a uniform strain along y, over that of the pull, "
-    'ends sliding; "none" where there is no nu_layers, or no such ends (1)',
-    "modulus_ratio": "traction over axial strain, over the tensor's modulus (1)",
-    "lateral": "lateral strain between the means of whole side faces, or at their middle",
-    "nu_fem_uncertainty": "estimated error of nu_fem (1)",
-    "nu_cell_cube": "k2/(2 k1 + 3 k2), of one cell of equal springs in space (1)",
-    "nu_cell_formula": "the report's k2/(2 k1 + k2) (1)",
-    **cube_drawing.COLUMNS,
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the candidate with tensors, closed forms and finite elements on every cube."""
     sizes = QUICK_CELLS if setting.quick else CELLS
     found = setting.sweep(partial(measure, candidate), cases(setting), "spring cubes")
@@ -124,18 +124,16 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         "cube_cell": pd.DataFrame(one_cell(candidate, k2) for k2 in block.RATIOS),
         "cube_shape": cube_drawing.shape(candidate, DRAWN),
     }
-    return Evidence(
+    return kit.Evidence(
         tables=tables,
-        observed=observe(tables),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"cube": cube_drawing.ratios, "cube_shape": cube_drawing.deformed},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(tables),
-        rounding={"layers_work": 1e-12},
     )
 
 
-def cases(setting: Setting) -> list[tuple[str, str, str, int]]:
+def cases(setting: kit.Setting) -> list[tuple[str, str, str, int]]:
     """(lattice, weights, loading, N) of every cube with free sides.
 
     One cell of BCC is a mechanism, and one of FCC's nearest springs just no mechanism.
@@ -153,7 +151,7 @@ def cases(setting: Setting) -> list[tuple[str, str, str, int]]:
 
 
 def measure(
-    candidate: DisplacementSolver, case: tuple[str, str, str, int]
+    candidate: kit.DisplacementSolver, case: tuple[str, str, str, int]
 ) -> tuple[dict[str, object], dict[str, object]]:
     """One row of the table `cube` and, under traction, one of `cube_modulus`."""
     name, weights, loading, cells = case
@@ -173,13 +171,15 @@ def measure(
     return head | row, head | {"modulus_ratio": 1 / stretched} if loading == "traction" else {}
 
 
-def _tensor(material: object) -> Array:
-    if not isinstance(material, Anisotropic):
+def _tensor(material: object) -> kit.Array:
+    if not isinstance(material, kit.Anisotropic):
         raise TypeError("the cube's material is its tensor")
     return material.C
 
 
-def clamped_rows(candidate: DisplacementSolver, sizes: tuple[int, ...], name: str) -> pd.DataFrame:
+def clamped_rows(
+    candidate: kit.DisplacementSolver, sizes: tuple[int, ...], name: str
+) -> pd.DataFrame:
     """Rows of the table `cube_clamped`: shared springs against the elastic cube."""
     fem = clamped_reference(name, sizes)
     values = iter(zip(fem.value, fem.uncertainty, strict=True))
@@ -188,14 +188,14 @@ def clamped_rows(candidate: DisplacementSolver, sizes: tuple[int, ...], name: st
         problem, network = spring_cube(name, "shared", "clamped", cells)
         move = candidate(problem, network, "linear")
         for lateral in LATERAL:
-            nu, doubt = next(values)
+            nu, uncertainty = next(values)
             row: dict[str, object] = {"lattice": name, "lateral": lateral, "cells": cells}
             row |= {"nu_springs": ratio(network.points, move, lateral)}
-            rows.append(row | {"nu_fem": nu, "nu_fem_uncertainty": doubt})
+            rows.append(row | {"nu_fem": nu, "nu_fem_uncertainty": uncertainty})
     return pd.DataFrame(rows)
 
 
-def one_cell(candidate: DisplacementSolver, k2: float) -> dict[str, float]:
+def one_cell(candidate: kit.DisplacementSolver, k2: float) -> dict[str, float]:
     """One row of the table `cube_cell`: an isolated cell of cubic 18, all springs equal."""
     k1 = block.K1
     problem, network = spring_cube("cubic 18", "equal", "slide", 1, (k1, k2))
@@ -203,39 +203,6 @@ def one_cell(candidate: DisplacementSolver, k2: float) -> dict[str, float]:
     row |= {"nu_springs": ratio(network.points, candidate(problem, network, "linear"))}
     row |= {"nu_cell_cube": k2 / (2 * k1 + 3 * k2), "nu_cell_formula": k2 / (2 * k1 + k2)}
     return row | {"nu_tensor": moduli(pattern_tensor(patterns.cubic18(), (k1, k2))).nu}
-
-
-def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
-    """The judged quantities, each the worst of its rows."""
-    cubes, modulus, clamped, cell = (
-        tables[name] for name in ("cube", "cube_modulus", "cube_clamped", "cube_cell")
-    )
-    whole = cubes[cubes["lattice"].isin(WHOLE)]
-    shared, per_cell = (whole[whole["weights"] == rule] for rule in ("shared", "per_cell"))
-    stiff = modulus[modulus["lattice"].isin(WHOLE) & (modulus["weights"] == "shared")]
-    equal = cubes[cubes["nu_layers"] != NONE]
-    isolated = equal[equal["cells"] == 1]
-    work = pd.to_numeric(cubes["layers_work"], errors="coerce").dropna()
-    cut = cubes[~cubes["lattice"].isin(WHOLE) & (cubes["weights"] == "shared")]
-    orders = [
-        observed_order(1 / pair["cells"], pair["nu_springs"] - pair["nu_tensor"])
-        for _, rows in cut.groupby(["lattice", "loading"])
-        for pair in [rows.iloc[-2:]]
-    ]
-    held = clamped[clamped["cells"] >= CLAMPED_CELLS]
-    cells_seen = [*isolated["nu_springs"], *cell["nu_springs"]]
-    cells_due = [*isolated["nu_layers"], *cell["nu_cell_cube"]]
-    values = (
-        farthest_value(shared["nu_springs"], shared["nu_tensor"]),
-        farthest_value(per_cell["nu_springs"], per_cell["nu_tensor"]),
-        farthest_value(stiff["modulus_ratio"], 1.0),
-        farthest_value(cells_seen, cells_due),
-        farthest_value(work, 0.0),
-        farthest_value(orders, 1.0),
-        farthest_value(held["cells"] * (held["nu_springs"] - held["nu_fem"]), 0.0),
-        farthest_value(held["nu_fem_uncertainty"], 0.0),
-    )
-    return by_quantity(TOLERANCES, values)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -5,28 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 import reference_fem
-from msvalidate import lattice
+from msvalidate import kit, lattice
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli
 from msvalidate.lattice import Constants, Pattern, patterns
-from msvalidate.network import Network
-from msvalidate.problem import (
-    Anisotropic,
-    Array,
-    Box,
-    Mask,
-    Problem,
-    ProblemError,
-    Region,
-    Support,
-    Traction,
-)
 from reference_fem.refinement import HIGHEST_ORDER, Estimate, on_three_meshes, richardson
 
 SIDE = 1.0
-BOX = Box((SIDE,) * 3)
-EIGHTH = Box((SIDE / 2,) * 3)
+BOX = kit.Box((SIDE,) * 3)
+EIGHTH = kit.Box((SIDE / 2,) * 3)
 STRAIN = 1e-3
 """Nominal axial strain; every answer is linear."""
 LATTICES: dict[str, tuple[Pattern, Constants]] = {
@@ -45,7 +33,7 @@ of order 2λ in even meshes, of order 4λ in these, near 3: 32 even linear eleme
 nearer, and take 7 times as long."""
 
 
-def loaded_cube(loading: str, tensor: Array) -> Problem:
+def loaded_cube(loading: str, tensor: kit.Array) -> kit.Problem:
     """Cube pulled along x: "slide", "traction" or "clamped", as `block.loaded_block` in the plane.
 
     Parameters
@@ -58,35 +46,37 @@ def loaded_cube(loading: str, tensor: Array) -> Problem:
         (6, 6) in Pa.
     """
     left, right = BOX.side("left"), BOX.side("right")
-    corner, beside, above = (Region(at) for at in ((0.0,) * 3, (0.0, SIDE, 0.0), (0.0, 0.0, SIDE)))
+    corner, beside, above = (
+        kit.Region(at) for at in ((0.0,) * 3, (0.0, SIDE, 0.0), (0.0, 0.0, SIDE))
+    )
     pull = STRAIN * SIDE
-    loads: tuple[Traction, ...] = ()
-    supports: tuple[Support, ...]
+    loads: tuple[kit.Traction, ...] = ()
+    supports: tuple[kit.Support, ...]
     if loading == "slide":
         supports = (
-            Support(left, (0.0, None, None)),
-            Support(right, (pull, None, None)),
-            Support(corner, (None, 0.0, 0.0)),
-            Support(beside, (None, None, 0.0)),
+            kit.Support(left, (0.0, None, None)),
+            kit.Support(right, (pull, None, None)),
+            kit.Support(corner, (None, 0.0, 0.0)),
+            kit.Support(beside, (None, None, 0.0)),
         )
     elif loading == "clamped":
-        supports = (Support(left, (0.0,) * 3), Support(right, (pull, 0.0, 0.0)))
+        supports = (kit.Support(left, (0.0,) * 3), kit.Support(right, (pull, 0.0, 0.0)))
     elif loading == "traction":
         stress = STRAIN * moduli(tensor).E
         supports = (
-            Support(corner, (0.0,) * 3),
-            Support(beside, (0.0, None, 0.0)),
-            Support(above, (0.0, None, None)),
+            kit.Support(corner, (0.0,) * 3),
+            kit.Support(beside, (0.0, None, 0.0)),
+            kit.Support(above, (0.0, None, None)),
         )
-        loads = (Traction(left, (-stress, 0.0, 0.0)), Traction(right, (stress, 0.0, 0.0)))
+        loads = (kit.Traction(left, (-stress, 0.0, 0.0)), kit.Traction(right, (stress, 0.0, 0.0)))
     else:
-        raise ProblemError(f"loading {loading!r}: choose from slide, traction, clamped")
-    return Problem(BOX, Anisotropic(tensor), supports, loads, name=f"cube, {loading}")
+        raise kit.ProblemError(f"loading {loading!r}: choose from slide, traction, clamped")
+    return kit.Problem(BOX, kit.Anisotropic(tensor), supports, loads, name=f"cube, {loading}")
 
 
 def spring_cube(
     name: str, weights: str, loading: str, cells: int, constants: Constants | None = None
-) -> tuple[Problem, Network]:
+) -> tuple[kit.Problem, kit.Network]:
     """The cube as a problem, its material the tensor of the lattice's interior, and as springs.
 
     `constants` (N/m) are by default the lattice's own.
@@ -98,12 +88,12 @@ def spring_cube(
     return problem, lattice_network(problem, grid, constants, weights=weights)
 
 
-def axial_strain(points: Array, displacement: Array) -> float:
+def axial_strain(points: kit.Array, displacement: kit.Array) -> float:
     """Difference of the plain mean displacement of the two ends, over the length."""
     return _apart(points, displacement, 0, np.ones(len(points), dtype=bool)) / SIDE
 
 
-def ratio(points: Array, displacement: Array, lateral: str = "faces") -> float:
+def ratio(points: kit.Array, displacement: kit.Array, lateral: str = "faces") -> float:
     """Poisson's ratio of the cube: minus lateral over axial strain, mean of the two lateral axes.
 
     ``faces``: lateral strain between the plain means of all nodes of opposite side faces, edges and
@@ -120,13 +110,13 @@ def ratio(points: Array, displacement: Array, lateral: str = "faces") -> float:
     return float(-np.mean(across) / axial_strain(points, displacement))
 
 
-def _apart(points: Array, displacement: Array, axis: int, chosen: Mask) -> float:
+def _apart(points: kit.Array, displacement: kit.Array, axis: int, chosen: kit.Mask) -> float:
     """By how much (m) two opposite sides move apart, in the plain mean of their chosen nodes."""
     far, near = (chosen & _at(points[:, axis], end) for end in (SIDE, 0.0))
     return float(displacement[far, axis].mean() - displacement[near, axis].mean())
 
 
-def _at(values: Array, place: float) -> Mask:
+def _at(values: kit.Array, place: float) -> kit.Mask:
     return np.asarray(np.abs(values - place) < 1e-9)
 
 
@@ -144,7 +134,7 @@ def clamped_reference(name: str, sizes: tuple[int, ...]) -> Estimate:
     side, folded = np.where(away < 0, -1.0, 1.0), np.abs(away)
     problem = _clamped_eighth(tensor)
 
-    def sampled(cells: int) -> Array:
+    def sampled(cells: int) -> kit.Array:
         mesh = reference_fem.box_discretisation(EIGHTH, cells, "H2", GRADING, "high")
         move = side * reference_fem.solve_problem(problem, mesh).at(folded)
         moves = np.split(move, ends)
@@ -159,11 +149,11 @@ def clamped_reference(name: str, sizes: tuple[int, ...]) -> Estimate:
     return richardson(*on_three_meshes(sampled, MESH), MESH, HIGHEST_ORDER)
 
 
-def _clamped_eighth(tensor: Array) -> Problem:
+def _clamped_eighth(tensor: kit.Array) -> kit.Problem:
     """The eighth beyond the cube's middle planes, which symmetry holds; pulled by its end."""
     middle = tuple(
-        Support(EIGHTH.side(name), tuple(0.0 if a == axis else None for a in range(3)))
+        kit.Support(EIGHTH.side(name), tuple(0.0 if a == axis else None for a in range(3)))
         for axis, name in enumerate(("left", "bottom", "back"))
     )
-    end = Support(EIGHTH.side("right"), (STRAIN * SIDE / 2, 0.0, 0.0))
-    return Problem(EIGHTH, Anisotropic(tensor), (*middle, end), name="eighth cube, clamped")
+    end = kit.Support(EIGHTH.side("right"), (STRAIN * SIDE / 2, 0.0, 0.0))
+    return kit.Problem(EIGHTH, kit.Anisotropic(tensor), (*middle, end), name="eighth cube, clamped")

@@ -7,9 +7,7 @@ import pandas as pd
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import body_drawing, figures
+from msvalidate import kit
 from msvalidate.output.body_drawing import BOUNDARY_RULES
 
 from .cube_block import SIDE, spring_cube
@@ -19,17 +17,9 @@ MAGNIFIED = 250
 AXES = "xyz"
 ENDS = {"slide": "ends slide", "traction": "traction"}
 """How cubes are loaded."""
-COLUMNS = {
-    "x": "position at rest along the pull (m)",
-    "y": "position at rest across the pull (m)",
-    "z": "position at rest along the third axis (m)",
-    "ux": "displacement along the pull (m)",
-    "uy": "displacement across the pull (m)",
-    "uz": "displacement along the third axis (m)",
-}
 
 
-def shape(candidate: DisplacementSolver, cells: int) -> pd.DataFrame:
+def shape(candidate: kit.DisplacementSolver, cells: int) -> pd.DataFrame:
     """Surface points of a clamped cube of cubic 18, shared springs, and their displacements."""
     problem, network = spring_cube("cubic 18", "shared", "clamped", cells)
     move = candidate(problem, network, "linear")
@@ -39,14 +29,14 @@ def shape(candidate: DisplacementSolver, cells: int) -> pd.DataFrame:
     return pd.DataFrame(table | {f"u{a}": u for a, u in zip(AXES, move[outside].T, strict=True)})
 
 
-def ratios(tables: Tables) -> Figure:
+def ratios(tables: kit.Tables) -> Figure:
     """Ratio against size, a panel a lattice: rules by colour, loadings by marker."""
     table = tables["cube"]
     names = list(dict.fromkeys(table["lattice"]))
-    figure, axes = figures.new_figure(3, -(-len(names) // 3), size=(2.4, 2.5), sharey=True)
+    figure, axes = kit.figures.new_figure(3, -(-len(names) // 3), size=(2.4, 2.5), sharey=True)
     for axis, name in zip(axes, names, strict=False):
         here = table[table["lattice"] == name]
-        for rule, colour in zip(("shared", "equal", "per_cell"), figures.COLOURS, strict=False):
+        for rule, colour in zip(("shared", "equal", "per_cell"), kit.figures.COLOURS, strict=False):
             for loading, marker, size in (("slide", "o", 8), ("traction", "x", 5)):
                 rows = here[(here["weights"] == rule) & (here["loading"] == loading)]
                 label = f"{BOUNDARY_RULES[rule]}, {ENDS[loading]}"
@@ -81,23 +71,23 @@ def ratios(tables: Tables) -> Figure:
     for axis in axes[len(names) :]:
         figure.delaxes(axis)
     figure.suptitle("Poisson's ratio of cubes of springs by size")
-    figures.add_shared_legend(figure, axes[: len(names)], columns=2)
+    kit.figures.add_shared_legend(figure, axes[: len(names)], columns=2)
     return figure
 
 
-def deformed(tables: Tables) -> Figure:
+def deformed(tables: kit.Tables) -> Figure:
     """The clamped cube as it deforms, coloured by how far its points move towards its axis."""
     table = tables["cube_shape"]
     move = table[["ux", "uy", "uz"]].to_numpy()
     first = table[["x", "y", "z"]].to_numpy() - move
     away = first[:, 1:] - SIDE / 2
     inwards = -1e6 * (move[:, 1:] * away).sum(axis=1) / np.linalg.norm(away, axis=1).clip(1e-9)
-    figure, (axis,) = figures.solid_axes(1, (4.8, 3.8))
+    figure, (axis,) = kit.figures.solid_axes(1, (4.8, 3.8))
     norm = Normalize(0, inwards.max())
-    surface = figures.draw_solid(axis, first, first + MAGNIFIED * move, inwards, norm)
+    surface = kit.figures.draw_solid(axis, first, first + MAGNIFIED * move, inwards, norm)
     figure.colorbar(surface, ax=axis, shrink=0.7, pad=0.12, label="displacement to the axis (µm)")
     right = SIDE + MAGNIFIED * move[:, 0].max()
-    body_drawing.draw_solid_load(
+    kit.body_drawing.draw_solid_load(
         axis, np.array([right, SIDE / 2, SIDE / 2]), np.array([0.35, 0, 0])
     )
     axis.set_title(f"Cube of springs, both ends clamped, one pulled;\ndisplacements × {MAGNIFIED}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem import Array
+from msvalidate import kit
 
 from .cube_block import SIDE, STRAIN
 
@@ -23,7 +23,7 @@ def layers_ratio(constants: tuple[float, ...], cells: int) -> float:
 
 
 def layers_work(
-    constants: tuple[float, ...], cells: int, points: Array, displacement: Array
+    constants: tuple[float, ...], cells: int, points: kit.Array, displacement: kit.Array
 ) -> float:
     """Work of equal springs, ends sliding, on a uniform strain along y: from the faces alone.
 

@@ -16,17 +16,11 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate import lattice
+from msvalidate import kit, lattice
 from msvalidate.constants.directions import directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
 from . import block
 from .block import BOX, K1, RATIOS
@@ -35,31 +29,30 @@ ANGLES = tuple(range(0, 91, 5))
 QUICK_ANGLES = (0, 15, 30, 45, 60, 75, 90)
 MESH = 2
 """Cells per side: a uniform strain is exact on any mesh."""
-UNIFORM = 1e-9
-TOLERANCES = (
-    Tolerance(
-        "tensor against FEM on the turned tensor", UNIFORM, "1",
-        "uniform strain: rounding of a small linear solve is all that is left",
-    ),
-    Tolerance("along the axes: k2/(k1+k2)", UNIFORM, "1", "C12/C11 of the affine sum over springs"),
-    Tolerance("spread over directions at k2 = k1/2", UNIFORM, "1", "isotropic: 2 C66 = C11 - C12"),
-    Tolerance(
-        "along the diagonal: k1/(k1+4k2)", UNIFORM, "1",
-        "closed form: the compliance of C11 = k1 + k2, C12 = C66 = k2, turned by 45 degrees",
-    ),
+exact = partial(kit.Rule, limit=1e-9, unit="1", table="direction", value="nu_tensor")
+RULES = (
+    exact("tensor against FEM on the turned tensor", reference="nu_fem",
+          because="uniform strain: rounding of a small linear solve is all that is left"),
+    exact("along the axes: k2/(k1+k2)", rows={"angle_deg": (0, 90)},
+          reference=lambda rows: rows["k2"] / (K1 + rows["k2"]),
+          because="C12/C11 of the affine sum over springs"),
+    exact("spread over directions at k2 = k1/2", rows={"k2": K1 / 2},
+          value=lambda rows: np.ptp(rows["nu_tensor"]), because="isotropic: 2 C66 = C11 - C12"),
+    exact("along the diagonal: k1/(k1+4k2)", rows={"angle_deg": 45},
+          reference=lambda rows: K1 / (K1 + 4 * rows["k2"]),
+          because="closed form: the compliance of C11 = k1 + k2, C12 = C66 = k2, turned by 45 "
+          "degrees"),
 )  # fmt: skip
-COLUMNS = {
-    **block.COLUMNS,
-    "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",
-}
 
 
-def square_lattice(k2: float) -> Array:
+def square_lattice(k2: float) -> kit.Array:
     """The candidate: tensor (3, 3) in N/m of the square lattice with k1 = 1 N/m."""
     return interior_tensor(lattice.square(BOX, 1), (K1, k2), "shared")
 
 
-def run(tensor: Callable[[float], Array] = square_lattice, setting: Setting = FULL) -> Evidence:
+def run(
+    tensor: Callable[[float], kit.Array] = square_lattice, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare the tensor's ratio with finite elements in every direction."""
     cases = list(product(RATIOS, QUICK_ANGLES if setting.quick else ANGLES))
     mesh = reference_fem.box_discretisation(BOX, MESH, "Q1")
@@ -75,33 +68,23 @@ def run(tensor: Callable[[float], Array] = square_lattice, setting: Setting = FU
         }
         for (k2, angle), (nu_tensor, nu_fem) in zip(cases, ratios, strict=True)
     )
-    axes = table[table["angle_deg"].isin([0, 90])]
-    isotropic = table[table["k2"] == K1 / 2]["nu_tensor"]
-    diagonal = table[table["angle_deg"] == 45]
-    values = (
-        farthest_value(table["nu_tensor"], table["nu_fem"]),
-        farthest_value(axes["nu_tensor"], axes["k2"] / (K1 + axes["k2"])),
-        Observed(float(isotropic.max() - isotropic.min())),
-        farthest_value(diagonal["nu_tensor"], K1 / (K1 + 4 * diagonal["k2"])),
-    )
     seen = table[table["k2"] == 2 * K1].set_index("angle_deg")["nu_tensor"]
     finding = (
         f"With the report's k2 = 2k1 the ratio is {seen[0]:.4f} along the axial springs and "
         f"{seen[45]:.4f} along the diagonals: one constant cannot name it. Only k2 = k1/2 gives "
         f"the same ratio, 1/3, in every direction."
     )
-    return Evidence(
+    return kit.Evidence(
         tables={"direction": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        figures={"direction": draw},
-        columns=COLUMNS,
+        tolerances=RULES,
+        figures={"direction": FIGURE},
+        columns=kit.columns(__file__),
         findings=(finding,),
     )
 
 
 def ratio_two_ways(
-    tensor: Callable[[float], Array],
+    tensor: Callable[[float], kit.Array],
     mesh: reference_fem.Discretisation,
     case: tuple[float, float],
 ) -> tuple[float, float]:
@@ -115,21 +98,10 @@ def ratio_two_ways(
     return directional_ratio(C, angle), block.ratio(mesh.points, move, "edges")
 
 
-def draw(tables: Tables) -> Figure:
-    """Ratio against the direction, a curve for each k2/k1."""
-    figure, (axis,) = figures.new_figure(size=(4.6, 3.6))
-    for (k2, rows), colour, marker in zip(
-        tables["direction"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
-    ):
-        angle = rows["angle_deg"]
-        axis.plot(angle, rows["nu_tensor"], color=colour, label=f"k2/k1 = {k2:g}")
-        axis.plot(angle, rows["nu_fem"], marker, color=colour, mfc="white", label="_")
-    axis.plot([], [], "-", color="grey", label="homogenised tensor")
-    axis.plot([], [], "o", color="grey", mfc="white", label="FEM, turned tensor")
-    axis.set_xlabel("direction of the pull to the axial springs (degrees)")
-    axis.set_ylabel("Poisson's ratio (1)")
-    axis.set_xticks(range(0, 91, 15))
-    axis.set_ylim(0, 0.72)
-    axis.set_title("Poisson's ratio of the square lattice by direction")
-    figures.add_shared_legend(figure, [axis], columns=3)
-    return figure
+FIGURE = kit.series(
+    "direction", title="Poisson's ratio of the square lattice by direction",
+    x="angle_deg", y="nu_fem", by="k2", beside={"nu_tensor": "tensor"}, line="",
+    words={ratio * K1: f"FEM, k2/k1 = {ratio:g}" for ratio in RATIOS},
+    labels=("direction of the pull to the axial springs (degrees)", "Poisson's ratio (1)"),
+    size=(5.6, 3.6), xticks=range(0, 91, 15), ylim=(0, 0.72),
+)  # fmt: skip

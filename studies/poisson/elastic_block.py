@@ -9,9 +9,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 import reference_fem
-from msvalidate import lattice
+from msvalidate import kit, lattice
 from msvalidate.constants.stiffness import square_tensor
-from msvalidate.problem import Array, Problem
 
 from . import block
 from .block import BOX, DEFINITIONS
@@ -36,7 +35,7 @@ def reference(
     for body in bodies:
         tensor = square_tensor(1 - body, body)
 
-        def sampled(mesh: int, tensor: Array = tensor) -> Array:
+        def sampled(mesh: int, tensor: kit.Array = tensor) -> kit.Array:
             move = sample(mesh).displacement(tensor)
             parts = list(zip(grids, np.split(move, ends), strict=True))
             ratios = [block.ratio(x, u, definition) for x, u in parts for definition in DEFINITIONS]
@@ -80,10 +79,10 @@ class Sampler:
     loading: str
     mesh: reference_fem.Discretisation
     interpolation: csr_matrix
-    side: Array
+    side: kit.Array
 
     @classmethod
-    def of(cls, loading: str, points: Array, cells: int) -> Sampler:
+    def of(cls, loading: str, points: kit.Array, cells: int) -> Sampler:
         """Sampler on a mesh with `cells` per side of the whole block."""
         if loading != "clamped":
             mesh = reference_fem.box_discretisation(BOX, cells, "Q2", block.GRADING)
@@ -95,11 +94,11 @@ class Sampler:
         side = np.where(away < 0, -1.0, 1.0)
         return cls(loading, mesh, mesh.interpolation(np.abs(away)), side)
 
-    def displacement(self, tensor: Array) -> Array:
+    def displacement(self, tensor: kit.Array) -> kit.Array:
         """Displacement (p, 2) in m at the points; of a quarter, relative to the block's middle."""
         make = block.clamped_quarter if self.loading == "clamped" else self._whole
         move = reference_fem.solve_problem(make(tensor), self.mesh).displacement
         return np.asarray(self.side * (self.interpolation @ move))
 
-    def _whole(self, tensor: Array) -> Problem:
+    def _whole(self, tensor: kit.Array) -> kit.Problem:
         return block.loaded_block(self.loading, tensor)

@@ -23,16 +23,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import lattice
+from msvalidate import kit, lattice
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.directions import directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.judging.candidate import DisplacementSolver, solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
 from . import block, direction
 from .block import BOX, K1, RATIOS, SIDE
@@ -42,31 +36,33 @@ CELLS, FINEST = (5, 10, 20, 40), 80
 QUICK_RATIOS = (0.5, 2.0)
 """k2/k1."""
 EXACT = 1e-9
-TOLERANCES = (
-    Tolerance(
+AT_AN_ANGLE = {"angle_deg": (45, 90)}
+RULES = (
+    kit.Rule(
         "square at 0 degrees: the tensor's ratio", EXACT, "1",
         "whole cells: exact at every size; left is the rounding of a linear solve",
+        table="rotated", rows={"angle_deg": 0}, value="nu_springs", reference="nu_tensor",
     ),
-    Tolerance(
+    kit.Rule(
         "cut blocks: order in 1/N towards the tensor", 0.25, "1",
         "an edge effect is of order 1; the next term, log(N)/N², is 0.4 of it at N = 20 and 0.24 "
         "at 40, which adds 0.2 to the order of that pair, and less to finer ones",
+        table="rotated_order", rows=AT_AN_ANGLE, reference=1.0,
+        value=lambda rows: pd.to_numeric(rows["order"], errors="coerce"),
     ),
-    Tolerance(
+    kit.Rule(
         "cut blocks: difference to the tensor times N, finest size", 0.35, "1",
         "layers a fraction of a cell thick, of which theory says no more: 0.33 was measured at "
         "N = 40 for triangles, falling to finer ones",
-        layer="regression",
+        layer="regression", table="rotated", rows=AT_AN_ANGLE,
+        by=("lattice", "k2"), last=1, value=lambda rows: rows["cells"] * difference(rows),
     ),
 )  # fmt: skip
-COLUMNS = {
-    **block.COLUMNS,
-    "order": "slope of log|nu_springs - nu_tensor| against log(1/N) between N/2 and N = cells, or "
-    'a word: "exact" (no difference), "not asymptotic" (the difference changes sign) (1)',
-}
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs, setting: kit.Setting = kit.FULL
+) -> kit.Evidence:
     """Compare blocks cut along the lattice, and at an angle to it, with its tensor."""
     sizes = CELLS if setting.quick else (*CELLS, FINEST)
     ratios = QUICK_RATIOS if setting.quick else RATIOS
@@ -77,23 +73,18 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
     blocks = table.groupby(["lattice", "k2", "angle_deg"], sort=False)
     orders = pd.DataFrame([approach(rows) for _, rows in blocks])
     cut = pd.to_numeric(orders["order"][orders["angle_deg"] > 0], errors="coerce")
-    finest = table[(table["angle_deg"] > 0) & (table["cells"] == sizes[-1])]
-    values = (
-        farthest_value(difference(table[table["angle_deg"] == 0]), 0.0),
-        farthest_value(cut, 1.0),
-        farthest_value(finest["cells"] * difference(finest), 0.0),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"rotated": table, "rotated_order": orders},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"rotated": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, cut),),
     )
 
 
-def measure(candidate: DisplacementSolver, case: tuple[str, float, int, int]) -> dict[str, object]:
+def measure(
+    candidate: kit.DisplacementSolver, case: tuple[str, float, int, int]
+) -> dict[str, object]:
     """One row of the table `rotate_tensor`: of a lattice, k2 (N/m), the pull's direction, and N."""
     name, k2, degrees, cells = case
     angle = np.deg2rad(degrees)
@@ -110,7 +101,7 @@ def measure(candidate: DisplacementSolver, case: tuple[str, float, int, int]) ->
 
 def material(
     name: str, k2: float, angle: float, cells: int
-) -> tuple[lattice.Lattice, tuple[float, ...], Array]:
+) -> tuple[lattice.Lattice, tuple[float, ...], kit.Array]:
     """A block, its spring constants (N/m), and its tensor (3, 3) in N/m in the lattice's axes."""
     if name == "triangular":
         outline = lattice.zigzag_block(SIDE, (6 * cells // 5, cells))  # nearly a square
@@ -129,7 +120,7 @@ def approach(rows: pd.DataFrame) -> dict[str, object]:
     """One row of the table `rotated_order`, from the finest pair of one block's sizes."""
     pair = rows.iloc[-2:]
     gap = difference(pair).to_numpy()
-    order: float | str = observed_order(1 / pair["cells"], gap)
+    order: float | str = kit.observed_order(1 / pair["cells"], gap)
     if gap[0] * gap[1] <= 0:
         order = "not asymptotic"
     if np.abs(gap).max() < EXACT:
@@ -154,13 +145,13 @@ def finding(table: pd.DataFrame, order: pd.Series[float]) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Difference to the tensor's ratio against size; at 0 degrees it is rounding, not shown."""
-    figure, (axis,) = figures.new_figure(size=(4.6, 3.9))
+    figure, (axis,) = kit.figures.new_figure(size=(4.6, 3.9))
     table = tables["rotated"]
     blocks = table[table["angle_deg"] > 0].groupby(["lattice", "k2"])
     for ((name, k2), rows), colour, marker in zip(
-        blocks, figures.COLOURS, figures.MARKERS, strict=False
+        blocks, kit.figures.COLOURS, kit.figures.MARKERS, strict=False
     ):
         label = f"45°, k2/k1 = {k2:g}" if name == "square" else "triangles, across rows"
         axis.loglog(rows["cells"], difference(rows).abs(), f"{marker}-", color=colour, label=label)
@@ -169,5 +160,5 @@ def draw(tables: Tables) -> Figure:
     axis.set_xticks(sizes, [str(n) for n in sizes])
     axis.set(xlabel="cells per side N (1)", ylabel="difference to the\ntensor's ratio (1)")
     axis.set_title("Blocks cut across the lattice: error of Poisson's ratio")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

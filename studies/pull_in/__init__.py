@@ -21,9 +21,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import check_functions
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
+from msvalidate import kit
 
 from . import beyond, controls, instability, permittivity, sweep, which
 from .way import SPRINGS, PullInSolver
@@ -46,10 +44,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: PullInSolver = SPRINGS,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = check_functions(candidate, PullInSolver)
+    candidate = kit.check_functions(candidate, PullInSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return gather_evidence(asked | {"controls": controls.run}, questions)
+    return kit.gather_evidence(asked | {"controls": controls.run}, questions)

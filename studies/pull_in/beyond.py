@@ -15,13 +15,10 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import ActuatorEquilibrium, PulledIn, fix_near_tips
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from msvalidate.network import configuration_at
 from msvalidate.network.residual import force_scale
-from msvalidate.problem import SolverError
 
 from . import slab
 from .slab import PULL_IN, REACH
@@ -32,33 +29,16 @@ QUICK_ASKED, ASKED = (1.02, 20.0), (1.02, 1.5, 20.0)
 """Over the uniform pull-in voltage."""
 BODIES = ("between walls", "bonded, edges held", "bonded")
 BRACKET = 1e-4
-TOLERANCES = (
-    Tolerance(
-        "voltages beyond pull-in that were held, or refused in no clear line", 0.0, "1",
-        "a line that names the voltage asked for and the last one held is what a user needs",
-    ),
-    Tolerance(
-        "last voltage held over that of another step, from 1", 2e-4, "1",
-        "two walks end within the bracket of 1e-4, each of its own",
-    ),
-    Tolerance(
+RULES = (
+    kit.Rule(
         "residual of the equilibrium kept, over the forces that meet", 1e-9, "1",
         "equilibria are found to 1e-10 of these forces",
+        table="beyond", value="residual_over_forces",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **slab.COLUMNS,
-    "asked_over_pull_in": "voltage asked for over the pull-in voltage of the uniform slab (1)",
-    "last_over_pull_in": "last voltage held over it (1)",
-    "residual_over_forces": "largest force left on a free point over the forces that meet (1)",
-    "thickness_least": "least height of the top electrode in the equilibrium kept, over the slab's "
-    "(1)",
-    "lines": 'lines of the message, or "held" where there was none',
-    "says": "whether the message names the voltage asked for and the last one held: yes or no",
-}
 
 
-def run(candidate: PullInSolver, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: kit.Setting) -> kit.Evidence:
     """Ask for too much, by steps of several sizes, of each body."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
     parts = QUICK_ASKED if setting.quick else ASKED
@@ -68,18 +48,23 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     )
     unclear = int(((table["says"] != "yes") | (table["lines"].astype(str) != "1")).sum())
     first = table.groupby("body")["last_over_pull_in"].transform("first")
-    values = (
-        Observed(float(unclear)),
-        farthest_value(table["last_over_pull_in"] / first, 1.0),
-        farthest_value(table["residual_over_forces"], 0.0),
-    )
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "voltages beyond pull-in that were held, or refused in no clear line", 0.0, "1",
+            "a line that names the voltage asked for and the last one held is what a user needs",
+            observed=kit.Observed(float(unclear)),
+        ),
+        kit.Tolerance(
+            "last voltage held over that of another step, from 1", 2e-4, "1",
+            "two walks end within the bracket of 1e-4, each of its own",
+            observed=kit.farthest_value(table["last_over_pull_in"] / first, 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"beyond": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=(*RULES, *own),
+        columns=kit.columns(__file__),
         findings=(finding(table),),
-        rounding={"last_over_pull_in": 2e-4, "residual_over_forces": 1e-9, "thickness_least": 1e-2},
     )
 
 
@@ -93,7 +78,7 @@ def request_too_much(way: PullInSolver, case: tuple[str, int, float]) -> dict[st
     said = ""
     try:
         last = way.at_voltage(actuator, goal, bracket=BRACKET)
-    except SolverError as error:
+    except kit.SolverError as error:
         said = str(error)
         last = error.last if isinstance(error, PulledIn) else way.at_voltage(actuator, 0.0)
     named = f"{goal:.6g}" in said and f"{last.voltage:.6g}" in said

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import Actuator, ActuatorEquilibrium, PulledIn, uniform
-from msvalidate.problem import Array, SolverError
 
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN, REACH
 from .way import PullInSolver, bonded, last_equilibrium
@@ -51,7 +51,7 @@ class Branch(NamedTuple):
     """
 
     last: ActuatorEquilibrium
-    mode: Array
+    mode: kit.Array
     seen: list[tuple[float, float]]
 
 
@@ -94,7 +94,7 @@ def inside(way: PullInSolver, layers: int) -> Branch:
     actuator = bonded(layers)
     held = pressed(way, actuator, 0.0)
     if held is None:
-        raise SolverError(f"bonded slab of {layers} layers: no equilibrium without a voltage")
+        raise kit.SolverError(f"bonded slab of {layers} layers: no equilibrium without a voltage")
     seen, bad = [(0.0, float(way.modes(held, 1)[0][0]))], PULL_IN.voltage
     for part in BELOW:
         found = pressed(way, actuator, part * PULL_IN.voltage, held)
@@ -143,13 +143,13 @@ FOLLOWED: dict[str, Callable[[PullInSolver, int], Branch]] = {
 """Branch -> what follows it with cells up the slab's height."""
 
 
-def wavelength(held: ActuatorEquilibrium, mode: Array) -> float:
+def wavelength(held: ActuatorEquilibrium, mode: kit.Array) -> float:
     """Wavelength (m) of a mode on the top electrode: where its Fourier integral is largest."""
     top = held.actuator.electrodes[0]
     x, up = held.actuator.network.points[top, 0], mode[top, 1]
     shortest = 2 * (x[1] - x[0])
 
-    def power(q: Array) -> Array:
+    def power(q: kit.Array) -> kit.Array:
         return np.asarray(np.abs(np.exp(-1j * np.outer(q, x)) @ up) ** 2)
 
     grid = np.linspace(2 * np.pi / LENGTH, 2 * np.pi / shortest, 40 * len(x))
@@ -163,7 +163,7 @@ def wavelength(held: ActuatorEquilibrium, mode: Array) -> float:
     return float(2 * np.pi / found.x)
 
 
-def at_edge(held: ActuatorEquilibrium, mode: Array) -> float:
+def at_edge(held: ActuatorEquilibrium, mode: kit.Array) -> float:
     """Part of a mode's square within half of `REACH` of the top electrode's edges."""
     points, top = held.actuator.network.points, held.actuator.electrodes[0]
     away = np.linalg.norm(points[:, None] - points[top[[0, -1]]], axis=2).min(axis=1)

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import (
     Actuator,
     ActuatorEquilibrium,
@@ -26,9 +27,7 @@ from msvalidate.dielectric.actuator import (
     lowest_modes,
 )
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import internal_force
-from msvalidate.problem import Array
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import film, pressed, sweep
@@ -37,18 +36,6 @@ from .way import SPRINGS, Laws, PullInSolver, last_equilibrium, sliding
 
 PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""
-TOLERANCES = (
-    Tolerance(
-        "smallest fault noticed, largest over the kinds, against twice the tolerance", 1e-8, "1",
-        "the pull-in voltage goes with the root of a stiffness and of a force: 2e-6; read off a "
-        "fault of 1e-3, whose next term is 1e-3 of that at most, and a factor of five",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "fault": "what is wrong with the way to rest",
-    "smallest_noticed": "smallest part by which it may be wrong before a tolerance fails (1)",
-    "noticed_by": "the quantity that fails",
-}
 
 
 def stronger(
@@ -104,12 +91,12 @@ def gap_as_it_was(
     )
 
 
-def springs_alone(held: ActuatorEquilibrium, count: int = 1) -> tuple[Array, Array]:
+def springs_alone(held: ActuatorEquilibrium, count: int = 1) -> tuple[kit.Array, kit.Array]:
     """Modes of K_mech: at no voltage there is no K_elec."""
     return lowest_modes(replace(held, voltage=0.0), count)
 
 
-def half_softened(held: ActuatorEquilibrium, count: int = 1) -> tuple[Array, Array]:
+def half_softened(held: ActuatorEquilibrium, count: int = 1) -> tuple[kit.Array, kit.Array]:
     """Modes of K_mech - ½K_elec: K_elec goes with the square of the voltage."""
     return lowest_modes(replace(held, voltage=held.voltage / np.sqrt(2)), count)
 
@@ -149,9 +136,9 @@ FAULTS = {
 """Fault -> the way that has it, and the question that notices."""
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """State the smallest fault of each kind that the study notices."""
-    by = sweep.TOLERANCES[1]
+    by = sweep.RULES[1]
     right = pulled_in(SPRINGS)
     rows = []
     for kind, faulty in KINDS.items():
@@ -159,14 +146,21 @@ def run() -> Evidence:
         least = PROBE * by.limit / moved
         rows.append({"fault": kind, "smallest_noticed": least, "noticed_by": by.quantity})
     table = pd.DataFrame(rows)
-    largest = Observed(table["smallest_noticed"].max(), 2 * by.limit)
-    return Evidence(
+    largest = kit.Observed(table["smallest_noticed"].max(), 2 * by.limit)
+    own = (
+        kit.Tolerance(
+            "smallest fault noticed, largest over the kinds, against twice the tolerance",
+            1e-8, "1",
+            "the pull-in voltage goes with the root of a stiffness and of a force: 2e-6; read off "
+            "a fault of 1e-3, whose next term is 1e-3 of that at most, and a factor of five",
+            observed=largest,
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: largest},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=own,
+        columns=kit.columns(__file__),
         # The bracket of the voltage over what the probe moves it by.
-        rounding={"smallest_noticed": 1e-11},
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
+from msvalidate import kit
 from reference_fem import box_discretisation, solve_problem
 
 CELLS = 24
@@ -24,17 +24,17 @@ def field(kappa: float, ratio: float = 0.5) -> float:
     Half a wave of a film of height 1 m and shear modulus 1 Pa, by default at a Poisson's ratio of
     1/2; its sides slide up and down where the wave has its crest and its trough.
     """
-    box = Box((np.pi / kappa, 1.0))
+    box = kit.Box((np.pi / kappa, 1.0))
 
-    def wave(points: Array) -> Array:
+    def wave(points: kit.Array) -> kit.Array:
         return np.column_stack([np.zeros(len(points)), np.cos(kappa * points[:, 0])])
 
-    slide = tuple(Support(box.side(name), (0.0, None)) for name in ("left", "right"))
-    problem = Problem(
+    slide = tuple(kit.Support(box.side(name), (0.0, None)) for name in ("left", "right"))
+    problem = kit.Problem(
         box,
-        Isotropic(2 * (1 + ratio), ratio, "plane_strain"),
-        (Support(box.side("bottom"), (0.0, 0.0)), *slide),
-        (Traction(box.side("top"), wave),),
+        kit.Isotropic(2 * (1 + ratio), ratio, "plane_strain"),
+        (kit.Support(box.side("bottom"), (0.0, 0.0)), *slide),
+        (kit.Traction(box.side("top"), wave),),
         name="film under a wave of traction",
     )
     up = max(LEAST_UP, round(CELLS * kappa / np.pi))
@@ -43,13 +43,13 @@ def field(kappa: float, ratio: float = 0.5) -> float:
     return float(np.sqrt(stiffness * np.tanh(kappa) / kappa))
 
 
-def surface(box: Box) -> Array:
+def surface(box: kit.Box) -> kit.Array:
     """Points of the top, corners and mid-sides of cells."""
     x = np.linspace(0.0, box.size[0], 2 * CELLS + 1)
     return np.column_stack([x, np.full(len(x), box.size[1])])
 
 
-def amplitude(displacement: Array, angle: Array) -> float:
+def amplitude(displacement: kit.Array, angle: kit.Array) -> float:
     """Of cos(angle) in the displacement up, by the trapezium rule: exact for these waves."""
     weight = np.full(len(angle), 2 / (len(angle) - 1))
     weight[[0, -1]] /= 2

@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.problem import Array, Mask
 
 from .slab import AXIAL, DIAGONAL, HEIGHT, PERMITTIVITY
 
@@ -43,17 +43,17 @@ TURNED: Any = np.array([[0.0, 1.0], [1.0, 0.0]])
 class Columns(NamedTuple):
     """Infinite slabs, one a wave: thickness l (w,), spacing (m), wavenumber q (w,) in 1/m."""
 
-    part: Array
+    part: kit.Array
     spacing: float
-    q: Array
+    q: kit.Array
 
     @property
-    def gap(self) -> Array:
+    def gap(self) -> kit.Array:
         """Between the electrodes (w,) in m."""
         return self.part * HEIGHT
 
     @property
-    def charge(self) -> Array:
+    def charge(self) -> kit.Array:
         """Per area (w,) in C/m²: σ²/(2ε) is the pressure of the springs."""
         part = self.part
         diagonals = 2 * DIAGONAL * part * (np.sqrt(2 / (1 + part**2)) - 1)
@@ -102,7 +102,7 @@ def adjoint(matrix: Complex) -> Complex:
     return np.conj(np.swapaxes(matrix, 1, 2))
 
 
-def softest_wave(part: float, layers: int, q: Array) -> Array:
+def softest_wave(part: float, layers: int, q: kit.Array) -> kit.Array:
     """Smallest eigenvalue (w,) in N/m of K_mech - K_elec for waves of wavenumbers q (1/m)."""
     columns = Columns(np.full(len(q), part), HEIGHT / layers, q)
     inside, top, link = blocks(columns)
@@ -115,7 +115,7 @@ def softest_wave(part: float, layers: int, q: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(whole.reshape(len(q), 2 * layers, 2 * layers))[:, 0])
 
 
-def is_stable(part: Array, layers: int, q: Array) -> Mask:
+def is_stable(part: kit.Array, layers: int, q: kit.Array) -> kit.Mask:
     """Whether K_mech - K_elec is positive for each wave (w,), by eliminating layer after layer."""
     columns = Columns(part, HEIGHT / layers, q)
     inside, top, link = blocks(columns)
@@ -130,7 +130,7 @@ def is_stable(part: Array, layers: int, q: Array) -> Mask:
     return stable
 
 
-def thresholds(layers: int, wavelengths: Array) -> Array:
+def thresholds(layers: int, wavelengths: kit.Array) -> kit.Array:
     """Thickness l (w,) at which waves of these lengths (m) first cost nothing.
 
     Searched down to the pull-in of the slab as a whole, the limit of long waves.

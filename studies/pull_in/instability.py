@@ -20,13 +20,10 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.compare import farthest_value, fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Array
 
-from . import branches, infinite, instability_drawing, slab
+from . import branches, infinite, instability_drawing
 from .branches import FOLLOWED, Branch, closed
 from .slab import HEIGHT, LENGTH, PULL_IN, REACH
 from .way import PullInSolver
@@ -48,52 +45,13 @@ WAVED = (
 """Columns of a mode inside the slab; there are none of one at its edges."""
 WAVES = 48
 """Wavelengths among which an infinite slab's softest is looked for, before it is refined."""
-COLUMNS = {
-    **slab.COLUMNS,
-    "branch": "edge, flat: the slab as it lies at no voltage; edge, followed: its equilibria to "
-    "the last; inside: ends pressed evenly",
-    "critical_over_pull_in": "voltage of the instability over the pull-in voltage of the uniform "
-    "slab (1)",
-    "critical_infinite": 'the same of an infinite slab with these cells (1), or "none"',
-    "mode_wavelength_over_h": "wavelength of the mode on the top electrode over the slab's height "
-    '(1), or "none" of a mode at the edge',
-    "wavelength_infinite": 'the same of an infinite slab with these cells (1), or "none"',
-    "wavelength_over_spacing": 'wavelength over the spacing (1), or "none"',
-    "edge_moved_over_spacing": "how far the electrode's edge has moved, over the spacing (1)",
-    "at_edge": "part of the mode's square within half a height of the electrode's edges (1)",
-    "left": "lowest eigenvalue at the critical voltage over that at no voltage (1)",
-    "mesh_dependent": "what differs by more than a tenth between the coarsest mesh and the finest",
-    "softest": "lowest eigenvalue of K_mech - K_elec (N/m)",
-    "softest_infinite": "the same over all waves of an infinite slab at this voltage (N/m), or "
-    '"none" of an edge',
-    "x_m": "place along the slab at that voltage (m)",
-    "y_m": "height above the base (m)",
-    "mode_x_here": "mode along the slab, over its largest component (1); the two edges have modes "
-    "that are alike, and any mixture of them is one",
-    "mode_y_here": "mode up, likewise (1)",
-}
-TOLERANCES = (
-    Tolerance(
-        "exponent in the spacing of the voltage at which the flat slab's edge gives way", 0.1, "1",
-        "√a·(1 - b·√(a/h)) has the exponent 1/2 - b·√(a/h)/2 or so: 0.09 less on cells of a "
-        "third of the height, with the b = 0.3 that the three cells themselves give",
-    ),
-    Tolerance(
+RULES = (
+    kit.Rule(
         "lowest eigenvalue at the critical voltage over that at no voltage", 0.05, "1",
         "where equilibria end it falls as the root of what is missing of the voltage, √1e-6, from "
         "what the edge alone had, ten times that of the whole; inside in proportion to it, 1e-4, "
         "fifty times as steep at the end as on the whole",
-    ),
-    Tolerance(
-        "critical voltage inside over that of an infinite slab with the same cells, from 1",
-        0.01, "1",
-        "the outer field of the finite slab takes 1 % off the pull, half of that off the voltage; "
-        "held ends stiffen a wave by the square of its length over their distance",
-        layer="agreement",
-    ),
-    Tolerance(
-        "mode inside: part of its square at the electrode's edges", 0.0, "1",
-        "points there are held: a mode has no component there at all",
+        table="instability", value="left",
     ),
 )  # fmt: skip
 
@@ -109,7 +67,7 @@ ROUNDING = {
 }
 
 
-def run(candidate: PullInSolver, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: kit.Setting) -> kit.Evidence:
     """Follow every branch on every mesh."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
     cases = [(branch, count) for branch in FOLLOWED for count in layers]
@@ -119,34 +77,48 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
             if count == layers[SHOWN]]  # fmt: skip
     finer = QUICK_FINER if setting.quick else FINER
     flat, inside = (table[table["branch"] == branch] for branch in ("edge, flat", "inside"))
-    power = fitted_power(flat["spacing_m"], flat["critical_over_pull_in"])
-    values = (
-        Observed(power.exponent, 0.5),
-        farthest_value(table["left"], 0.0),
-        farthest_value(
-            inside["critical_over_pull_in"] / inside["critical_infinite"].astype(float), 1.0
+    power = kit.fitted_power(flat["spacing_m"], flat["critical_over_pull_in"])
+    own = (
+        kit.Tolerance(
+            "exponent in the spacing of the voltage at which the flat slab's edge gives way",
+            0.1, "1",
+            "√a·(1 - b·√(a/h)) has the exponent 1/2 - b·√(a/h)/2 or so: 0.09 less on cells of a "
+            "third of the height, with the b = 0.3 that the three cells themselves give",
+            observed=kit.Observed(power.exponent, 0.5),
         ),
-        farthest_value(inside["at_edge"], 0.0),
-    )
+        kit.Tolerance(
+            "critical voltage inside over that of an infinite slab with the same cells, from 1",
+            0.01, "1",
+            "the outer field of the finite slab takes 1 % off the pull, half of that off the "
+            "voltage; held ends stiffen a wave by the square of its length over their distance",
+            layer="agreement",
+            observed=kit.farthest_value(
+                inside["critical_over_pull_in"] / inside["critical_infinite"].astype(float), 1.0
+            ),
+        ),
+        kit.Tolerance(
+            "mode inside: part of its square at the electrode's edges", 0.0, "1",
+            "points there are held: a mode has no component there at all",
+            observed=kit.farthest_value(inside["at_edge"], 0.0),
+        ),
+    )  # fmt: skip
     limits = pd.DataFrame([softest_wave(count) for count in finer])
-    return Evidence(
+    return kit.Evidence(
         tables={
             "instability": table,
             "softest": pd.DataFrame([row for _, rows, _ in found for row in rows]),
-            "mode_shapes": pd.concat(kept, ignore_index=True),
             "waves": pd.concat([spectrum(count) for count in finer], ignore_index=True),
             "waves_softest": limits,
         },
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *own),
+        drawn={"mode_shapes": pd.concat(kept, ignore_index=True)},
         figures={
             "softest": instability_drawing.softest,
             "modes": instability_drawing.modes,
             "waves": instability_drawing.waves,
         },
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, limits),
-        rounding=ROUNDING,
     )
 
 
@@ -201,7 +173,7 @@ def infinite_softest(layers: int, volts: float) -> float:
     return float(infinite.softest_wave(min(closed(volts), 1 - 1e-12), layers, q).min())
 
 
-def wavelengths(layers: int) -> Array:
+def wavelengths(layers: int) -> kit.Array:
     """From twice the spacing to twice what lies between the held ends (m)."""
     return np.geomspace(2 * HEIGHT / layers, 2 * (LENGTH - 2 * REACH), WAVES)
 
@@ -227,7 +199,7 @@ def spectrum(layers: int) -> pd.DataFrame:
     )
 
 
-def critical(layers: int, lengths: Array) -> Array:
+def critical(layers: int, lengths: kit.Array) -> kit.Array:
     """Critical voltage over pull-in (w,) of waves of these lengths (m) of an infinite slab."""
     parts = infinite.thresholds(layers, lengths)
     return np.array([uniform.voltage(part, height=HEIGHT) for part in parts]) / PULL_IN.voltage
@@ -270,7 +242,7 @@ def findings(table: pd.DataFrame, limits: pd.DataFrame) -> tuple[str, ...]:
     """What goes first, and what of it is the mesh's."""
     flat, edge, inside = (table[table["branch"] == branch] for branch in FOLLOWED)
     powers = [
-        fitted_power(own["spacing_m"], own["critical_over_pull_in"]).exponent
+        kit.fitted_power(own["spacing_m"], own["critical_over_pull_in"]).exponent
         for own in (flat, edge)
     ]
     finest, coarsest = limits.iloc[-1], limits.iloc[0]

@@ -15,15 +15,12 @@ from dataclasses import replace
 
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.electric import facing_slab
 from reference_fem.large_strain import square_fibres
 
-from . import slab
 from .branches import closed
 from .slab import AXIAL, DIAGONAL, HEIGHT, PULL_IN
 from .way import PullInSolver, bonded, middle, sliding
@@ -33,28 +30,18 @@ OTHER = 2.7
 PART, BONDED_PART = 0.9, 0.3
 """Voltages over the pull-in voltage, between walls and of the bonded slab."""
 WALLED_LAYERS, BONDED_LAYERS = 5, 3
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "thickness at another permittivity against that at 1 F/m, voltages by their root",
         1e-7, "1",
         "the same equation; equilibrium to 1e-10 of the forces, over the stiffness that is left at "
         "0.9 of pull-in, a fifth of the first",
-    ),
-    Tolerance(
-        "pull-in voltage in closed form at another permittivity, times its root, from 1",
-        1e-12, "1",
-        "one product: rounding",
+        table="permittivity", value="thickness", reference="thickness_scaled",
     ),
 )  # fmt: skip
-COLUMNS = {
-    **slab.COLUMNS,
-    "permittivity": "inside the slab and around it (F/m)",
-    "thickness_scaled": "thickness at 1 F/m and as many times the voltage as the root of the "
-    "permittivity: between walls in closed form (1)",
-}
 
 
-def run(candidate: PullInSolver, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: kit.Setting) -> kit.Evidence:
     """Press two slabs, and elements between plates."""
     volts = PART * PULL_IN.voltage / OTHER**0.5
     low = BONDED_PART * PULL_IN.voltage / OTHER**0.5
@@ -81,16 +68,18 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
         for body, (thickness, scaled, voltage) in seen.items()
     )
     top = uniform.pull_in(height=HEIGHT, axial=AXIAL, diagonal=DIAGONAL, permittivity=OTHER)
-    values = (
-        farthest_value(table["thickness"], table["thickness_scaled"]),
-        Observed(top.voltage * OTHER**0.5 / PULL_IN.voltage, 1.0),
-    )
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "pull-in voltage in closed form at another permittivity, times its root, from 1",
+            1e-12, "1",
+            "one product: rounding",
+            observed=kit.Observed(top.voltage * OTHER**0.5 / PULL_IN.voltage, 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"permittivity": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={"thickness": 1e-8, "thickness_scaled": 1e-8},
+        tolerances=(*RULES, *own),
+        columns=kit.columns(__file__),
     )
 
 

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.lattice import square
-from msvalidate.problem import Anisotropic, Box, Problem, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem import box_discretisation
 from reference_fem.large_strain import Solid, deform, square_fibres
@@ -38,21 +38,21 @@ class State(NamedTuple):
     voltage: float
 
 
-def column() -> Box:
+def column() -> kit.Box:
     """A column of the slab (m), its sides sliding."""
-    return Box((HEIGHT / UP, HEIGHT))
+    return kit.Box((HEIGHT / UP, HEIGHT))
 
 
 def springs(pressure: float, diagonal: float = DIAGONAL) -> float:
     """Thickness l (1) of a column of lattice under a pressure (N/m²), by Newton's method."""
     box = column()
     grid = square(box, (1, UP))
-    sides = tuple(Support(box.side(name), (0.0, None)) for name in ("left", "right"))
-    problem = Problem(
+    sides = tuple(kit.Support(box.side(name), (0.0, None)) for name in ("left", "right"))
+    problem = kit.Problem(
         box,
-        Anisotropic(interior_tensor(grid, (AXIAL, DIAGONAL), "shared")),
-        (Support(box.side("bottom"), (0.0, 0.0)), *sides),
-        (Traction(box.side("top"), (0.0, -pressure)),),
+        kit.Anisotropic(interior_tensor(grid, (AXIAL, DIAGONAL), "shared")),
+        (kit.Support(box.side("bottom"), (0.0, 0.0)), *sides),
+        (kit.Traction(box.side("top"), (0.0, -pressure)),),
         name="column of the slab",
     )
     found = equilibrium(lattice_network(problem, grid, (AXIAL, diagonal)), "nonlinear")

@@ -28,18 +28,6 @@ PERMITTIVITY = 1.0
 """(F/m), inside the slab and around it."""
 NATURAL = float(np.sqrt(SHEAR / PERMITTIVITY))
 """√(μ/ε) of the lattice (V/m): the unit in which fields of different materials compare."""
-COLUMNS = {
-    "layers": "cells up the slab's height",
-    "spacing_m": "lattice spacing (m)",
-    "voltage": "voltage between the electrodes (V)",
-    "voltage_over_pull_in": "voltage over the pull-in voltage of the infinite slab (1)",
-    "thickness": "thickness over that at no voltage, l (1)",
-    "iterations": "linear solves that it took",
-    "wavelength_over_h": "wavelength over the slab's height (1)",
-    "body": "which slab, and how it is held",
-    "route": "how the number was found",
-}
-"""What columns of several tables mean."""
 PULL_IN = uniform.pull_in(height=HEIGHT, axial=AXIAL, diagonal=DIAGONAL, permittivity=PERMITTIVITY)
 """Of the infinite slab: thickness (1), and voltage (V)."""
 REACH = HEIGHT

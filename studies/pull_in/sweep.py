@@ -24,16 +24,14 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import ActuatorEquilibrium, uniform
 from msvalidate.dielectric.actuator import sweep as raised
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at, turning_point
 from reference_fem.electric import facing_slab
 from reference_fem.large_strain import square_fibres
 
-from . import branches, pressed, slab
+from . import branches, pressed
 from .branches import closed
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN
 from .sweep_drawing import draw
@@ -57,60 +55,37 @@ QUICK_LAYERS, LAYERS = (5,), (5, 10, 16)
 """Cells up the bonded slab."""
 STEPS, QUICK_COSTLY, COSTLY, COSTLY_PART = 20, 5, 10, 0.4
 """Of the sweep whose cost is stated, of 61 x 11 points: steps, layers, and how far it goes."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "thickness between walls against the closed form", 1e-7, "1",
         "uniform to rounding; equilibrium to 1e-10 of the forces, over the stiffness that is left "
         "near pull-in, a thirtieth of the first",
+        table="between_walls", value="thickness", reference="thickness_exact",
     ),
-    Tolerance(
+    kit.Rule(
         "pull-in voltage over the closed form, from 1", 1e-6, "1",
         "voltages are flat there: a charge known to 1e-4 gives 1e-8 of the voltage, and a bracket "
         "of the voltage 1e-9",
+        table="pull_in", value=kit.Quotient("pull_in_voltage", PULL_IN.voltage), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "thickness at pull-in against the closed form", 8e-5, "1",
         "the root of 1e-9/3.4, 1.7e-5, from a bracket of the voltage; and 2(1 - l) = 0.62 times "
         "the part to which a charge is known, 1e-4, as the charge goes with the root of 1 - l",
+        table="pull_in", value="pull_in_thickness", reference=PULL_IN.thickness,
     ),
-    Tolerance(
+    kit.Rule(
         "squeeze in the middle of the bonded slab over that with the outer field, from 1",
         0.05, "1",
         "what both ends do reaches the middle as 2·exp(-3κh) = 13 %, of a widening that thins the "
         "slab by a third or so of its squeeze, nu being 1/3",
         layer="agreement",
-    ),
-    Tolerance(
-        "what the ends add to the squeeze, of a slab of ten heights over that of one of six",
-        0.03, "1",
-        "exp(-2κh) = 0.163 from the slowest decay alone; the outer field lacks a part h/w of "
-        "itself, 2e-3 and 4e-4 of the squeeze beside the 0.027 and 0.004 that the ends add",
-        layer="agreement",
-    ),
-    Tolerance(
-        "squeeze in the middle of the bonded slab, springs over elements, from 1", 0.01, "1",
-        "the same law and, three heights from the ends, the same field",
-        layer="agreement",
+        table="bonded", value="squeeze_over_outer", reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **slab.COLUMNS,
-    "thickness_exact": "thickness of the infinite slab at that voltage, in closed form (1)",
-    "thickness_elements": "the same thickness of finite elements (1), or "
-    '"not asked" of this voltage',
-    "pull_in_voltage": "largest voltage held (V)",
-    "pull_in_thickness": "thickness at that voltage (1)",
-    "length_over_h": "length of the slab over its height (1)",
-    "thickness_outer": "thickness of an infinite slab under ½ε(E² - E_out²), E_out = 2V/(πw) (1)",
-    "squeeze_over_outer": "1 - thickness in the middle, over 1 - thickness_outer (1)",
-    "points": "points of the network",
-    "segments": "segments of both electrodes",
-    "steps": "voltages asked for, in equal steps",
-    "sweep_seconds": "wall time (s) of the whole sweep on one core",
-}
 
 
-def run(candidate: PullInSolver, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: kit.Setting) -> kit.Evidence:
     """Sweep the voltage of both slabs."""
     table = sweep_between_walls(candidate)
     ends = pull_in_voltage(candidate)
@@ -121,26 +96,32 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     told = long[long["thickness_elements"] != "not asked"]
     free = long[long["body"] == "as it is"].groupby("length_over_h")
     added = free["squeeze_over_outer"].first() - 1
-    values = (
-        farthest_value(table["thickness"], table["thickness_exact"]),
-        farthest_value(ends["pull_in_voltage"] / PULL_IN.voltage, 1.0),
-        farthest_value(ends["pull_in_thickness"], PULL_IN.thickness),
-        farthest_value(long["squeeze_over_outer"], 1.0),
-        Observed(added.iloc[1] / added.iloc[0], float(np.exp(-DECAY * (LONG - LENGTH) / 2))),
-        farthest_value(
-            (1 - told["thickness"]) / (1 - told["thickness_elements"].astype(float)), 1.0
+    own = (
+        kit.Tolerance(
+            "what the ends add to the squeeze, of a slab of ten heights over that of one of six",
+            0.03, "1",
+            "exp(-2κh) = 0.163 from the slowest decay alone; the outer field lacks a part h/w of "
+            "itself, 2e-3 and 4e-4 of the squeeze beside the 0.027 and 0.004 that the ends add",
+            layer="agreement",
+            observed=kit.Observed(added.iloc[1] / added.iloc[0],
+            float(np.exp(-DECAY * (LONG - LENGTH) / 2))),
         ),
-    )
-    return Evidence(
+        kit.Tolerance(
+            "squeeze in the middle of the bonded slab, springs over elements, from 1", 0.01, "1",
+            "the same law and, three heights from the ends, the same field",
+            layer="agreement",
+            observed=kit.farthest_value(
+                (1 - told["thickness"]) / (1 - told["thickness_elements"].astype(float)), 1.0
+            ),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"between_walls": table, "pull_in": ends, "bonded": long, "sweep_cost": costs},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *own),
         figures={"sweep": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(ends, long, costs.iloc[0]),
         # How far equilibria and turning points stop from their limit.
-        rounding={"pull_in_thickness": 1e-4, "thickness": 1e-8}
-        | dict.fromkeys(("pull_in_voltage", "thickness_elements", "squeeze_over_outer"), 1e-7),
     )
 
 

@@ -9,16 +9,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
 
 from .slab import HEIGHT, PULL_IN
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Thickness against voltage, and how it comes to pull-in."""
-    figure, (whole, near) = figures.new_figure(2, size=(3.4, 4.6))
+    figure, (whole, near) = kit.figures.new_figure(2, size=(3.4, 4.6))
     parts = np.linspace(0.45, 0.9999, 300)
     volts = np.array([uniform.voltage(part, height=HEIGHT) for part in parts])
     stable = parts >= PULL_IN.thickness
@@ -51,4 +50,4 @@ def draw(tables: Tables) -> Figure:
 
 def _marked(axis: Axes, place: int, x: pd.Series, y: pd.Series, label: str) -> None:
     larger: dict[str, Any] = {"mfc": "none", "ms": 8} if place == 1 else {}
-    axis.plot(x, y.astype(float), ls="", label=label, **figures.series_style(place), **larger)
+    axis.plot(x, y.astype(float), ls="", label=label, **kit.figures.series_style(place), **larger)

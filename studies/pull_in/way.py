@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import (
     Actuator,
     ActuatorEquilibrium,
@@ -16,7 +17,6 @@ from msvalidate.dielectric.actuator import (
     lowest_modes,
     slab,
 )
-from msvalidate.problem import Array
 
 from . import film, homogeneous, pressed
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY
@@ -59,7 +59,7 @@ class PullInSolver(NamedTuple):
     """
 
     at_voltage: Callable[..., ActuatorEquilibrium] = at_voltage
-    modes: Callable[..., tuple[Array, Array]] = lowest_modes
+    modes: Callable[..., tuple[kit.Array, kit.Array]] = lowest_modes
     laws: Laws = Laws()
 
 

@@ -20,10 +20,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
 
 from . import homogeneous, pressed, slab
 from .way import Laws, PullInSolver
@@ -33,51 +31,28 @@ QUICK_WAVES, WAVES = (0.5, 2.0, 8.0), (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 """κ = kh of the waves of a bonded film that elements are asked about."""
 STRETCHES = (1.2, 1.5, 2.0, 4.0, 16.0)
 """Of the sheet in plane strain."""
-TOLERANCES = (
-    Tolerance(
-        "pull-in by another route over its closed form: thickness and field, from 1", 1e-4, "1",
-        "a field is flat at its largest, so its place is known to the root of the field's own "
-        "error: 1e-5 where derivatives are differences (1e-10), less where they are solved for",
-    ),
-    Tolerance(
+RULES = (
+    kit.Rule(
         "field of a sheet in plane strain over its closed form, from 1", 1e-6, "1",
         "central differences of 1e-5 leave 1e-10 of the second derivative and as much of rounding, "
         "over a slope of 1e-2 or more",
+        table="sheet_in_plane_strain", value=kit.Quotient("field_found", "field_theory"),
+        reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "field of a wave on a bonded film, by elements over its closed form, from 1", 2e-4, "1",
         "energies of elements of the second degree with 12 to half a wave: (π/12)⁴/12 = 4e-4 at "
         "most, halved by the root",
+        table="waves_of_a_film", value=kit.Quotient("field_found", "field_theory"), reference=1.0,
     ),
 )  # fmt: skip
-COLUMNS = {
-    **slab.COLUMNS,
-    "pull_in": "which instability",
-    "held": "how the body is held",
-    "unit": "unit of the fields",
-    "thickness_theory": "thickness over that at no voltage, in closed form (1), or "
-    '"as it was" where it has not changed, or "none" where there is no such point',
-    "thickness_found": 'the same, as computed (1), or "as it was", "none", or "not computed"',
-    "nominal_theory": "voltage over the height at no voltage, over the unit, by the closed form or "
-    "the source (1)",
-    "nominal_found": 'the same as computed (1), or "not computed"',
-    "true_theory": 'voltage over the height as it is, over the unit (1), or "endless"',
-    "true_found": 'the same as computed (1), or "endless", or "not computed"',
-    "computed_by": "the other route",
-    "source": "where the number or its formula is from",
-    "to_take": "what a user should take from it",
-    "stretch": "stretch of the sheet along its free axis (1)",
-    "kh": "wavenumber times height (1)",
-    "field_theory": "field over √(μ/ε) in closed form (1)",
-    "field_found": "field over √(μ/ε) as computed (1)",
-}
 ZHAO_SUO = "Zhao and Suo 2007, doi:10.1063/1.2768641"
 WANG = "Wang, Zhang and Zhao 2011, doi:10.1103/PhysRevLett.106.118301"
 TAHIR = "Wang, Tahir, Zhang and Zhao 2011, doi:10.1039/c1sm05645j"
 Three = Sequence[object]
 
 
-def run(candidate: PullInSolver, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: kit.Setting) -> kit.Evidence:
     """Compute what can be, beside the closed forms."""
     laws = candidate.laws
     plane = pd.DataFrame(
@@ -105,21 +80,21 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
         for name in ("thickness", "nominal", "true")
         if isinstance(row[f"{name}_theory"], float) and isinstance(row[f"{name}_found"], float)
     ]
-    values = (
-        farthest_value(ratios, 1.0),
-        farthest_value(plane["field_found"] / plane["field_theory"], 1.0),
-        farthest_value(waves["field_found"] / waves["field_theory"], 1.0),
-    )
-    return Evidence(
+    own = (
+        kit.Tolerance(
+            "pull-in by another route over its closed form: thickness and field, from 1", 1e-4, "1",
+            "a field is flat at its largest, so its place is known to the root of the field's own "
+            "error: 1e-5 where derivatives are differences (1e-10), less where they are solved for",
+            observed=kit.farthest_value(ratios, 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"which": table, "sheet_in_plane_strain": plane, "waves_of_a_film": waves},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *own),
         figures={"which": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=findings(table, waves),
         # Where a field is largest, and what differences leave of its slope there.
-        rounding=dict.fromkeys(("thickness_found", "true_found"), 1e-5)
-        | dict.fromkeys(("nominal_found", "field_found"), 1e-8),
     )
 
 

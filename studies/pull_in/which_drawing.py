@@ -7,16 +7,15 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
 
 from . import slab
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Voltages that hold a thickness, and fields that let a wave grow."""
-    figure, (thin, wave) = figures.new_figure(2, size=(3.4, 4.4))
+    figure, (thin, wave) = kit.figures.new_figure(2, size=(3.4, 4.4))
     parts = np.linspace(0.35, 0.9999, 200)
     net = [uniform.voltage(part) / slab.HEIGHT / slab.NATURAL for part in parts]
     wide = parts**-0.5
@@ -27,15 +26,15 @@ def draw(tables: Tables) -> Figure:
         "neo-Hookean, plane strain": [uniform.plane_strain_nominal_field(w**2) for w in wide],
     }
     for place, (label, nominal) in enumerate(curves.items()):
-        thin.plot(parts, nominal, color=figures.COLOURS[place], label=label)
+        thin.plot(parts, nominal, color=kit.figures.COLOURS[place], label=label)
     known = tables["which"]
     found = known[[isinstance(value, float) for value in known["thickness_found"]]]
     thickness, field = (found[f"{name}_found"].astype(float) for name in ("thickness", "nominal"))
-    thin.plot(thickness, field, figures.MARKERS[0], color="black", label="pull-in, computed")
+    thin.plot(thickness, field, kit.figures.MARKERS[0], color="black", label="pull-in, computed")
     thin.set_xlabel("thickness over that at no voltage (1)")
     thin.set_ylabel("nominal field over its unit, √(μ/ε) (1)")
     waves, kappa = tables["waves_of_a_film"], np.geomspace(0.4, 20.0, 200)
-    exact, style = [uniform.bonded_film_field(k) for k in kappa], figures.series_style(0)
+    exact, style = [uniform.bonded_film_field(k) for k in kappa], kit.figures.series_style(0)
     wave.semilogx(kappa, exact, color=style["color"], label="bonded film, linear, volume kept")
     wave.semilogx(
         waves["kh"], waves["field_found"], ls="", label="its stiffness by elements", **style

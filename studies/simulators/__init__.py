@@ -26,9 +26,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import ProblemError
+from msvalidate import kit
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.protocol import Simulator
 
@@ -43,16 +41,16 @@ FAULTS: dict[str, dict[str, Any]] = {
 
 def run(
     candidate: Simulator = clean,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
     if not callable(candidate):
-        raise ProblemError(
+        raise kit.ProblemError(
             f"candidate: {format_value(candidate)}; give a function of a Request that returns an "
             "Answer, or a Program"
         )
-    asked: dict[str, Callable[[], Evidence]] = {
+    asked: dict[str, Callable[[], kit.Evidence]] = {
         "judged": partial(judged.run, candidate),
         "laws": laws.run,
         "faults": partial(faults.run, setting),
@@ -62,4 +60,4 @@ def run(
         "iterations": iterations.run,
         "hanging": hanging.run,
     }
-    return gather_evidence(asked, questions)
+    return kit.gather_evidence(asked, questions)

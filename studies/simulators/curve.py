@@ -17,24 +17,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate import kit
 from msvalidate.simulators.causes import STOPPED
 
 from .curve_drawing import curve as drawing
 from .gaps import ASKED_RATIO, fill_gaps, with_none
 from .recorded import DRAFT, STATE, draft_of, looked_at, records, state_of, stops
 
-TOLERANCES = (
-    Tolerance(
-        "curve: largest difference of the ratio as read and as predicted", 0.01, "1",
-        "the program's own iteration stops at 1 % of its first residual",
-    ),
-    Tolerance(
-        "curve: largest difference of the modulus as read and as predicted, over the asked", 0.01,
-        "1", "as the ratio",
-    ),
-    Tolerance("curve: ratios that were not read", 0, "1", "each law is a solid at each of them"),
-)  # fmt: skip
 COLUMNS = {
     "name": "of the record",
     "asked_ratio": ASKED_RATIO,
@@ -47,7 +36,7 @@ COLUMNS = {
 }
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """The table of points of all records that have them."""
     newest = looked_at()
     each = [(record, point) for record in records() for point in record.get("curve", ())]
@@ -57,17 +46,25 @@ def run() -> Evidence:
     off = (table["read_ratio"] - table["predicted_ratio"])[known].abs()
     moduli = (table["read_modulus"] - table["predicted_modulus"])[known].abs()
     missing = table["read_ratio"].isna() & known
-    return Evidence(
-        tables={"curve": fill_gaps(table)},
-        observed=by_quantity(
-            TOLERANCES,
-            [
-                Observed(float(off.max())),
-                Observed(float(moduli.max())),
-                Observed(float(missing.sum())),
-            ],
+    own = (
+        kit.Tolerance(
+            "curve: largest difference of the ratio as read and as predicted", 0.01, "1",
+            "the program's own iteration stops at 1 % of its first residual",
+            observed=kit.Observed(float(off.max())),
         ),
-        tolerances=TOLERANCES,
+        kit.Tolerance(
+            "curve: largest difference of the modulus as read and as predicted, over the asked",
+            0.01, "1", "as the ratio",
+            observed=kit.Observed(float(moduli.max())),
+        ),
+        kit.Tolerance(
+            "curve: ratios that were not read", 0, "1", "each law is a solid at each of them",
+            observed=kit.Observed(float(missing.sum())),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"curve": fill_gaps(table)},
+        tolerances=own,
         columns=with_none(COLUMNS, *list(COLUMNS)[2:6]),
         findings=tuple(_findings(table)),
         figures={"curve": drawing},

@@ -10,20 +10,14 @@ from __future__ import annotations
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Isotropic
+from msvalidate import kit
 from msvalidate.simulators.causes import AGREES
 from msvalidate.simulators.judgement import judge_simulator
 
 from .synthetic import Faulty, clean, clean_implicit, synthetic_faults
 
-ASKED = Isotropic(1e7, 0.3, "solid", 1000.0)
+ASKED = kit.Isotropic(1e7, 0.3, "solid", 1000.0)
 MESH = ("tet4",)
-TOLERANCES = (
-    Tolerance("faults that are not named", 0, "1", "each changes what a gate or a body shows"),
-    Tolerance("clean simulators that are named", 0, "1", "nothing of them differs"),
-)
 COLUMNS = {
     "fault": "what was put in",
     "state_said": "agrees, differs with cause, not at rest, not explained, or gate",
@@ -32,7 +26,7 @@ COLUMNS = {
 }
 
 
-def run(setting: Setting) -> Evidence:
+def run(setting: kit.Setting) -> kit.Evidence:
     """Judge every one."""
     sound = {
         "none": Faulty(clean, (AGREES,)),
@@ -42,13 +36,19 @@ def run(setting: Setting) -> Evidence:
     table = pd.DataFrame(rows)
     missed = ~table["named"].astype(bool)
     free = table["fault"].str.startswith("none")
-    return Evidence(
-        tables={"faults": table},
-        observed=by_quantity(
-            TOLERANCES,
-            [Observed(float((missed & ~free).sum())), Observed(float((missed & free).sum()))],
+    own = (
+        kit.Tolerance(
+            "faults that are not named", 0, "1", "each changes what a gate or a body shows",
+            observed=kit.Observed(float((missed & ~free).sum())),
         ),
-        tolerances=TOLERANCES,
+        kit.Tolerance(
+            "clean simulators that are named", 0, "1", "nothing of them differs",
+            observed=kit.Observed(float((missed & free).sum())),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"faults": table},
+        tolerances=own,
         findings=(_finding(missed, free),),
         columns=COLUMNS,
     )

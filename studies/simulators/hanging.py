@@ -24,8 +24,7 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.problem import Isotropic, Mesh
+from msvalidate import kit
 from msvalidate.simulators.laws import LAWS, lame, predicted
 from msvalidate.simulators.probe_mesh import Block
 from msvalidate.simulators.protocol import Request
@@ -54,18 +53,6 @@ SOLVERS = {
     "explicit": "Smith's neo-Hookean, Lamé's constants as they stand",
 }
 """Solver -> its law, as `laws` names it."""
-TOLERANCES = (
-    Tolerance(
-        "hanging: tip of linear tetrahedra over the published one of the same elements", 0.01, "1",
-        "the same cells and law; which way their diagonals run may be mirrored",
-        "agreement",
-    ),
-    Tolerance(
-        "hanging: published tip of the explicit solver over the predicted one", 0.05, "1",
-        "its energy at the stop, 1 %; damping that rings on, 1 %; a law of another version, 3 %",
-        "agreement",
-    ),
-)  # fmt: skip
 COLUMNS = {
     "solver": "of Newton, as published",
     "published_tip": "mm downwards",
@@ -83,23 +70,32 @@ GAPS = (
 """Columns that have no number where a law is no solid."""
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """Predict the three tips."""
     elements = _tip(OWN, heavy=False)
     mass = _linear_tip(heavy=True) / _linear_tip(heavy=False)
     rows = [_row(name, elements, mass) for name in SOLVERS]
     table = pd.DataFrame(rows)
     explicit = float(rows[-1]["published_over_predicted"])  # type: ignore[arg-type]
-    return Evidence(
-        tables={"hanging": fill_gaps(table)},
-        observed=by_quantity(
-            TOLERANCES,
-            [
-                Observed(elements / PUBLISHED_ELEMENTS, 1.0),
-                Observed(explicit, 1.0),
-            ],
+    own = (
+        kit.Tolerance(
+            "hanging: tip of linear tetrahedra over the published one of the same elements",
+            0.01, "1",
+            "the same cells and law; which way their diagonals run may be mirrored",
+            "agreement",
+            observed=kit.Observed(elements / PUBLISHED_ELEMENTS, 1.0),
         ),
-        tolerances=TOLERANCES,
+        kit.Tolerance(
+            "hanging: published tip of the explicit solver over the predicted one", 0.05, "1",
+            "its energy at the stop, 1 %; damping that rings on, 1 %; a law of another version, 3 "
+            "%",
+            "agreement",
+            observed=kit.Observed(explicit, 1.0),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"hanging": fill_gaps(table)},
+        tolerances=own,
         findings=(_finding(explicit, mass),),
         columns=with_none(COLUMNS, *GAPS),
         rounding=dict.fromkeys(("mass_alone_factor", *GAPS), 1e-7),
@@ -137,7 +133,7 @@ def _bar() -> Request:
     """The bar as a request: its top held, its weight downwards, the published grid's own cells."""
     E, nu = _modulus_and_ratio()
     mesh = _grid_in_fives()
-    material = Isotropic(E, nu, "solid", DENSITY)
+    material = kit.Isotropic(E, nu, "solid", DENSITY)
     none = np.zeros(mesh.points.shape)
     top = mesh.points[:, 2] == mesh.points[:, 2].max()
     return Request(
@@ -153,7 +149,7 @@ def _bar() -> Request:
     )
 
 
-def _grid_in_fives() -> Mesh:
+def _grid_in_fives() -> kit.Mesh:
     """Cubes of five tetrahedra, mirrored from cube to cube so that their diagonals meet."""
     nodes = np.stack(np.meshgrid(*(np.arange(k + 1) for k in CELLS), indexing="ij"), axis=-1)
     number = np.arange(nodes[..., 0].size).reshape(nodes.shape[:3])
@@ -166,7 +162,7 @@ def _grid_in_fives() -> Mesh:
             ]
             swapped = [cell[1], cell[0], *cell[2:]]  # a mirrored cell would be inside out
             cells.append(swapped if odd else cell)
-    return Mesh(CELL * nodes.reshape(-1, 3).astype(float), np.array(cells), "tetra")
+    return kit.Mesh(CELL * nodes.reshape(-1, 3).astype(float), np.array(cells), "tetra")
 
 
 def _weighed(request: Request, *, heavy: bool) -> Request:

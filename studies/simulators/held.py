@@ -16,7 +16,7 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate import kit
 
 from .gaps import ASKED_RATIO
 
@@ -27,29 +27,8 @@ PRINTED = 5e-4
 """What is 0.0 % when it is printed."""
 UNIFORM = "block"
 """Cases between rollers, of uniform stress, begin so."""
-TOLERANCES = (
-    Tolerance(
-        "held: largest error of NGSolve from order 3 on, over the largest displacement", PRINTED,
-        "1", "0.0 % in print; cells shrink towards what is singular at corners",
-    ),
-    Tolerance(
-        "held: the same between rollers, in uniform stress", 1e-9, "1",
-        "exact in every element: rounding of one solve, 1e-16 times a condition of 1e6",
-    ),
-    Tolerance(
-        "held: bodies that bend and on which order 1 is as good", 0, "1",
-        "else the comparison would not see what is not resolved",
-    ),
-    Tolerance(
-        "held: largest difference of LAMMPS and our springs, over the largest displacement", 1e-6,
-        "1", "both stop where forces on free points are below 1e-12 of the largest load, and a "
-        "body gives way some thousand times more than one spring",
-    ),
-    Tolerance(
-        "held: networks that springs along their first direction describe as well", 0, "1",
-        "else the comparison would not see that directions change",
-    ),
-)  # fmt: skip
+NEAR = 1e-6
+"""Of LAMMPS and our springs, over the largest displacement."""
 ELEMENTS = {
     "simulator": "program, version",
     "case": "case of the frozen set",
@@ -74,7 +53,7 @@ SPRINGS = {
 }
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """Both tables of records."""
     elements, springs = _record("elements"), _record("springs")
     program = f"{elements['simulator']} {elements['version']}"
@@ -91,28 +70,50 @@ def run() -> Evidence:
         "held_elements": pd.DataFrame(rows, columns=[*ELEMENTS]),
         "held_springs": pd.DataFrame(others, columns=[*SPRINGS]),
     }
-    return Evidence(
+    return kit.Evidence(
         tables=tables,
-        observed=by_quantity(TOLERANCES, observed(elements["bodies"], springs["bodies"])),
-        tolerances=TOLERANCES,
+        tolerances=judge(elements["bodies"], springs["bodies"]),
         columns=ELEMENTS | SPRINGS,
     )
 
 
-def observed(elements: list[dict[str, Any]], springs: list[dict[str, Any]]) -> list[Observed]:
-    """Of `TOLERANCES`, in their order."""
+def judge(
+    elements: list[dict[str, Any]], springs: list[dict[str, Any]]
+) -> tuple[kit.Tolerance, ...]:
+    """Elements by their order, in cases of uniform stress and others; springs by their laws."""
     high = [body for body in elements if body["order"] >= HIGH]
     uniform = [body["error"] for body in high if body["case"].startswith(UNIFORM)]
     low = [body for body in elements if body["order"] == 1]
     as_good = [b for b in low if not b["case"].startswith(UNIFORM) and b["error"] <= PRINTED]
-    straight = [body for body in springs if body["linear"] <= TOLERANCES[3].limit]
-    return [
-        Observed(max(body["error"] for body in high)),
-        Observed(max(uniform)),
-        Observed(float(len(as_good))),
-        Observed(max(body["difference"] for body in springs)),
-        Observed(float(len(straight))),
-    ]
+    straight = [body for body in springs if body["linear"] <= NEAR]
+    return (
+        kit.Tolerance(
+            "held: largest error of NGSolve from order 3 on, over the largest displacement",
+            PRINTED, "1", "0.0 % in print; cells shrink towards what is singular at corners",
+            observed=kit.Observed(max(body["error"] for body in high)),
+        ),
+        kit.Tolerance(
+            "held: the same between rollers, in uniform stress", 1e-9, "1",
+            "exact in every element: rounding of one solve, 1e-16 times a condition of 1e6",
+            observed=kit.Observed(max(uniform)),
+        ),
+        kit.Tolerance(
+            "held: bodies that bend and on which order 1 is as good", 0, "1",
+            "else the comparison would not see what is not resolved",
+            observed=kit.Observed(float(len(as_good))),
+        ),
+        kit.Tolerance(
+            "held: largest difference of LAMMPS and our springs, over the largest displacement",
+            NEAR, "1", "both stop where forces on free points are below 1e-12 of the largest load, "
+            "and a body gives way some thousand times more than one spring",
+            observed=kit.Observed(max(body["difference"] for body in springs)),
+        ),
+        kit.Tolerance(
+            "held: networks that springs along their first direction describe as well", 0, "1",
+            "else the comparison would not see that directions change",
+            observed=kit.Observed(float(len(straight))),
+        ),
+    )  # fmt: skip
 
 
 def _record(name: str) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate import kit
 from msvalidate.simulators.gate_block import STRAIN
 
 from .gaps import NONE, fill_gaps, with_none
@@ -31,22 +31,6 @@ ROUNDINGS = 100
 TIMES = 4
 ASKED = "linear"
 """Law of the elements beside programs whose own law has no rest."""
-TOLERANCES = (
-    Tolerance(
-        "iterations: most that four times the iterations add to an error beyond what both say",
-        0.0122, "1",
-        "100 roundings of float32 over a strain of 2⁻¹⁰; a program nears its own law's rest",
-    ),
-    Tolerance(
-        "iterations: most that half the step moves a state beyond what both say, no iterations",
-        0.0, "1", "steps that are exact, or solved to their end, leave a rest that no step changes",
-    ),
-    Tolerance(
-        "iterations: largest error without iterations", 0.01, "1",
-        "the band of what a documented law predicts; rest states are stated far better than that",
-    ),
-    Tolerance("iterations: sweeps without a number", 0, "1", "each is asked for because it runs"),
-)  # fmt: skip
 COLUMNS = {
     "name": "of the record",
     "law_beside": "law of the elements that it is held against",
@@ -63,16 +47,15 @@ COLUMNS = {
 GAPS = ("iterations", "rest_error", "stated_rest", "by_iterations", "by_time_step", "seconds")
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """The table of all recorded rest states over steps and iterations."""
     rows = [row for record in records() for row in _rows(record)]
     table = pd.DataFrame(rows, columns=[*COLUMNS, "rounding"])
     shown = fill_gaps(table[[*COLUMNS]])
     shown["iterations"] = [each if each == NONE else int(each) for each in shown["iterations"]]
-    return Evidence(
+    return kit.Evidence(
         tables={"iterations": shown},
-        observed=by_quantity(TOLERANCES, _observed(table)),
-        tolerances=TOLERANCES,
+        tolerances=judge(table),
         findings=tuple(_findings(table)),
         columns=with_none(COLUMNS, *GAPS),
         figures={"iterations": drawing},
@@ -98,15 +81,36 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else float(value)
 
 
-def _observed(table: pd.DataFrame) -> list[Observed]:
+def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
+    """Errors of rest states over iterations and steps."""
     plain = table[table["iterations"].isna()]
     nothing = table.groupby("name")["rest_error"].apply(lambda errors: errors.isna().all())
-    return [
-        Observed(max((_added(rows) for _, rows in _iterative(table)), default=math.inf)),
-        Observed(max((_beyond(rows) for _, rows in plain.groupby("name")), default=math.inf)),
-        Observed(float(plain["rest_error"].max())),
-        Observed(float(nothing.sum())),
-    ]
+    return (
+        kit.Tolerance(
+            "iterations: most that four times the iterations add to an error beyond what both say",
+            0.0122, "1",
+            "100 roundings of float32 over a strain of 2⁻¹⁰; a program nears its own law's rest",
+            observed=kit.Observed(max((_added(rows) for _, rows in _iterative(table)),
+            default=math.inf)),
+        ),
+        kit.Tolerance(
+            "iterations: most that half the step moves a state beyond what both say, no iterations",
+            0.0, "1",
+            "steps that are exact, or solved to their end, leave a rest that no step changes",
+            observed=kit.Observed(max((_beyond(rows) for _, rows in plain.groupby("name")),
+            default=math.inf)),
+        ),
+        kit.Tolerance(
+            "iterations: largest error without iterations", 0.01, "1",
+            "the band of what a documented law predicts; rest states are stated far better than "
+            "that",
+            observed=kit.Observed(float(plain["rest_error"].max())),
+        ),
+        kit.Tolerance(
+            "iterations: sweeps without a number", 0, "1", "each is asked for because it runs",
+            observed=kit.Observed(float(nothing.sum())),
+        ),
+    )  # fmt: skip
 
 
 def _iterative(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:

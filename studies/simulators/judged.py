@@ -14,8 +14,7 @@ import math
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.problem import Isotropic
+from msvalidate import kit
 from msvalidate.simulators.bodies import BAND
 from msvalidate.simulators.judgement import Judgement, judge_simulator
 from msvalidate.simulators.moduli import SHOWN
@@ -23,26 +22,10 @@ from msvalidate.simulators.protocol import Simulator
 
 from .gaps import fill_gaps, with_none
 
-ASKED = Isotropic(1e7, 0.3, "solid", 1000.0)
+ASKED = kit.Isotropic(1e7, 0.3, "solid", 1000.0)
 MESHES = ("tet4", "tet4_2")
 NONE = 1e3
 """Stands for a number that the candidate does not let be read: beyond every limit."""
-TOLERANCES = (
-    Tolerance("judged: rows of the gate that stop it", 0, "1", "nothing of a stopped one counts"),
-    Tolerance(
-        "judged: modulus read by the probe, over the asked", SHOWN, "1",
-        "the probe shows no number that it does not know to this",
-    ),
-    Tolerance("judged: ratio read by the probe", SHOWN, "1", "as the modulus"),
-    Tolerance(
-        "judged: largest mass of a node over the asked, less 1", BAND, "1",
-        "masses are read to 0.001; a node of another cell's share is off by a third and more",
-    ),
-    Tolerance(
-        "judged: largest part of bodies at rest that no cause explains", BAND, "1",
-        "small strains of a thousandth, both signs averaged, leave a hundred thousandth",
-    ),
-)  # fmt: skip
 COLUMNS = {
     "body": "pulled, sheared or bent",
     "case": "case of the frozen set",
@@ -63,14 +46,13 @@ FACTORS = ("law", "resolution", "mass", "solver", "left", "apart")
 """Of `Factors`, in the order of their columns."""
 
 
-def run(candidate: Simulator) -> Evidence:
+def run(candidate: Simulator) -> kit.Evidence:
     """Judge the candidate."""
     found = judge_simulator(candidate, ASKED, meshes=MESHES)
     table = pd.DataFrame(body_rows(found), columns=[*COLUMNS])
-    return Evidence(
+    return kit.Evidence(
         tables={"judged": fill_gaps(table)} if len(table) else {},
-        observed=by_quantity(TOLERANCES, _observed(found)),
-        tolerances=TOLERANCES,
+        tolerances=judge(found),
         columns=with_none(COLUMNS, *list(COLUMNS)[4:]),
         rounding=dict.fromkeys(
             (
@@ -107,7 +89,8 @@ def body_rows(found: Judgement) -> list[dict[str, object]]:
     return rows
 
 
-def _observed(found: Judgement) -> list[Observed]:
+def judge(found: Judgement) -> tuple[kit.Tolerance, ...]:
+    """What the judgement of a simulator says of each quantity."""
     reading = found.reading
     E = NONE if reading is None or reading.E is None else reading.E / found.asked.E
     nu = NONE if reading is None or reading.nu is None else reading.nu
@@ -115,10 +98,28 @@ def _observed(found: Judgement) -> list[Observed]:
     told = reading is not None and reading.is_valid
     off = masses.off if masses is not None else (0.0 if told else NONE)
     apart = [NONE if row.factors is None else row.factors.apart for row in found.bodies]
-    return [
-        Observed(float(len(found.gate.stops) or not found.gate.passed)),
-        Observed(E, 1.0),
-        Observed(nu, found.asked.nu),
-        Observed(off),
-        Observed(max(apart, default=NONE)),
-    ]
+    return (
+        kit.Tolerance(
+            "judged: rows of the gate that stop it", 0, "1", "nothing of a stopped one counts",
+            observed=kit.Observed(float(len(found.gate.stops) or not found.gate.passed)),
+        ),
+        kit.Tolerance(
+            "judged: modulus read by the probe, over the asked", SHOWN, "1",
+            "the probe shows no number that it does not know to this",
+            observed=kit.Observed(E, 1.0),
+        ),
+        kit.Tolerance(
+            "judged: ratio read by the probe", SHOWN, "1", "as the modulus",
+            observed=kit.Observed(nu, found.asked.nu),
+        ),
+        kit.Tolerance(
+            "judged: largest mass of a node over the asked, less 1", BAND, "1",
+            "masses are read to 0.001; a node of another cell's share is off by a third and more",
+            observed=kit.Observed(off),
+        ),
+        kit.Tolerance(
+            "judged: largest part of bodies at rest that no cause explains", BAND, "1",
+            "small strains of a thousandth, both signs averaged, leave a hundred thousandth",
+            observed=kit.Observed(max(apart, default=NONE)),
+        ),
+    )  # fmt: skip

@@ -14,8 +14,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.problem import Isotropic
+from msvalidate import kit
 from msvalidate.simulators.laws import LAWS, lame, predicted
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.probe import probe
@@ -27,20 +26,6 @@ from .synthetic import OWN_LAW
 
 E = 1e7
 RATIOS = (0.3, 0.45)
-TOLERANCES = (
-    Tolerance(
-        "laws: largest difference of C as read and as predicted, over its largest component", 1e-6,
-        "1", "two strains of a thousandth leave 1e-12 of the fourth order, rounding 1e-11",
-    ),
-    Tolerance(
-        "laws: readings that do not count", 0, "1",
-        "each of them is a solid at rest; a law without shear stiffness is one too",
-    ),
-    Tolerance(
-        "laws: readings whose stated error is too small", 0, "1",
-        "the error is stated for the worst of rounding, strain and masses",
-    ),
-)  # fmt: skip
 COLUMNS = {
     "law": "as `msvalidate.simulators.laws` names it",
     "source": "where it is documented",
@@ -55,7 +40,7 @@ COLUMNS = {
 }
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """Read every law by both kinds of steps."""
     rows: list[dict[str, object]] = []
     counted = 0
@@ -66,17 +51,29 @@ def run() -> Evidence:
                 rows.append(row)
                 counted += valid
         table = pd.DataFrame(rows)
-    return Evidence(
-        tables={"laws": fill_gaps(table)},
-        observed=by_quantity(
-            TOLERANCES,
-            [
-                Observed(float(table["difference_of_stiffness"].max())),
-                Observed(float(len(rows) - counted)),
-                Observed(float((table["difference_of_stiffness"] > table["stated_error"]).sum())),
-            ],
+    own = (
+        kit.Tolerance(
+            "laws: largest difference of C as read and as predicted, over its largest component",
+            1e-6, "1",
+            "two strains of a thousandth leave 1e-12 of the fourth order, rounding 1e-11",
+            observed=kit.Observed(float(table["difference_of_stiffness"].max())),
         ),
-        tolerances=TOLERANCES,
+        kit.Tolerance(
+            "laws: readings that do not count", 0, "1",
+            "each of them is a solid at rest; a law without shear stiffness is one too",
+            observed=kit.Observed(float(len(rows) - counted)),
+        ),
+        kit.Tolerance(
+            "laws: readings whose stated error is too small", 0, "1",
+            "the error is stated for the worst of rounding, strain and masses",
+            observed=kit.Observed(
+                float((table["difference_of_stiffness"] > table["stated_error"]).sum())
+            ),
+        ),
+    )  # fmt: skip
+    return kit.Evidence(
+        tables={"laws": fill_gaps(table)},
+        tolerances=own,
         findings=(_finding(table),),
         columns=with_none(
             COLUMNS, "predicted_modulus", "predicted_ratio", "read_modulus", "read_ratio"
@@ -115,7 +112,7 @@ def _row(name: str, nu: float, steps: str) -> tuple[dict[str, object], bool]:
         return lambda F: LAWS[name].stress(F, mu, lam)
 
     law = predicted(name, E, nu)
-    found = probe(tetrahedra(law_of), Isotropic(E, nu, "solid"), settings={"integrator": steps})
+    found = probe(tetrahedra(law_of), kit.Isotropic(E, nu, "solid"), settings={"integrator": steps})
     size = float(np.abs(law.C).max())
     row: dict[str, object] = {
         "law": name,

@@ -20,7 +20,7 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate import kit
 from msvalidate.simulators.causes import NOT_EXPLAINED
 from msvalidate.simulators.gate import SOLVES_TO, STOPPED
 
@@ -41,24 +41,6 @@ STATE = (
     "agrees, differs with cause, not at rest, not explained, gate, excluded; stale: old, or "
     "stopped by a limit that leaves no room for what the program states to solve to"
 )
-TOLERANCES = (
-    Tolerance(
-        "recorded: largest error of the controls' modulus, over the asked", 1e-5, "1",
-        "they solve linear elements: digits of single precision that one of them prints",
-    ),
-    Tolerance(
-        "recorded: modulus of CalculiX asked for 1 % more, over its own, less 1", 5e-4, "1",
-        "0.05 % of it is what a comparison by two records may add",
-    ),
-    Tolerance(
-        "recorded: effective modulus of its pulled block asked for 1 % more, over its own, less 1",
-        5e-4, "1", "as the modulus read",
-    ),
-    Tolerance(
-        "recorded: readings more than 1 % from their documented law and not told so", 0, "1",
-        "a law that is not what its source says is a finding, and must be in the table",
-    ),
-)  # fmt: skip
 COLUMNS = {
     "name": "of the record",
     "simulator": "program, version",
@@ -111,7 +93,7 @@ def looked_at() -> dict[str, Any]:
     return dict(json.loads((DATA / NEWEST).read_text(encoding="utf-8")))
 
 
-def run() -> Evidence:
+def run() -> kit.Evidence:
     """The tables of records and of their bodies."""
     found = records()
     newest = looked_at()
@@ -122,10 +104,9 @@ def run() -> Evidence:
         [_body_row(each, body) for each in found for body in each["bodies"]],
         columns=[*BODY_COLUMNS],
     )
-    return Evidence(
+    return kit.Evidence(
         tables={"recorded": fill_gaps(table), "recorded_bodies": fill_gaps(bodies)},
-        observed=by_quantity(TOLERANCES, _observed(found)),
-        tolerances=TOLERANCES,
+        tolerances=judge(found),
         findings=(_finding(table, newest),),
         columns=with_none(COLUMNS | BODY_COLUMNS, *NUMBERS, *list(BODY_COLUMNS)[5:-1]),
     )
@@ -251,19 +232,37 @@ def _over(value: float | None, other: float) -> float:
     return math.nan if value is None else float(value) / other
 
 
-def _observed(found: list[dict[str, Any]]) -> list[Observed]:
+def judge(found: list[dict[str, Any]]) -> tuple[kit.Tolerance, ...]:
+    """What records of controls, and of laws that are off, say."""
     named = {record["name"]: record for record in found}
     errors = [abs(_probed_modulus(named[name]) - 1) for name in CONTROLS if name in named]
     asked_for_more = ("calculix-stiffer", "calculix")
     both = [_probed_modulus(named[name]) for name in asked_for_more]
     effective = [_pulled_modulus(named[name]) for name in asked_for_more]
     off = [record for record in found if _is_off(record) and record["state"] != NOT_EXPLAINED]
-    return [
-        Observed(max(errors)),
-        Observed(both[0] / both[1] - 1, STIFFER),
-        Observed(effective[0] / effective[1] - 1, STIFFER),
-        Observed(float(len(off))),
-    ]
+    return (
+        kit.Tolerance(
+            "recorded: largest error of the controls' modulus, over the asked", 1e-5, "1",
+            "they solve linear elements: digits of single precision that one of them prints",
+            observed=kit.Observed(max(errors)),
+        ),
+        kit.Tolerance(
+            "recorded: modulus of CalculiX asked for 1 % more, over its own, less 1", 5e-4, "1",
+            "0.05 % of it is what a comparison by two records may add",
+            observed=kit.Observed(both[0] / both[1] - 1, STIFFER),
+        ),
+        kit.Tolerance(
+            "recorded: effective modulus of its pulled block asked for 1 % more, over its own, "
+            "less 1",
+            5e-4, "1", "as the modulus read",
+            observed=kit.Observed(effective[0] / effective[1] - 1, STIFFER),
+        ),
+        kit.Tolerance(
+            "recorded: readings more than 1 % from their documented law and not told so", 0, "1",
+            "a law that is not what its source says is a finding, and must be in the table",
+            observed=kit.Observed(float(len(off))),
+        ),
+    )  # fmt: skip
 
 
 def _probed_modulus(record: dict[str, Any]) -> float:

@@ -23,11 +23,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
-from msvalidate.judging.candidate import check_table
-from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
     controls,
@@ -90,10 +88,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Schemes = INTEGRATORS,
-    setting: Setting = FULL,
+    setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
-) -> Evidence:
+) -> kit.Evidence:
     """All questions, or those named, for one table of schemes."""
-    candidate = check_table(candidate, Integrator, {})
+    candidate = kit.check_table(candidate, Integrator, {})
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)
+    return kit.gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)

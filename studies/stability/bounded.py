@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.dynamics.scheme import Integrator, MotionState
-from msvalidate.problem import Array, Mask
 
 from .networks import Linear
 
@@ -50,8 +50,8 @@ class Search(NamedTuple):
 
 
 def measured_limit(
-    scheme: Integrator, body: Linear, damping: Array, search: Search, seed: int
-) -> Array:
+    scheme: Integrator, body: Linear, damping: kit.Array, search: Search, seed: int
+) -> kit.Array:
     """Largest stable steps (d,) in s at dampings (d,) in 1/s.
 
     Where all trials grow or none does, the end of the bracket.
@@ -73,7 +73,9 @@ def measured_limit(
     return np.asarray(np.exp(0.5 * (low + high)))
 
 
-def grows(scheme: Integrator, body: Linear, h: Array, c: Array, chunks: int, seed: int) -> Mask:
+def grows(
+    scheme: Integrator, body: Linear, h: kit.Array, c: kit.Array, chunks: int, seed: int
+) -> kit.Mask:
     """Whether the energy of a free motion grows, a column (n,) of steps (s) and dampings (1/s)."""
     growing = np.zeros(len(h), dtype=bool)
     running = np.arange(len(h))
@@ -100,8 +102,8 @@ def grows(scheme: Integrator, body: Linear, h: Array, c: Array, chunks: int, see
 
 
 def _peak(
-    scheme: Integrator, body: Linear, now: MotionState, h: Array, c: Array
-) -> tuple[MotionState, Array]:
+    scheme: Integrator, body: Linear, now: MotionState, h: kit.Array, c: kit.Array
+) -> tuple[MotionState, kit.Array]:
     """State after a chunk of steps, and the largest energy (J) on the way, a column."""
     peak = np.zeros(len(h))
     for _ in range(CHUNK // 2):
@@ -112,7 +114,7 @@ def _peak(
     return now, peak
 
 
-def energy(body: Linear, now: MotionState) -> Array:
+def energy(body: Linear, now: MotionState) -> kit.Array:
     """Kinetic and elastic energy (columns,) in J."""
     # a = -K x / m, so that x·K x needs no product of its own.
     return np.asarray(0.5 * (body.inertia @ (now.v**2 - now.x * now.a)))

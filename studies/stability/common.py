@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
-from msvalidate.output import figures
-from msvalidate.problem import ProblemError
 
 Schemes = Mapping[str, Integrator]
 """Name -> scheme: the candidate of every question."""
@@ -15,23 +14,12 @@ REPORTED = ("explicit_euler", "euler_cromer", "leapfrog", "velocity_verlet")
 """The report's four, in their true forms."""
 TRUE = tuple(name for name, scheme in INTEGRATORS.items() if not scheme.variant)
 """Schemes in their true forms."""
-COLUMNS = {
-    "scheme": "time integration scheme; _as_printed and _lagged are variants kept for comparison",
-    "body": "single oscillator, or lattice clamped on one side",
-    "points_a_side": "points along the clamped side; 1 of the oscillator",
-    "step_over_limit": "time step over a stability limit (1)",
-    "damping_ratio": "damping over twice the frequency, c/(2ω); for the limit of a network over "
-    "twice its highest (1)",
-    "steps": "time steps of the run",
-    "h_omega": "time step times frequency (rad)",
-}
-"""What columns of several tables mean."""
 
 
 def colour(scheme: str) -> str:
     """Colour of a scheme in every figure, by its place in the table; black of others."""
     place = _place(scheme)
-    return "black" if place is None else figures.COLOURS[place % len(figures.COLOURS)]
+    return "black" if place is None else kit.figures.COLOURS[place % len(kit.figures.COLOURS)]
 
 
 def marker(scheme: str) -> str:
@@ -39,7 +27,9 @@ def marker(scheme: str) -> str:
     place = _place(scheme)
     if place is None:
         return "."
-    return figures.MARKERS[(place + place // len(figures.COLOURS)) % len(figures.MARKERS)]
+    return kit.figures.MARKERS[
+        (place + place // len(kit.figures.COLOURS)) % len(kit.figures.MARKERS)
+    ]
 
 
 def title(scheme: str) -> str:
@@ -61,5 +51,7 @@ def chosen(candidate: Schemes, names: tuple[str, ...] = REPORTED) -> dict[str, I
     """
     missing = [name for name in names if name not in candidate]
     if missing:
-        raise ProblemError(f"candidate: no scheme {', '.join(missing)}; the study asks about it")
+        raise kit.ProblemError(
+            f"candidate: no scheme {', '.join(missing)}; the study asks about it"
+        )
     return {name: candidate[name] for name in names}

@@ -20,36 +20,29 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Acceleration, Integrator, MotionState, Step
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array
 
 from . import cost, order, oscillator
 
 CLOSE = 1e-6
 """Relative width at which the search for the smallest fault ends."""
 LEAST, MOST = 1e-15, 0.5
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "smallest fault noticed, largest over the kinds",
         1e-6,
         "1",
         "a damping wrong by a part ε moves the end of the motion by 0.2·ε of the amplitude or so, "
         "and 5e-8 of it is noticed: 2.5e-7, and a factor of four; kicks are held closer",
+        table="resolution", value="smallest_noticed",
     ),
-)
-COLUMNS = {
-    "fault": "what is wrong with the scheme's step, by which part of it",
-    "smallest_noticed": "smallest fault that makes a tolerance fail, as a part (1)",
-    "noticed_by": "the quantity that fails",
-}
+)  # fmt: skip
 
 
 def weak_kick(
-    size: float, acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+    size: float, acceleration: Acceleration, now: MotionState, h: float, c: kit.Array | float
 ) -> MotionState:
     """Velocity Verlet whose second half kick lacks the part `size`."""
     half = now.v + 0.5 * h * (now.a - c * now.v)
@@ -64,7 +57,7 @@ def weak_damping(
     acceleration: Acceleration,
     now: MotionState,
     h: float,
-    c: Array | float,
+    c: kit.Array | float,
 ) -> MotionState:
     """A step whose damping lacks the part `size`."""
     return step(acceleration, now, h, (1 - size) * c)
@@ -94,7 +87,7 @@ def damped_order(scheme: Integrator) -> float:
     errors = [oscillator.swing(scheme, int(n), order.ANGLE, ratio) - exact for n in steps]
     expected = order.on_paper(scheme, ratio, steps)
     limit = order.order_uncertainty(scheme, ratio, steps)
-    return abs(observed_order(order.ANGLE / steps, errors) - expected) / limit
+    return abs(kit.observed_order(order.ANGLE / steps, errors) - expected) / limit
 
 
 FAULTS: dict[str, tuple[Callable[[float], Integrator], Callable[[Integrator], float], str]] = {
@@ -113,17 +106,15 @@ FAULTS: dict[str, tuple[Callable[[float], Integrator], Callable[[Integrator], fl
 """Fault -> the scheme that has it in some size, what notices it, and that in words."""
 
 
-def run(setting: Setting = FULL) -> Evidence:
+def run(setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """State the smallest fault of each kind that the study notices."""
     table = pd.DataFrame(setting.sweep(smallest, FAULTS, "smallest faults"))
     said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
-    return Evidence(
+    return kit.Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(f"Smallest faults that this study notices, as parts: {said}.",),
-        rounding={"smallest_noticed": 1e-11},
     )
 
 

@@ -18,13 +18,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator, LeadingError
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output import figures
-from msvalidate.problem import ProblemError
 
 from . import common, oscillator
 from .common import Schemes
@@ -62,32 +58,23 @@ def leading_of(scheme: Integrator) -> LeadingError:
         If it tells none.
     """
     if scheme.leading is None:
-        raise ProblemError(f"{scheme.name}: tells no leading term of its error; give one")
+        raise kit.ProblemError(f"{scheme.name}: tells no leading term of its error; give one")
     return scheme.leading
 
 
-TOLERANCES = tuple(
-    Tolerance(
+RULES = tuple(
+    kit.Rule(
         f"error of 12,800 evaluations over its leading term: {common.title(name)}",
-        next_term(INTEGRATORS[name]),
-        "1",
+        next_term(INTEGRATORS[name]), "1",
         f"the next term: {leading.because.format(angle=ANGLE)}; twice it, for the terms beyond",
+        table="cost", rows={"scheme": name, "evaluations": JUDGED},
+        value=kit.Quotient("error", "leading"), reference=1.0,
     )
     for name, leading in TOLD.items()
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "evaluations": "evaluations of the force for a motion of 20 rad",
-    "error": "distance to the exact motion at the end over the amplitude (1)",
-    "leading": "leading term of that error in closed form (1)",
-    "wanted": "error that is wanted (1)",
-    "evaluations_needed": "evaluations for that error: between two runs, or beyond the last one, "
-    'along the line through two errors in logarithms; "never" where the error does not fall',
-    "beyond": "yes or no: whether the runs end before that error",
-}
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Errors against evaluations, and evaluations for the errors that are wanted."""
     numbers = QUICK_EVALUATIONS if setting.quick else EVALUATIONS
     schemes = common.chosen(candidate, tuple(TOLD))
@@ -96,19 +83,12 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     needed = pd.DataFrame(
         [evaluations_needed(table, name, w) for name, w in product(schemes, WANTED)]
     )
-    finest = table[table["evaluations"] == JUDGED].set_index("scheme")
-    ratio = finest["error"] / finest["leading"]
-    return Evidence(
+    return kit.Evidence(
         tables={"cost": table, "cost_needed": needed},
-        observed={
-            t.quantity: farthest_value(ratio[name], 1.0)
-            for t, name in zip(TOLERANCES, TOLD, strict=True)
-        },
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"cost": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=tuple(map(partial(finding, needed), WANTED)),
-        rounding={"error": 1e-12},
     )
 
 
@@ -165,9 +145,9 @@ def finding(needed: pd.DataFrame, wanted: float) -> str:
     return f"Force evaluations for an error of {wanted:.0e} after 20 rad: {said}."
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Error against evaluations, with the leading terms."""
-    figure, (axis,) = figures.new_figure(size=(4.8, 3.8))
+    figure, (axis,) = kit.figures.new_figure(size=(4.8, 3.8))
     for name, rows in tables["cost"].groupby("scheme", sort=False):
         scheme = str(name)
         axis.loglog(
@@ -188,5 +168,5 @@ def draw(tables: Tables) -> Figure:
     axis.set_ylim(1e-8, 10)
     axis.set_xticks([100, 1000, 10000, 100000], ["100", "1000", "10000", "100000"])
     figure.suptitle("Work for an oscillator's motion, by each scheme")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    kit.figures.add_shared_legend(figure, [axis], columns=2)
     return figure

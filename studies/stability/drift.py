@@ -21,14 +21,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import one_step_matrix
-from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output import figures
-from msvalidate.problem import Array
 
 from . import common, oscillator
 from .common import Schemes
@@ -52,69 +48,27 @@ AREA = 1e-12
 """Change of an area in a step that is rounding."""
 AREA_SIZE = 0.3
 """h·ω of the steps whose areas are measured."""
-DRIFT = 1e-10
-DRIFTS = "relative drift of the energy in 10⁴ periods: "
-FLUCTUATION = "exponent of the step in the energy's fluctuation: "
-TOLERANCES = (
-    *(
-        Tolerance(
-            DRIFTS + common.title(name),
-            DRIFT,
-            "1",
-            "none but rounding: 6e5 steps of 2e-16 are 1e-10 if all on one side; the slope of the "
-            "periods that were run, times 10⁴",
-        )
-        for name in KEPT
+RULES = (
+    kit.Rule(
+        "relative drift of the energy in 10⁴ periods", 1e-10, "1",
+        "none but rounding: 6e5 steps of 2e-16 are 1e-10 if all on one side; the slope of the "
+        "periods that were run, times 10⁴",
+        table="drift", rows={"scheme": KEPT}, value="drift",
     ),
-    *(
-        Tolerance(
-            f"{common.title(name)}'s growth of the energy in a period, over closed form",
-            1e-9,
-            "1",
-            "an identity: a step multiplies the energy by the determinant of its matrix, 1 + h²ω² "
-            "of explicit Euler's; to the rounding of 1260 steps",
-        )
-        for name in SWELLING
+    kit.Rule(
+        "exponent of the step in the energy's fluctuation", 0.1, "1",
+        "the next term is smaller by (h·ω)², at most 0.15, at the coarsest of the steps only",
+        table="fluctuation_powers", value="exponent", reference="exponent_expected",
     ),
-    *(
-        Tolerance(
-            FLUCTUATION + common.title(name),
-            0.1,
-            "1",
-            "the next term is smaller by (h·ω)², at most 0.15, at the coarsest of the steps only",
-        )
-        for name in FLUCTUATING
-    ),
-    Tolerance(
-        "schemes that say they keep areas and do not, or the reverse",
-        0.0,
-        "1",
+    kit.Rule(
+        "schemes that say they keep areas and do not, or the reverse", 0.0, "1",
         "the determinant of a linear step's matrix, to rounding",
+        table="areas", value=lambda rows: rows["keeps_areas"] != rows["claims"],
     ),
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "periods": "periods of the motion that were run",
-    "steps_a_period": "time steps in a period",
-    "growth_a_period": "factor by which the mean energy changes in a period, less 1 (1)",
-    "drift": "change of the mean energy in 10⁴ periods, by the slope of a straight line through "
-    'all that were run, over the energy (1); "grows" or "decays" where it is no line',
-    "period": "number of the period",
-    "energy_change": "mean energy of the period over that of the first, less 1 (1)",
-    "step": "time step number",
-    "energy_over_first": "energy over that of the first step (1)",
-    "fluctuation": "half the range of the energy in a period over its mean (1)",
-    "exponent": "exponent of the step that fits the fluctuation (1)",
-    "exponent_low": "lower end of its 95 % confidence interval (1)",
-    "exponent_high": "upper end of its 95 % confidence interval (1)",
-    "area_change": "factor of an area of positions and velocities in a step, less 1 (1)",
-    "keeps_areas": "yes or no: whether that is rounding",
-    "claims": "yes or no: whether the scheme says it is symplectic",
-    "exponent_expected": "the exponent that theory gives (1)",
-}
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Drift and fluctuation of the energy of every scheme in its true form."""
     schemes = common.chosen(candidate, common.TRUE)
     periods = QUICK_PERIODS if setting.quick else PERIODS
@@ -131,17 +85,17 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     )
     powers = pd.DataFrame([fit_powers(name, schemes[name], fluctuation) for name in FLUCTUATING])
     areas = pd.DataFrame([area(name, scheme) for name, scheme in candidate.items()])
-    of = table.set_index("scheme")
-    values = (
-        *(Observed(float(of["drift"][name])) for name in KEPT),
-        *(
-            Observed((1 + of["growth_a_period"][name]) / closed_growth(schemes[name]), 1.0)
-            for name in SWELLING
-        ),
-        *map(Observed, powers["exponent"], powers["exponent_expected"]),
-        Observed(float((areas["keeps_areas"] != areas["claims"]).sum())),
-    )
-    return Evidence(
+    grown = table.set_index("scheme")["growth_a_period"]
+    swelling = [
+        kit.Tolerance(
+            f"{common.title(name)}'s growth of the energy in a period, over closed form", 1e-9, "1",
+            "an identity: a step multiplies the energy by the determinant of its matrix, 1 + h²ω² "
+            "of explicit Euler's; to the rounding of 1260 steps",
+            observed=kit.Observed((1 + grown[name]) / closed_growth(schemes[name]), 1.0),
+        )
+        for name in SWELLING
+    ]  # fmt: skip
+    return kit.Evidence(
         tables={
             "drift": table,
             "energy": pd.concat([energy_lines(name, mean) for name, mean in means.items()]),
@@ -152,17 +106,10 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
             "fluctuation_powers": powers,
             "areas": areas,
         },
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(*RULES, *swelling),
         figures={"drift": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, powers),),
-        rounding={
-            "drift": 1e-10,
-            "growth_a_period": 1e-13,
-            "energy_change": 1e-10,
-            "area_change": 1e-15,
-        },
     )
 
 
@@ -176,7 +123,7 @@ def closed_growth(scheme: Integrator) -> float:
     return float(np.linalg.det(scheme.matrix(size(STEPS_A_PERIOD), 0.0))) ** STEPS_A_PERIOD
 
 
-def energies(scheme: Integrator, steps: int, periods: int) -> Array:
+def energies(scheme: Integrator, steps: int, periods: int) -> kit.Array:
     """Energy (periods, steps) of an oscillator of frequency and amplitude 1, period by period."""
     count = steps * periods
     path = islice(oscillator.states(scheme, size(steps)), count)
@@ -184,14 +131,14 @@ def energies(scheme: Integrator, steps: int, periods: int) -> Array:
     return energy.reshape(periods, steps)
 
 
-def long_run(periods: int, case: tuple[str, Integrator]) -> Array:
+def long_run(periods: int, case: tuple[str, Integrator]) -> kit.Array:
     """Mean energies (periods,) of a scheme, period by period."""
     name, scheme = case
     run_for = periods if name in KEPT else FEW_PERIODS
     return np.asarray(energies(scheme, STEPS_A_PERIOD, run_for).mean(axis=1))
 
 
-def drift_row(name: str, means: Array) -> dict[str, object]:
+def drift_row(name: str, means: kit.Array) -> dict[str, object]:
     """Row of one scheme."""
     slope = float(np.polyfit(np.arange(len(means)), means / means[0] - 1, 1)[0])
     return {
@@ -203,7 +150,7 @@ def drift_row(name: str, means: Array) -> dict[str, object]:
     }
 
 
-def energy_lines(name: str, means: Array) -> pd.DataFrame:
+def energy_lines(name: str, means: kit.Array) -> pd.DataFrame:
     """Lines of the figure: change of the mean energy, some periods of many."""
     at = np.unique(np.geomspace(1, len(means), SHOWN).round().astype(int)) - 1
     change = means[at] / means[0] - 1
@@ -231,7 +178,7 @@ def fluctuation_row(name: str, scheme: Integrator, steps: int) -> dict[str, obje
 def fit_powers(name: str, scheme: Integrator, fluctuation: pd.DataFrame) -> dict[str, object]:
     """Row of the fitted exponents."""
     rows = fluctuation[fluctuation["scheme"] == name]
-    power = fitted_power(rows["h_omega"], rows["fluctuation"])
+    power = kit.fitted_power(rows["h_omega"], rows["fluctuation"])
     return {
         "scheme": name,
         "exponent": power.exponent,
@@ -272,9 +219,9 @@ def finding(table: pd.DataFrame, powers: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Mean energy against time, energy within a period, and its fluctuation against the step."""
-    figure, (mean, inside, falls) = figures.new_figure(3, size=(2.4, 3.2))
+    figure, (mean, inside, falls) = kit.figures.new_figure(3, size=(2.4, 3.2))
     for axis, name, x, y in (
         (mean, "energy", "period", "energy_change"),
         (inside, "energy_in_a_period", "step", "energy_over_first"),
@@ -301,5 +248,5 @@ def draw(tables: Tables) -> Figure:
     )
     falls.set(xlabel="h·ω (rad)", ylabel="fluctuation\nof the energy (1)", title="against the step")
     figure.suptitle("Energy of an undamped oscillator, by each scheme")
-    figures.add_shared_legend(figure, [mean], columns=3)
+    kit.figures.add_shared_legend(figure, [mean], columns=3)
     return figure

@@ -19,15 +19,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network
-from msvalidate.output import figures
-from msvalidate.problem import Array
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import common, runs
@@ -50,37 +46,16 @@ FINE = 0.05
 OTHERS = common.REPORTED[1:]
 NEARLY = 0.1
 """Distance between curves, over their range, that a reader of a printed figure hardly sees."""
-TOLERANCES = (
-    Tolerance(
-        "schemes that leave below their limit, or stay above it",
-        0.0,
-        "1",
-        "steps are 5 % or more from every limit: growth is by tens of percents a step there, and "
-        "the load excites the highest mode",
-    ),
-    Tolerance(
-        "other schemes' curves at half the limit, largest distance over their range",
-        NEARLY,
-        "1",
-        "Euler-Cromer runs ahead by half a step, h/2·v: the lowest mode's h·ω is 0.06 here, "
-        "so 3 % of its amplitude, and more where higher modes take part",
-        layer="agreement",
-    ),
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "time": "time in periods of the lowest mode",
-    "x": "displacement along the pull of the loaded side's middle particle (m)",
-    "step": "time step number",
-    "limit_over": "the scheme's own stability limit over Euler-Cromer's (1)",
-    "leaves_at_step": 'step at which a point is four times as far as at rest; "stays" if none',
-    "leaves_expected": "yes or no: whether the step is above the scheme's own limit",
-    "distance": "largest distance of the curve from that of fine steps, over the range of that; "
-    '"leaves" if the scheme does (1)',
-}
+LEAVES = kit.Rule(
+    "schemes that leave below their limit, or stay above it", 0.0, "1",
+    "steps are 5 % or more from every limit: growth is by tens of percents a step there, and "
+    "the load excites the highest mode",
+    table="figure3",
+    value=lambda rows: (rows["leaves_at_step"] != "stays") != (rows["leaves_expected"] == "yes"),
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Run the four schemes at the same steps and compare their curves."""
     schemes = common.chosen(candidate)
     parts = QUICK_PARTS if setting.quick else PARTS
@@ -93,19 +68,18 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
         [line for (part, _), (_, line) in zip(cases, found, strict=True) if part in DRAWN]
     )
     apart = largest_distance(found, cases)
-    leaves = table["leaves_at_step"] != "stays"
-    values = (
-        Observed(float((leaves != (table["leaves_expected"] == "yes")).sum())),
-        Observed(apart),
-    )
-    return Evidence(
+    near = kit.Tolerance(
+        "other schemes' curves at half the limit, largest distance over their range", NEARLY, "1",
+        "Euler-Cromer runs ahead by half a step, h/2·v: the lowest mode's h·ω is 0.06 here, "
+        "so 3 % of its amplitude, and more where higher modes take part",
+        layer="agreement", observed=kit.Observed(apart),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"figure3": table, "figure3_curves": curves},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=(LEAVES, near),
         figures={"figure3": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table, apart),),
-        rounding={"x": 1e-9, "distance": 1e-8},
     )
 
 
@@ -116,7 +90,7 @@ class PulledBlock(NamedTuple):
     displacement of the static solution.
     """
 
-    network: Network
+    network: kit.Network
     period: float
     damping: float
     at_rest: float
@@ -137,7 +111,9 @@ def pulled_block() -> PulledBlock:
     return PulledBlock(network, 2 * np.pi / lowest, 2 * DAMPING * lowest, at_rest, middle)
 
 
-def displacement(block: PulledBlock, scheme: Integrator, part: float) -> tuple[Array, Array, int]:
+def displacement(
+    block: PulledBlock, scheme: Integrator, part: float
+) -> tuple[kit.Array, kit.Array, int]:
     """Times in periods and displacements (m) of the particle; the step that leaves, or 0."""
     dt = part * block.limit(INTEGRATORS["euler_cromer"])
     steps = int(PERIODS * block.period / dt)
@@ -149,7 +125,9 @@ def displacement(block: PulledBlock, scheme: Integrator, part: float) -> tuple[A
 
 
 def curve(
-    block: PulledBlock, fine: tuple[Array, Array], case: tuple[float, tuple[str, Integrator]]
+    block: PulledBlock,
+    fine: tuple[kit.Array, kit.Array],
+    case: tuple[float, tuple[str, Integrator]],
 ) -> tuple[dict[str, object], pd.DataFrame]:
     """Row of a scheme at a step, and its curve; `fine` is the reference's."""
     part, (name, scheme) = case
@@ -215,10 +193,10 @@ def finding(table: pd.DataFrame, apart: float) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """The report's Figure 3 redrawn: one particle under all schemes, below and above the limit."""
     curves = tables["figure3_curves"]
-    figure, axes = figures.new_figure(2, size=(3.6, 3.2), sharey=True)
+    figure, axes = kit.figures.new_figure(2, size=(3.6, 3.2), sharey=True)
     top = 1.5 * curves[curves["scheme"].isin(OTHERS)]["x"].abs().quantile(0.98)
     for axis, part in zip(axes, DRAWN, strict=True):
         for name, line in curves[curves["step_over_limit"] == part].groupby("scheme", sort=False):
@@ -238,5 +216,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_title(f"step {part:g} of Euler-Cromer's limit")
     axes[0].set_ylabel("displacement x of a particle (m)")
     figure.suptitle("One particle under four schemes, after the report's Figure 3")
-    figures.add_shared_legend(figure, axes)
+    kit.figures.add_shared_legend(figure, axes)
     return figure

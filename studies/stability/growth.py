@@ -13,13 +13,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator, MotionState
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity, merge
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.problem import Array
 
 from . import common
 from .bounded import energy
@@ -31,46 +28,28 @@ GROWING = tuple(name for name, scheme in INTEGRATORS.items() if scheme.swelling 
 STEPS = 1000
 SIZES = (0.05, 0.1, 0.2, 0.5)
 """h·ω; the energy grows by (1 + h²ω²)^steps at most, less than a number holds."""
-TOLERANCES = (
-    Tolerance(
-        "growth a step of schemes that are never stable undamped, measured over closed form",
-        0.01,
-        "1",
-        "the energy wavers by h·ω/2 on its way; over the steps of a run a line through its "
-        "logarithm is within 1 % of growth's own",
-    ),
-    Tolerance(
-        "undamped limits claimed where every step grows",
-        0.0,
-        "rad",
-        "a growth factor above 1 at every step: the limit is 0",
-    ),
-)
+GROWTH = kit.Rule(
+    "growth a step of schemes that are never stable undamped, measured over closed form", 0.01, "1",
+    "the energy wavers by h·ω/2 on its way; over the steps of a run a line through its "
+    "logarithm is within 1 % of growth's own",
+    table="growth", value=kit.Quotient("growth_measured", "growth_predicted"), reference=1.0,
+)  # fmt: skip
 ANY_SIZES = (0.1, 1.0, 10.0, 100.0)
 """h·ω of schemes without a limit."""
-STAYS = Tolerance(
-    "growth a step of schemes that say they are stable at any step",
-    1e-12,
-    "1",
+STAYS = kit.Rule(
+    "growth a step of schemes that say they are stable at any step", 1e-12, "1",
     "none but rounding: a velocity takes half of h·ω times the rounding of an acceleration, 100 "
     "times 1e-16 in a step",
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "growth_measured": "factor by which the amplitude grows in a step, less 1, by running it (1)",
-    "growth_predicted": "the same in closed form (1)",
-    "growth_here": "factor by which the amplitude grows in a step, less 1, of a scheme that is "
-    "stable at any step: rounding (1)",
-    "steps_to_double": "steps in which the amplitude doubles, by the measured factor",
-}
+    table="any_step", value="growth_here",
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Run the schemes that no step makes stable without damping, and those that every step does."""
-    return merge(growing(candidate), staying(candidate))
+    return kit.merge(growing(candidate), staying(candidate))
 
 
-def growing(candidate: Schemes) -> Evidence:
+def growing(candidate: Schemes) -> kit.Evidence:
     """Schemes that no step makes stable."""
     schemes = common.chosen(candidate, GROWING)
     table = pd.DataFrame(
@@ -87,20 +66,20 @@ def growing(candidate: Schemes) -> Evidence:
         ]
     )
     claimed = max(scheme.limit(0.0) for scheme in schemes.values())
-    values = (
-        farthest_value(table["growth_measured"] / table["growth_predicted"], 1.0),
-        Observed(claimed if (table["growth_measured"] > 0).all() else np.nan),
-    )
-    return Evidence(
+    unstable = kit.Tolerance(
+        "undamped limits claimed where every step grows", 0.0, "rad",
+        "a growth factor above 1 at every step: the limit is 0",
+        observed=kit.Observed(claimed if (table["growth_measured"] > 0).all() else np.nan),
+    )  # fmt: skip
+    return kit.Evidence(
         tables={"growth": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=(GROWTH, unstable),
+        columns=kit.columns(__file__),
         findings=(finding(table),),
     )
 
 
-def staying(candidate: Schemes) -> Evidence:
+def staying(candidate: Schemes) -> kit.Evidence:
     """Schemes that are stable at any step, if there are any."""
     sizes = np.array(ANY_SIZES)
     rows = [
@@ -110,17 +89,16 @@ def staying(candidate: Schemes) -> Evidence:
         for size, factor in zip(ANY_SIZES, growth_factors(scheme, sizes), strict=True)
     ]
     if not rows:
-        return Evidence({}, {}, ())
+        return kit.Evidence({}, {}, ())
     table = pd.DataFrame(rows)
-    return Evidence(
+    return kit.Evidence(
         tables={"any_step": table},
-        observed={STAYS.quantity: farthest_value(table["growth_here"], 0.0)},
         tolerances=(STAYS,),
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
     )
 
 
-def growth_factors(scheme: Integrator, sizes: Array) -> Array:
+def growth_factors(scheme: Integrator, sizes: kit.Array) -> kit.Array:
     """Factors (n,) by which the amplitude of an undamped oscillator grows in a step of h·ω (n,)."""
     body, acceleration = linear(OSCILLATOR), ModeAcceleration(1.0)
     x = np.ones((1, len(sizes)))

@@ -17,13 +17,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.output import figures
 
 from . import common
 from .bounded import Search, measured_limit
@@ -43,27 +40,25 @@ RATIOS = (0.0, 0.05, 0.3, 1.0, 2.0)
 SIDES = (6, 12, 40)
 QUICK_SIDES = (6,)
 LATTICES = ("square", "triangular")
-LIMIT = 0.01
-COLUMNS = {
-    **common.COLUMNS,
-    "limit_measured": "largest stable step times highest frequency, by running the scheme (rad)",
-    "limit_predicted": "the same in closed form (rad)",
-    "limit_error": "measured over predicted, less 1 (1)",
-}
 LOOKS = {
-    "oscillator": ("o", figures.COLOURS[0], 4.0),
-    "square": ("s", figures.COLOURS[1], 7.0),
-    "triangular": ("^", figures.COLOURS[2], 10.0),
+    "oscillator": ("o", kit.figures.COLOURS[0], 4.0),
+    "square": ("s", kit.figures.COLOURS[1], 7.0),
+    "triangular": ("^", kit.figures.COLOURS[2], 10.0),
 }
 """Body -> marker, its colour and its size: networks agree, so that their markers enclose others."""
 
 
-def quantity(name: str) -> str:
-    """What is judged of one scheme."""
-    return f"largest stable step, measured over closed form: {common.title(name)}"
+RULES = (
+    kit.Rule(
+        "largest stable step, measured over closed form", 0.01, "1",
+        f"the search ends within {SEARCH.resolution:.2%}; slow growth near the limit may go "
+        "unnoticed for another gap",
+        table="limits", value="limit_error",
+    ),
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Measure the limits of every scheme on every body."""
     common.chosen(candidate)  # of which the findings speak
     limited = {name: scheme for name, scheme in candidate.items() if np.isfinite(scheme.limit(0.0))}
@@ -76,19 +71,11 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     ]
     found = setting.sweep(partial(measure, setting.quick, setting.seed), cases, "stability limits")
     table = pd.DataFrame([row for rows in found for row in rows])
-    because = (
-        f"the search ends within {SEARCH.resolution:.2%}; slow growth near the limit may go "
-        "unnoticed for another gap"
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"limits": table, "limit_curves": curves(limited)},
-        observed={
-            quantity(name): farthest_value(1 + table["limit_error"][table["scheme"] == name], 1.0)
-            for name in limited
-        },
-        tolerances=tuple(Tolerance(quantity(name), LIMIT, "1", because) for name in limited),
+        tolerances=RULES,
         figures={"atlas": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=tuple(findings(table, limited)),
     )
 
@@ -171,11 +158,11 @@ def _jump(closed: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Stability atlas: the largest stable step against the damping ratio, a panel a scheme."""
     table, closed = tables["limits"], tables["limit_curves"]
     names = list(dict.fromkeys(table["scheme"]))
-    figure, axes = figures.new_figure(3, -(-(len(names) + 1) // 3), size=(2.4, 2.2))
+    figure, axes = kit.figures.new_figure(3, -(-(len(names) + 1) // 3), size=(2.4, 2.2))
     for axis, name in zip(axes, names, strict=False):
         rows = table[table["scheme"] == name]
         _curve(axis, closed, name, "black", "closed form, one oscillator")
@@ -198,7 +185,7 @@ def draw(tables: Tables) -> Figure:
     for axis in unused:
         figure.delaxes(axis)
     figure.suptitle("The largest stable step of each scheme")
-    figures.add_shared_legend(figure, axes[: len(names) + 1], columns=3)
+    kit.figures.add_shared_legend(figure, axes[: len(names) + 1], columns=3)
     return figure
 
 

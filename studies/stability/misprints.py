@@ -10,17 +10,16 @@ Expected   Printed Euler-Cromer is explicit Euler, to the last digit. Printed Ve
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dynamics.integrate import State, motion
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network
-from msvalidate.problem import Array
 
 from . import common, order
 from .common import Schemes
@@ -33,37 +32,29 @@ PART = 0.2
 """Step over Euler-Cromer's limit."""
 SPEED = 0.05
 """Largest start velocity, in sides a period of the fastest mode: springs turn and stretch."""
-TOLERANCES = (
-    Tolerance(
+SAME, HALVED = 1e-12, 0.002
+judged = partial(kit.Rule, unit="1", table="misprints", value="difference")
+RULES = (
+    judged(
         "printed Euler-Cromer against explicit Euler on a network, over the largest displacement",
-        1e-12,
-        "1",
-        "one formula in two places: rounding at most, which grows with the motion",
+        SAME, rows={"compared_with": "explicit Euler, step for step"},
+        because="one formula in two places: rounding at most, which grows with the motion",
     ),
-    Tolerance(
-        "printed Verlet against the motion under half the force, finest step",
-        0.002,
-        "1",
-        "of first order: half the finest step over the time scale, √2/ω, 8e-4 at 800 steps, times "
-        "a factor of order 1",
+    judged(
+        "printed Verlet against the motion under half the force, finest step", HALVED,
+        rows={"compared_with": "motion under half the force"}, reference="difference_expected",
+        because="of first order: half the finest step over the time scale, √2/ω, 8e-4 at 800 "
+        "steps, times a factor of order 1",
     ),
-    Tolerance(
+    judged(
         "printed Verlet against the motion itself, finest step: distance of the two motions",
-        0.002,
-        "1",
-        "it tends to another motion, so its error tends to the distance between the two",
+        HALVED, rows={"compared_with": "motion itself"}, reference="difference_expected",
+        because="it tends to another motion, so its error tends to the distance between the two",
     ),
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "compared_with": "what the variant is compared with",
-    "difference": "largest distance of the variant on the way, or at the end of a motion of 2 rad, "
-    "over the amplitude (1)",
-    "difference_expected": "the same, expected (1)",
-}
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Compare both misprints with what they turn out to be."""
     names = ("explicit_euler", "euler_cromer_as_printed", "verlet_as_printed")
     euler, printed, verlet = common.chosen(candidate, names).values()
@@ -96,17 +87,11 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
             }
         )
     table = pd.DataFrame(rows)
-    values = (
-        Observed(table["difference"][: len(RATIOS)].max()),
-        *map(Observed, table["difference"][-2:], table["difference_expected"][-2:]),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"misprints": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
-        rounding={"difference": 1e-9},
     )
 
 
@@ -120,11 +105,11 @@ def distance_between_motions(one: Integrator, other: Integrator, ratio: float) -
     return float(np.abs(paths[0] - paths[1]).max() / np.abs(paths[0] - network.points).max())
 
 
-def path(network: Network, scheme: Integrator, dt: float, damping: float) -> Array:
+def path(network: kit.Network, scheme: Integrator, dt: float, damping: float) -> kit.Array:
     """Positions (steps, n, d) in m after a start with the velocity of a twist."""
     x, y = network.points.T
     velocity = SPEED / (2 * np.pi * dt) * np.column_stack([x * y, x * (1 - 2 * y)])
-    seen: list[Array] = []
+    seen: list[kit.Array] = []
     state = State(network.points, np.where(network.held, 0.0, velocity))
     motion(
         network,
@@ -143,7 +128,7 @@ def finding(table: pd.DataFrame) -> str:
     """What the misprints are, in numbers."""
     euler = table[table["compared_with"].str.startswith("explicit")]["difference"].max()
     half, whole = table["difference"].iloc[-2:]
-    same, halved = euler <= TOLERANCES[0].limit, half <= TOLERANCES[1].limit
+    same, halved = euler <= SAME, half <= HALVED
     return (
         f"As printed, Euler-Cromer is {'' if same else 'not '}explicit Euler (largest difference "
         f"of a network's motion {euler:.1g}), and velocity Verlet "

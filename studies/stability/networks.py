@@ -14,22 +14,12 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
+from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, square, triangular, zigzag_block
-from msvalidate.network import Network, tangent
-from msvalidate.problem import (
-    Anisotropic,
-    Array,
-    Box,
-    Domain,
-    Index,
-    Problem,
-    Segment,
-    Support,
-    Traction,
-)
+from msvalidate.network import tangent
 
 CONSTANTS = {"square": (1.0, 0.5), "triangular": (1.0,)}
 """Spring constants (N/m) by kind: isotropic."""
@@ -68,17 +58,17 @@ class Linear:
         Modes (n, 1) in m, of one unit of energy each (½ φᵀKφ = 1 J).
     """
 
-    matrix: Array | csr_array
-    mass: Array
+    matrix: kit.Array | csr_array
+    mass: kit.Array
     omega: tuple[float, float]
-    lowest: Array
-    highest: Array
+    lowest: kit.Array
+    highest: kit.Array
 
-    def acceleration(self, x: Array) -> Array:
+    def acceleration(self, x: kit.Array) -> kit.Array:
         """Acceleration (n, columns) in m/s² of springs at displacements (n, columns) in m."""
         return np.asarray(self.matrix @ x)
 
-    def start(self, seed: int) -> Array:
+    def start(self, seed: int) -> kit.Array:
         """Displacement (n, 1) in m: the two extreme modes and a small random part.
 
         The lowest mode decays the slowest: with little energy it hides the growth of others the
@@ -89,7 +79,7 @@ class Linear:
         return np.asarray(LOWEST_PART * self.lowest + self.highest + size * noise)
 
     @cached_property
-    def inertia(self) -> Array:
+    def inertia(self) -> kit.Array:
         """Masses (n,) in kg."""
         return self.mass[:, 0]
 
@@ -100,31 +90,31 @@ def clamped(
     *,
     weights: str = "shared",
     traction: tuple[float, float] = (0.0, 0.0),
-) -> tuple[Lattice, Network]:
+) -> tuple[Lattice, kit.Network]:
     """Square lattice, or triangles of a zigzag block, and its network, clamped on the left side.
 
     `traction` (N/m²) acts on the right side.
     """
     sides = body.points - 1
     if body.lattice == "square":
-        domain: Domain = Box((1.0, 1.0))
-        grid = square(Box((1.0, 1.0)), sides)
+        domain: kit.Domain = kit.Box((1.0, 1.0))
+        grid = square(kit.Box((1.0, 1.0)), sides)
     else:
         outline = zigzag_block(1.0, (2 * round(sides / math.sqrt(3)), sides))
         domain, grid = outline, triangular(outline, 1 / sides)
     k = CONSTANTS[body.lattice] if constants is None else constants
     width = domain.span[0][1]
-    problem = Problem(
+    problem = kit.Problem(
         domain,
-        Anisotropic(interior_tensor(grid, k, "shared")),
-        (Support(Segment((0.0, 1.0), (0.0, 0.0)), (0.0, 0.0)),),
-        (Traction(Segment((width, 0.0), (width, 1.0)), traction),) if any(traction) else (),
+        kit.Anisotropic(interior_tensor(grid, k, "shared")),
+        (kit.Support(kit.Segment((0.0, 1.0), (0.0, 0.0)), (0.0, 0.0)),),
+        (kit.Traction(kit.Segment((width, 0.0), (width, 1.0)), traction),) if any(traction) else (),
         name=f"{body.lattice}, clamped on the left",
     )
     return grid, lattice_network(problem, grid, k, weights=weights)
 
 
-def free_components(network: Network) -> Index:
+def free_components(network: kit.Network) -> kit.Index:
     """Numbers (f,) of the components that are not held, point by point."""
     return np.flatnonzero(~network.held.ravel())
 
@@ -145,7 +135,7 @@ def linear(body: Body) -> Linear:
     return Linear(matrix.toarray() if small else matrix, mass[:, None], omega, lowest, highest)
 
 
-def modes(stiffness: csr_array, mass: Array) -> tuple[Array, Array]:
+def modes(stiffness: csr_array, mass: kit.Array) -> tuple[kit.Array, kit.Array]:
     """Lowest and highest mode (n, 1) in m of one unit of energy each; signs are fixed."""
     root = diags_array(1 / np.sqrt(mass))
     matrix = csr_array(root @ stiffness @ root)

@@ -15,16 +15,12 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dynamics.integrate import State, motion
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network
-from msvalidate.problem import Array, SolverError
 
-from . import common
 from .common import Schemes
 from .networks import Body, clamped, free_components, linear
 
@@ -40,22 +36,16 @@ GROWN = 30.0
 """Growth that is not bounded; below its limit, Euler-Cromer's own ellipse stretches fivefold."""
 STEPS = 1200
 CHUNK = 50
-TOLERANCES = (
-    Tolerance(
-        "small motions of networks that are bounded above the limit or grow below it",
-        0.0,
-        "1",
+RULES = (
+    kit.Rule(
+        "small motions of networks that are bounded above the limit or grow below it", 0.0, "1",
         "2 % from the limit the slowest growth, explicit Euler's at ζ = 0.3, is 0.4 % a step",
+        table="nonlinear", value=lambda rows: rows["outcome"] != rows["outcome_predicted"],
     ),
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "outcome": "bounded or grows",
-    "outcome_predicted": "bounded or grows, by the closed form",
-}
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Run every scheme a little below and a little above its limit."""
     asked = QUICK_CASES if setting.quick else CASES
     cases = [
@@ -65,12 +55,10 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     ]
     found = setting.sweep(partial(outcomes, setting.seed), cases, "networks near their limits")
     table = pd.DataFrame([row for rows in found for row in rows])
-    wrong = (table["outcome"] != table["outcome_predicted"]).sum()
-    return Evidence(
+    return kit.Evidence(
         tables={"nonlinear": table},
-        observed={TOLERANCES[0].quantity: Observed(float(wrong))},
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
+        tolerances=RULES,
+        columns=kit.columns(__file__),
     )
 
 
@@ -103,13 +91,15 @@ def outcomes(
     return rows
 
 
-def grows(network: Network, scheme: Integrator, away: Array, dt: float, damping: float) -> bool:
+def grows(
+    network: kit.Network, scheme: Integrator, away: kit.Array, dt: float, damping: float
+) -> bool:
     """Whether a motion from a displacement (n, d) in m grows beyond `GROWN` times it."""
     state = State(network.points + away, np.zeros_like(away))
     for _ in range(STEPS // CHUNK):
         try:
             state = motion(network, state, scheme, dt, CHUNK, damping, warn=False)
-        except SolverError:
+        except kit.SolverError:
             return True
         if np.abs(state.position - network.points).max() > GROWN * np.abs(away).max():
             return True

@@ -21,15 +21,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrate import State, motion, stagger_velocity
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
-from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.network import Network
-from msvalidate.output import figures
-from msvalidate.problem import Array, Index, SolverError
 
 from . import common, oscillator
 from .common import Schemes
@@ -59,19 +54,10 @@ BECAUSE = (
 )
 ABOVE = 3.0
 """Times the largest error of its schemes that the line of an order begins at, in the figure."""
-COLUMNS = {
-    **common.COLUMNS,
-    "motion": "the motion that it follows: under the force, or as printed under half of it, viscous"
-    " force included; of a network, or of one oscillator where the network's rounding is larger "
-    "than the scheme's error",
-    "mode_error": "distance to the exact motion at its end, after 2 rad, over the amplitude (1)",
-    "order": "exponent of the step that fits the errors (1)",
-    "order_low": "lower end of its 95 % confidence interval (1)",
-    "order_high": "upper end of its 95 % confidence interval (1)",
-    "order_expected": "order that theory gives as steps vanish (1)",
-    "order_on_paper": "exponent that fits the errors of the step's matrix on paper at these steps "
-    "(1)",
-}
+
+
+ON = ("scheme", "damping_ratio")
+judged = partial(kit.Rule, unit="1", table="orders", value="order", reference="order_on_paper")
 
 
 def quantity(name: str, ratio: float) -> str:
@@ -79,31 +65,28 @@ def quantity(name: str, ratio: float) -> str:
     return f"order of accuracy, {'damped' if ratio else 'undamped'}: {common.title(name)}"
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Errors of every scheme at a row of steps, and the orders fitted to them."""
     numbers = QUICK_STEPS if setting.quick else STEPS
     cases = list(product(candidate.items(), RATIOS))
     found = setting.sweep(partial(errors, numbers), cases, "orders")
     table = pd.DataFrame([row for rows in found for row in rows])
     orders = pd.DataFrame([fit_orders(table, case) for case in cases])
-    judged, tolerances = {}, []
+    rules = []
     for row, ((scheme_name, scheme), ratio) in zip(orders.to_dict("records"), cases, strict=True):
         name = quantity(scheme_name, ratio)
-        judged[name] = Observed(row["order"], row["order_on_paper"])
         moves = mover(scheme, ratio, numbers)
         what = "rounding" if moves.alone else "rounding and springs that turn"
         left = f"{moves.left:.0e}".replace("e-0", "e-")
         because = BECAUSE.format(left=left, what=what)
         limit = order_uncertainty(scheme, ratio, moves.steps, moves.left)
-        tolerances.append(Tolerance(name, limit, "1", because))
-    return Evidence(
+        rules.append(judged(name, limit, because=because, rows={k: row[k] for k in ON}))
+    return kit.Evidence(
         tables={"errors": table, "orders": orders},
-        observed=judged,
-        tolerances=tuple(tolerances),
+        tolerances=tuple(rules),
         figures={"order": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(orders),),
-        rounding={"mode_error": 3e-8, "order": 0.03, "order_low": 0.1, "order_high": 0.1},
     )
 
 
@@ -146,8 +129,8 @@ def exact_swing(share: float, ratio: float) -> float:
 class Mode(NamedTuple):
     """A network, its lowest mode (n, d), 1 at the most, and the mode's frequency (rad/s)."""
 
-    network: Network
-    shape: Array
+    network: kit.Network
+    shape: kit.Array
     omega: float
 
 
@@ -179,7 +162,7 @@ def fit_orders(
     """Row of orders."""
     (name, scheme), ratio = case
     rows = table[(table["scheme"] == name) & (table["damping_ratio"] == ratio)]
-    power = fitted_power(rows["h_omega"], rows["mode_error"])
+    power = kit.fitted_power(rows["h_omega"], rows["mode_error"])
     return {
         "scheme": name,
         "damping_ratio": ratio,
@@ -205,7 +188,7 @@ class Mover(NamedTuple):
         Whether it is one oscillator and no network.
     """
 
-    steps: Index
+    steps: kit.Index
     left: float
     alone: bool = False
 
@@ -233,16 +216,18 @@ def mover(scheme: Integrator, ratio: float, numbers: tuple[int, ...]) -> Mover:
         if (alone := Mover(steps, LEFT_ALONE, alone=True)).shows(scheme, ratio):
             return alone
         steps = steps // 2
-    raise SolverError(f"{scheme.name}: order of accuracy: its errors are rounding at any step")
+    raise kit.SolverError(f"{scheme.name}: order of accuracy: its errors are rounding at any step")
 
 
-def on_paper(scheme: Integrator, ratio: float, numbers: Index) -> float:
+def on_paper(scheme: Integrator, ratio: float, numbers: kit.Index) -> float:
     """Order that the errors of a scheme's matrix show, steps by steps in `numbers`."""
-    return float(fitted_power(ANGLE / numbers, errors_on_paper(scheme, ratio, numbers)).exponent)
+    return float(
+        kit.fitted_power(ANGLE / numbers, errors_on_paper(scheme, ratio, numbers)).exponent
+    )
 
 
 def order_uncertainty(
-    scheme: Integrator, ratio: float, numbers: Index, left: float = LEFT
+    scheme: Integrator, ratio: float, numbers: kit.Index, left: float = LEFT
 ) -> float:
     """How far what is left on every error moves the fitted order at most."""
     size = np.log(ANGLE / numbers)
@@ -250,7 +235,7 @@ def order_uncertainty(
     return float(weight @ (left / errors_on_paper(scheme, ratio, numbers)))
 
 
-def errors_on_paper(scheme: Integrator, ratio: float, numbers: Index) -> Array:
+def errors_on_paper(scheme: Integrator, ratio: float, numbers: kit.Index) -> kit.Array:
     """Errors (n,) of the matrix's powers after `ANGLE`, over the amplitude."""
     exact, sizes, left = exact_swing(scheme.share, ratio), ANGLE / numbers, []
     for h, steps in zip(sizes, numbers, strict=True):
@@ -275,10 +260,10 @@ def finding(orders: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Error against the step, without and with damping."""
     table = tables["errors"]
-    figure, axes = figures.new_figure(2, size=(3.5, 3.8), sharey=True)
+    figure, axes = kit.figures.new_figure(2, size=(3.5, 3.8), sharey=True)
     for axis, ratio in zip(axes, RATIOS, strict=True):
         rows = table[table["damping_ratio"] == ratio]
         for name, line in rows.groupby("scheme", sort=False):
@@ -304,5 +289,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_xlabel("h·ω (rad)")
     axes[0].set_ylabel("error over amplitude (1)")
     figure.suptitle("Error of each scheme against its step")
-    figures.add_shared_legend(figure, axes, columns=3)
+    kit.figures.add_shared_legend(figure, axes, columns=3)
     return figure

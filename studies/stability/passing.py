@@ -20,15 +20,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
-from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import Lattice
-from msvalidate.output import figures
-from msvalidate.problem import Array
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import common, runs
@@ -47,36 +44,24 @@ PERIODS = 1.0
 """Of the lowest mode: the first overshoot is the largest."""
 REACH = 10.0
 """Displacement (m) of a point beyond which a motion counts as growing."""
-TOLERANCES = (
-    Tolerance(
+judged = partial(kit.Rule, limit=0.0, unit="1", layer="agreement", table="passing")
+RULES = (
+    judged(
         "cells inside out at twice critical damping, most of all runs",
-        0.0,
-        "1",
-        "nothing overshoots, and the cells of the static solution are the right way round",
-        layer="agreement",
+        rows={"c_over_critical": 2.0},
+        value=lambda rows: pd.to_numeric(rows["cells_inverted"], errors="coerce").max(),
+        because="nothing overshoots, and the cells of the static solution are the right way round",
     ),
-    Tolerance(
+    judged(
         "runs above the limit that do not grow, or below it that do",
-        0.0,
-        "1",
-        "the largest step below is 0.9, the smallest above 1.2 of the limit at rest, which strain "
-        "changes by less",
-        layer="agreement",
+        value=lambda rows: (rows["cells_inverted"] == "grows") != (rows["step_over_limit"] > 1),
+        because="the largest step below is 0.9, the smallest above 1.2 of the limit at rest, which "
+        "strain changes by less",
     ),
-)
-COLUMNS = {
-    **common.COLUMNS,
-    "traction": "shear traction, suddenly applied (N/m²)",
-    "c_over_critical": "damping over critical damping of the lowest mode, 2ω_min (1)",
-    "cells_inverted": "most cells inside out, their area negative, at one moment of the first "
-    'period; "grows" where the motion does',
-    "cells_inverted_static": "cells inside out in the static solution",
-    "largest_over_static": "largest displacement on the way over that of the static solution; "
-    '"grows" where the motion does (1)',
-}
+)  # fmt: skip
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> kit.Evidence:
     """Count the cells turned inside out at every load, damping and step."""
     loads = QUICK_LOADS if setting.quick else LOADS
     dampings = QUICK_DAMPINGS if setting.quick else DAMPINGS
@@ -86,24 +71,16 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     table = pd.DataFrame(
         setting.sweep(partial(count_inverted, scheme), cases, "particles that pass")
     )
-    grows = table["cells_inverted"] == "grows"
-    calm = table[~grows & (table["c_over_critical"] > 1)]
-    values = (
-        Observed(float(calm["cells_inverted"].max()) if len(calm) else float("nan")),
-        Observed(float((grows != (table["step_over_limit"] > 1)).sum())),
-    )
-    return Evidence(
+    return kit.Evidence(
         tables={"passing": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
+        tolerances=RULES,
         figures={"passing": draw},
-        columns=COLUMNS,
+        columns=kit.columns(__file__),
         findings=(finding(table),),
-        rounding={"largest_over_static": 1e-4},
     )
 
 
-def areas(grid: Lattice, position: Array) -> Array:
+def areas(grid: Lattice, position: kit.Array) -> kit.Array:
     """Signed areas (..., c) in m² of a square lattice's cells at positions (..., n, 2) in m."""
     low_left, low_right, high_right, high_left = (
         position[..., corner, :] for corner in grid.cells.T
@@ -151,19 +128,21 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
-def draw(tables: Tables) -> Figure:
+def draw(tables: kit.Tables) -> Figure:
     """Cells turned inside out against damping, a line a step, a panel a load."""
     table = tables["passing"]
     loads = sorted(set(table["traction"]))
-    figure, axes = figures.new_figure(len(loads), size=(7.2 / max(len(loads), 2), 3.3), sharey=True)
+    figure, axes = kit.figures.new_figure(
+        len(loads), size=(7.2 / max(len(loads), 2), 3.3), sharey=True
+    )
     for axis, load in zip(axes, loads, strict=True):
         rows = table[(table["traction"] == load) & (table["cells_inverted"] != "grows")]
         for i, (part, line) in enumerate(rows.groupby("step_over_limit")):
             axis.plot(
                 line["c_over_critical"],
                 line["cells_inverted"].astype(float),
-                marker=figures.MARKERS[i],
-                color=figures.COLOURS[i],
+                marker=kit.figures.MARKERS[i],
+                color=kit.figures.COLOURS[i],
                 mfc="none",
                 label=f"step {part:g} of the limit",
             )
@@ -171,5 +150,5 @@ def draw(tables: Tables) -> Figure:
         axis.set(title=f"traction {load:g} N/m²", xlabel="damping over\ncritical (1)")
     axes[0].set_ylabel("cells inside out, of 25 (1)")
     figure.suptitle("Cells that a pull turns inside out")
-    figures.add_shared_legend(figure, axes, columns=min(3, 1 + len(loads)))
+    kit.figures.add_shared_legend(figure, axes, columns=min(3, 1 + len(loads)))
     return figure

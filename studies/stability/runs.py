@@ -6,11 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.dynamics.integrate import State, motion, stagger_velocity
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.lattice import Lattice
-from msvalidate.network import Network
-from msvalidate.problem import Array, SolverError
 
 from .networks import REPORTED, Body, clamped
 
@@ -20,7 +19,7 @@ BODY = Body("square", 6)
 class Run(NamedTuple):
     """Positions (steps + 1, n, d) in m while all are inside; the step that left, 0 if none."""
 
-    positions: Array
+    positions: kit.Array
     left: int
 
 
@@ -28,13 +27,13 @@ class LeftError(Exception):
     """A point has gone farther than the picture reaches; carries nothing, ends a run."""
 
 
-def block(traction: tuple[float, float]) -> tuple[Lattice, Network]:
+def block(traction: tuple[float, float]) -> tuple[Lattice, kit.Network]:
     """The report's 6 x 6 particles, k2 = 2 k1, all springs of a kind alike; traction in N/m²."""
     return clamped(BODY, REPORTED, weights="equal", traction=traction)
 
 
 def release_network(
-    network: Network, scheme: Integrator, dt: float, steps: int, damping: float, reach: float
+    network: kit.Network, scheme: Integrator, dt: float, steps: int, damping: float, reach: float
 ) -> Run:
     """Motion from rest under the network's load until a point is farther away than `reach` (m)."""
     start = State(network.points, np.zeros_like(network.points))
@@ -51,7 +50,7 @@ def release_network(
         motion(network, start, scheme, dt, steps, damping, watch, warn=False)
     except (
         LeftError,
-        SolverError,
+        kit.SolverError,
     ):  # the latter where one step went from inside beyond all numbers
         return Run(np.array(seen), len(seen))
     return Run(np.array(seen), 0)

@@ -29,21 +29,29 @@ def causes(verdict):
     return [each.name for each in verdict.causes]
 
 
-def lies_within_its_doubt(verdict, true):
-    """Names of the numbers that are told; the truth lies within the doubt of each of them."""
+def lies_within_its_uncertainty(verdict, true):
+    """Names of the numbers that are told; the truth lies within the uncertainty of each of them."""
     told = set()
     for name, wanted in true.items():
-        found, doubt = (getattr(verdict.material, key) for key in (name, f"{name}_doubt"))
-        assert math.isnan(found) == math.isnan(doubt)
+        found, uncertainty = (
+            getattr(verdict.material, key) for key in (name, f"{name}_uncertainty")
+        )
+        assert math.isnan(found) == math.isnan(uncertainty)
         if not math.isnan(found):
-            assert abs(found - wanted) <= doubt, (verdict.case, name, found, wanted, doubt)
-            assert doubt < 0.1 * (1.0 if name == "nu" else wanted)
+            assert abs(found - wanted) <= uncertainty, (
+                verdict.case,
+                name,
+                found,
+                wanted,
+                uncertainty,
+            )
+            assert uncertainty < 0.1 * (1.0 if name == "nu" else wanted)
             told.add(name)
     return told
 
 
 @pytest.mark.parametrize("name", case_names())
-def test_what_is_told_of_a_material_is_true_within_its_doubt(name):
+def test_what_is_told_of_a_material_is_true_within_its_uncertainty(name):
     for nu in case_facts(name)["ratios"]:
         case = elastic_case(name, nu)
         for times, u in (
@@ -52,7 +60,7 @@ def test_what_is_told_of_a_material_is_true_within_its_doubt(name):
             exact = {"accuracy": 0.0} if u.dtype == float else {}
             verdict = check(case, None, u, **exact)
             true = moduli(case.state, case.E / times, nu)
-            told = lies_within_its_doubt(verdict, true)
+            told = lies_within_its_uncertainty(verdict, true)
             if name.startswith(SHEARED):
                 assert told == {"G"}
             elif name.startswith(PRESSED):
@@ -62,15 +70,19 @@ def test_what_is_told_of_a_material_is_true_within_its_doubt(name):
             else:
                 assert told & {"E", "G", "K"}
             if "cell_pull" in name and u.dtype == float:
-                assert verdict.material.E_doubt < 1e-9 * case.E
+                assert verdict.material.E_uncertainty < 1e-9 * case.E
             if times == 1 or case.driven != "supports":
-                assert verdict.material.left <= verdict.doubt + 1e-12
+                assert verdict.material.left <= verdict.uncertainty + 1e-12
             if times > 1 and not verdict:
                 scale = [each.value for each in verdict.causes if each.name in SCALES]
-                assert pytest.approx([times] * len(scale), rel=1e-6 + 3 * verdict.doubt) == scale
+                assert (
+                    pytest.approx([times] * len(scale), rel=1e-6 + 3 * verdict.uncertainty) == scale
+                )
                 assert scale or case.driven == "supports"
         other = elastic_case(name, case_facts(name)["ratios"][1])
-        lies_within_its_doubt(check(case, None, other.wanted), moduli(case.state, case.E, other.nu))
+        lies_within_its_uncertainty(
+            check(case, None, other.wanted), moduli(case.state, case.E, other.nu)
+        )
 
 
 @pytest.mark.parametrize("name", case_names())
@@ -89,7 +101,7 @@ def test_no_field_is_a_fault_of_the_program(name):
             assert verdict.material.E > 0 or math.isnan(verdict.material.E)
 
 
-def test_a_uniform_state_is_told_by_the_modulus_that_shows_with_its_doubt():
+def test_a_uniform_state_is_told_by_the_modulus_that_shows_with_its_uncertainty():
     case = elastic_case("cell_shear", 0.3, state="space")
     text = str(check(case, None, 1.1 * case.wanted, accuracy=0.0))
     assert "modulus E 0.9091 times as large?" in text
@@ -105,7 +117,7 @@ def test_a_uniform_state_is_told_by_the_modulus_that_shows_with_its_doubt():
 
 
 @pytest.mark.parametrize("name", ["clamped_pull_plane_strain", "cook_plane_strain"])
-def test_a_doubt_is_what_the_worst_errors_of_all_components_do(name):
+def test_a_uncertainty_is_what_the_worst_errors_of_all_components_do(name):
     case, part = elastic_case(name, 0.3), 1e-3
     error = part * np.linalg.norm(case.wanted, axis=1).max()
     told = check(case, None, case.wanted, accuracy=part).material
@@ -118,7 +130,7 @@ def test_a_doubt_is_what_the_worst_errors_of_all_components_do(name):
             signs[at] = np.sign(getattr(moved, number) - getattr(told, number))
         worst = check(case, None, case.wanted + error * signs, accuracy=part).material
         off = abs(getattr(worst, number) - getattr(told, number))
-        assert off == pytest.approx(getattr(told, f"{number}_doubt"), rel=0.1)
+        assert off == pytest.approx(getattr(told, f"{number}_uncertainty"), rel=0.1)
 
 
 def other_state(name):
@@ -211,7 +223,7 @@ def test_noise_and_half_bodies_have_no_cause_and_small_changes_no_other():
             if kind == "softer" and name == "cell_shear_space":  # of one side, which turns too
                 allowed.add("rigid motion")
             assert set(causes(verdict)) <= allowed, (name, kind, verdict.causes)
-            lies_within_its_doubt(
+            lies_within_its_uncertainty(
                 verdict, moduli(case.state, case.E / (1.1 if kind == "softer" else 1), nu)
             )
             told[kind] += 1

@@ -235,7 +235,7 @@ def test_the_ring_is_lames_to_what_is_stated(state):
     """In 40 digits, from the numbers as they are written."""
     name = f"lame_ring_{state}"
     nodes = read_rows(f"{name}/quad4_nodes.csv", homes())
-    doubt = {
+    uncertainty = {
         row["nu"]: Decimal(row["uncertainty"])
         for row in read_rows(f"{name}/quantities.csv", homes())
         if row["quantity"] == "displacement"
@@ -248,7 +248,7 @@ def test_the_ring_is_lames_to_what_is_stated(state):
             inward = (1 - 2 * nu) * (1 + nu) if state == "plane_strain" else 1 - nu
             factor = Decimal(10_000) / 3 * (inward + (1 + nu) / (r * r)) / Decimal(10_000_000)
             for found, at in ((row["ux"], x), (row["uy"], y)):
-                assert abs(Decimal(found) - factor * at) <= doubt[row["nu"]], row
+                assert abs(Decimal(found) - factor * at) <= uncertainty[row["nu"]], row
 
 
 def test_no_value_is_rounded_beyond_its_uncertainty():

@@ -41,58 +41,27 @@ def _files(*names: str) -> list[str]:
 
 MODULES: dict[str, tuple[list[str], list[str], int]] = {
     # name: files, tests, faults
-    "integrators": (
-        [
-            f"msvalidate/dynamics/{name}.py"
-            for name in ("integrators", "variants", "step_limits", "implicit")
-        ],
-        _files("integrators", "integrators_on_networks", "integrate"),
-        28,
-    ),
+    "integrators": ([f"msvalidate/dynamics/{name}.py" for name in ("integrators", "variants",
+        "step_limits", "implicit")], _files("integrators", "integrators_on_networks", "integrate"),
+        28),
     "homogenise": (["msvalidate/constants/homogenise.py"], _files("homogenise"), 28),
-    "calibrate": (
-        ["msvalidate/bodies/calibrate.py", "msvalidate/constants/routes.py"],
-        _files("calibrate", "uniform_tension"),
-        28,
-    ),
-    "volumes": (
-        ["msvalidate/network/laws/volumes.py"],
-        _files("volumes", "volumes_by_hand", "network", "spectrum", "lengths"),
-        25,
-    ),
+    "calibrate": (["msvalidate/bodies/calibrate.py", "msvalidate/constants/routes.py"],
+        _files("calibrate", "uniform_tension"), 28),
+    "volumes": (["msvalidate/network/laws/volumes.py"], _files("volumes", "volumes_by_hand",
+        "network", "spectrum", "lengths"), 25),
     "compare": (["msvalidate/judging/compare.py"], _files("evidence", "compare"), 25),
-    "baseline": (
-        ["msvalidate/output/baseline.py", "checker/msvalidate_check/baseline.py"],
-        [*_files("baseline"), "tests/checker/test_plugin.py"],
-        25,
-    ),
+    "rules": (["msvalidate/judging/rules.py"], _files("rules"), 25),
+    "baseline": (["msvalidate/output/baseline.py", "checker/msvalidate_check/baseline.py"],
+        [*_files("baseline"), "tests/checker/test_plugin.py"], 25),
     "stiffness": (["msvalidate/constants/stiffness.py"], _files("stiffness", "calibrate"), 25),
-    "network": (
-        ["msvalidate/network/network.py"],
-        _files(
-            "network",
-            "spectrum",
-            "lattice_network",
-            "body_exact",
-            "supports",
-            "unstable",
-            "lengths",
-        ),
-        25,
-    ),
-    "charges": (
-        ["msvalidate/dielectric/charges/*.py"],
-        [f"{T}/dielectric/charges"],
-        25,
-    ),
+    "network": (["msvalidate/network/network.py"], _files("network", "spectrum", "lattice_network",
+        "body_exact", "supports", "unstable", "lengths"), 25),
+    "charges": (["msvalidate/dielectric/charges/*.py"], [f"{T}/dielectric/charges"], 25),
     "kernels": (["msvalidate/kernels/*.py", "msvalidate/dielectric/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
-    "equilibrium": (
-        ["msvalidate/statics/equilibrium.py", "msvalidate/linear_algebra/factor*.py"],
-        _files("equilibrium*", "factor", "unstable", "path", "refinement"),
-        25,
-    ),
-}
+    "equilibrium": (["msvalidate/statics/equilibrium.py", "msvalidate/linear_algebra/factor*.py"],
+        _files("equilibrium*", "factor", "unstable", "path", "refinement"), 25),
+}  # fmt: skip
 KT, CT = f"{T}/kernels", f"{T}/dielectric/charges"
 CELLS = [
     [f"{KT}/test_kernels.py::test_{n}" for n in (

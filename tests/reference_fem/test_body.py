@@ -14,11 +14,9 @@ from msvalidate.problem import (
     Isotropic,
     Mesh,
     PointForce,
-    Polygon,
     Problem,
     ProblemError,
     Region,
-    Segment,
     Support,
     Traction,
 )
@@ -258,54 +256,6 @@ def test_traction_has_its_resultant_and_moment(side, element):
     assert moment(points, force) == pytest.approx(moment(centre[None], total[None]), rel=1e-13)
 
 
-@pytest.mark.parametrize("element", PLANE)
-def test_traction_shares_are_those_of_the_trapezium_and_simpson(element):
-    shares = {1: [1, 2, 1], 2: [1, 4, 2, 4, 1]}[ELEMENTS[element].degree]
-    points, force = forces(Traction(BOX.side("right"), (0.0, 1.0)), element, cells=(1, 2))
-    side = np.flatnonzero(points[:, 0] == BOX.size[0])
-    found = force[side[np.argsort(points[side, 1])], 1]
-    total = THICKNESS * BOX.size[1]
-    assert found == pytest.approx(total * np.array(shares) / sum(shares), rel=1e-13)
-
-
-# ∫ N_i s² over an edge 0 <= s <= 1, by hand, for the nodes of the edge in order.
-PARABOLA = {1: np.array([1, 3]) / 12, 2: np.array([-1, 12, 9]) / 60}
-CONSTANT = {1: np.array([1, 1]) / 2, 2: np.array([1, 4, 1]) / 6}
-
-
-@pytest.mark.parametrize("element", PLANE)
-def test_each_node_gets_its_share_of_a_parabola_of_traction(element):
-    H = BOX.size[1]
-    load = Traction(BOX.side("right"), lambda x: (x[:, 1:] / H) ** 2 * [1.0, -2.0])
-    points, force = forces(load, element, cells=1)
-    side = np.flatnonzero(points[:, 0] == BOX.size[0])
-    found = force[side[np.argsort(points[side, 1])]]
-    shares = THICKNESS * H * PARABOLA[ELEMENTS[element].degree]
-    assert found == pytest.approx(np.outer(shares, [1.0, -2.0]), rel=1e-12)
-
-
-@pytest.mark.parametrize("element", ["Q1", "Q2"])
-def test_each_node_gets_its_share_of_a_parabola_of_body_force(element):
-    load = BodyForce(lambda x: (x[:, :1] / BOX.size[0]) ** 2 * [1.0, -2.0])
-    points, force = forces(load, element, cells=1)
-    rows = np.lexsort(points.T)  # along x first
-    degree = ELEMENTS[element].degree
-    shares = THICKNESS * BOX.volume * np.outer(CONSTANT[degree], PARABOLA[degree]).ravel()
-    assert force[rows] == pytest.approx(np.outer(shares, [1.0, -2.0]), rel=1e-12)
-
-
-@pytest.mark.parametrize("element", PLANE)
-def test_traction_on_part_of_a_side(element):
-    part = Region(((0.4, 0.6), BOX.size[1]))
-    points, force = forces(Traction(part, (0.5, 1.0)), element)  # a cell is 0.2 wide
-    assert force.sum(axis=0) == pytest.approx(0.2 * THICKNESS * np.array([0.5, 1.0]), rel=1e-12)
-    assert moment(points, force) == pytest.approx(
-        0.2 * THICKNESS * (0.5 * 1.0 - BOX.size[1] * 0.5), rel=1e-12
-    )
-    off = ~part.select(points, BOX.tolerance)
-    assert np.abs(force[off]).max() <= STRAY * np.abs(force).max()
-
-
 @table("cells", [1, 5, 7, (8, 6)])
 @table("element", ["Q1", "P2"])
 def test_traction_that_ends_inside_an_edge_is_refused(element, cells):
@@ -314,21 +264,6 @@ def test_traction_that_ends_inside_an_edge_is_refused(element, cells):
         ProblemError, match=r"traction on \(0.4 <= x <= 0.6.*covers no whole number"
     ):
         forces(Traction(part, (0.0, 1.0)), element, cells)
-
-
-@pytest.mark.parametrize("grading", [1.0, 4.0, 6.0])
-def test_traction_on_cells_that_are_slanted_and_tiny(grading):
-    # Each edge is mapped by its own nodes: nothing is looked for inside cells of 1e-8 m.
-    grid = reference_fem.box_discretisation(Box((1.0, 1.0)), 20, "Q1", grading)
-    outline = Polygon(((0.0, 0.0), (1.0, 0.0), (1.5, 1.0), (0.5, 1.0)))
-    top = Traction(Segment((0.5, 1.0), (1.5, 1.0)), (1.0, -2.0))
-    held = Support(Segment((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0))
-    points = grid.points @ np.array([[1.0, 0.0], [0.5, 1.0]])
-    mesh = reference_fem.make_discretisation(points, grid.cells, "Q1")
-    problem = Problem(outline, MATERIALS["plane_stress"], (held,), (top,))
-    force = nodal_forces(problem, mesh)
-    assert force.sum(axis=0) == pytest.approx(THICKNESS * np.array([1.0, -2.0]), rel=1e-12)
-    assert moment(points, force) == pytest.approx(-3 * THICKNESS, rel=1e-12)
 
 
 @pytest.mark.parametrize("element", PLANE)
@@ -344,13 +279,6 @@ def test_body_force_has_its_resultant_and_moment(element):
     assert forces(load, element)[1].sum(axis=0) == pytest.approx(wanted, rel=1e-13)
 
 
-def test_point_force_is_a_force_and_knows_no_thickness():
-    points, force = forces(PointForce((0.6, 0.8), (1.0, -2.0)))
-    at = np.isclose(points, (0.6, 0.8)).all(axis=1)
-    np.testing.assert_array_equal(force[at], [[1.0, -2.0]])
-    assert not force[~at].any()
-
-
 def test_point_force_off_the_mesh_is_refused():
     with pytest.raises(ProblemError, match=r"point force at \(x = 0.65, y = 0.8\): no mesh node"):
         forces(PointForce((0.65, 0.8), (1.0, -2.0)))
@@ -360,20 +288,6 @@ def test_support_off_the_mesh_is_refused():
     problem = Problem(BOX, MATERIALS["plane_stress"], (Support(Region((0.65, None)), (0.0, 0.0)),))
     with pytest.raises(ProblemError, match=r"support on \(x = 0.65\): no point"):
         reference_fem.solve_problem(problem, reference_fem.box_discretisation(BOX, (6, 5)))
-
-
-def test_loads_add_up():
-    loads = (
-        Traction(BOX.side("top"), (0.1, 0.2)),
-        Traction(BOX.side("right"), (0.3, -0.1)),
-        BodyForce((0.0, -1.0)),
-        PointForce((1.2, 0.8), (0.5, 0.0)),
-        PointForce((1.2, 0.8), (0.5, 0.0)),
-    )
-    body = reference_fem.box_discretisation(BOX, 4)
-    whole = nodal_forces(Problem(BOX, MATERIALS["plane_stress"], HELD, loads), body)
-    parts = [forces(load, cells=4)[1] for load in loads]
-    assert whole == pytest.approx(sum(parts), rel=1e-14)
 
 
 @table(

@@ -7,14 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import reference_fem
 from msvalidate.problem import Anisotropic, Isotropic, ProblemError
-from reference_fem.elasticity import elastic_tensor, stiffness
+from reference_fem.elasticity import stiffness
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
-from tests.reference_fem.by_hand import SKEW, compliance, with_middles
+from tests.reference_fem.by_hand import SKEW, with_middles
 
 # A library's warning on the way to an answer, such as MatrixRankWarning, is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -133,27 +131,6 @@ def test_stiffness_is_symmetric_and_only_rigid_motions_are_free(name, element):
     assert np.abs(K @ rigid.T).max() <= ROUNDING * np.abs(K).max()
 
 
-@settings(max_examples=20, deadline=None)
-@given(
-    angle=st.floats(-np.pi, np.pi), shift=st.tuples(*[st.floats(-5, 5)] * 2), seed=st.integers(0)
-)
-def test_answer_turns_with_the_body(angle, shift, seed):
-    points, cells = patch("Q2")
-    force = np.random.default_rng(seed).normal(size=points.shape)
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-
-    def answer(points, force):
-        left = np.flatnonzero(patch("Q2")[0][:, 0] == 0)
-        fixed = [(node, axis, 0.0) for node in left for axis in (0, 1)]
-        rows = [(node, axis, force[node, axis]) for node in range(len(force)) for axis in (0, 1)]
-        material = MATERIALS["plane strain"]
-        return reference_fem.solve(points, cells, "Q2", material, fixed, rows)
-
-    still, turned = answer(points, force), answer(points @ turn.T + shift, force @ turn.T)
-    # Coordinates of size 5 round to 1e-15, of a body of 0.1 m whose condition is 1e3.
-    assert np.abs(turned - still @ turn.T).max() <= 1e-9 * np.abs(still).max()
-
-
 @pytest.mark.parametrize("element", PLANE)
 def test_answer_does_not_depend_on_numbering(element):
     points, cells = patch(element)
@@ -177,39 +154,6 @@ def test_answer_does_not_depend_on_numbering(element):
 
 
 # --- materials ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.4999])
-def test_tensor_inverts_the_compliance(nu):
-    # By another route than the code: no Lamé constants; 1/(1 - 2 nu) amplifies rounding to 1e-12.
-    E, plane = 210.0, np.ix_([0, 1, 5], [0, 1, 5])
-    stress = np.linalg.inv(compliance(E, nu)[plane])  # out-of-plane stresses zero
-    strain = np.linalg.inv(compliance(E, nu))[plane]  # out-of-plane strains zero
-    assert elastic_tensor(Isotropic(E, nu, "plane_stress")) == pytest.approx(stress, rel=1e-11)
-    assert elastic_tensor(Isotropic(E, nu, "plane_strain")) == pytest.approx(
-        strain, rel=1e-11, abs=1e-11
-    )
-
-
-@pytest.mark.parametrize("material", [Isotropic, Anisotropic])
-def test_thickness_and_modulus_divide_the_displacement(material):
-    points, cells = patch("Q1")
-    left = np.flatnonzero(points[:, 0] == 0)
-    fixed = [(node, axis, 0.0) for node in left for axis in (0, 1)]
-
-    def answer(modulus, thickness):
-        law = (
-            Isotropic(modulus, 0.3, thickness=thickness)
-            if material is Isotropic
-            else Anisotropic(modulus * SKEW, thickness=thickness)
-        )
-        return reference_fem.solve(points, cells, "Q1", law, fixed, [(2, 1, 1.0)])
-
-    thick, stiff, base = answer(1.0, 8.0), answer(8.0, 1.0), answer(1.0, 1.0)
-    assert base.any()
-    # Eight is a power of two: only the exponent changes, unless something else enters.
-    np.testing.assert_array_equal(8 * thick, base)
-    np.testing.assert_array_equal(8 * stiff, base)
 
 
 def test_prescribed_values_are_returned_as_given():
@@ -242,15 +186,11 @@ def replaced(rows, at, value):
 
 BAD = {
     # what is wrong: (what differs from GOOD, what the message must say)
-    "no supports": (
-        {"fixed": []},
-        ["translation along x", "translation along y", "rotation about"],
-    ),
+    "no supports": ({"fixed": []}, ["translation along x", "translation along y",
+        "rotation about"]),
     "one support point": ({"fixed": CLAMP[:2]}, [r"rotation about \(0, 0\)"]),
-    "held along x only": (
-        {"fixed": [(node, 0, 0.0) for node in range(6)]},
-        ["free: translation along y. Hold one more"],
-    ),
+    "held along x only": ({"fixed": [(node, 0, 0.0) for node in range(6)]},
+        ["free: translation along y. Hold one more"]),
     "NaN in points": ({"points": replaced(POINTS, 4, (np.nan, 0))}, [r"points: nan", r"\(4, 0\)"]),
     "infinity in points": ({"points": replaced(POINTS, 4, (0, np.inf))}, ["points: inf"]),
     "words for points": ({"points": [("a", "b")]}, ["points: expected numbers"]),
@@ -263,10 +203,8 @@ BAD = {
     "cells of another element": ({"element": "P1"}, [r"cells: .*\(2, 4\); P1 needs .*\(c, 3\)"]),
     "no cells": ({"cells": np.zeros((0, 4), dtype=int)}, [r"cells: .*\(0, 4\)"]),
     "cells of fractions": ({"cells": np.array(CELLS) + 0.5}, ["cells: .*give whole numbers"]),
-    "clockwise": (
-        {"cells": replaced(CELLS, 1, (2, 5, 4, 1))},
-        ["cell 1 is inverted", "counter-clockwise"],
-    ),
+    "clockwise": ({"cells": replaced(CELLS, 1, (2, 5, 4, 1))}, ["cell 1 is inverted",
+        "counter-clockwise"]),
     "crossed quadrilateral": ({"cells": replaced(CELLS, 0, (0, 1, 3, 2))}, ["cell 0 is inverted"]),
     "flat cell": ({"points": replaced(POINTS, 4, (1, 0.5))}, ["cell 1 is .*flat or not convex"]),
     "not convex": ({"points": replaced(POINTS, 5, (1.2, 0.1))}, ["cell 1 is .*not convex"]),
@@ -275,10 +213,8 @@ BAD = {
     "cell index negative": ({"cells": replaced(CELLS, 1, (1, 4, -1, 2))}, ["cells: points -1"]),
     "listed twice": ({"cells": [*CELLS, CELLS[1]]}, ["overlaps another on one of its edges; list"]),
     "orphan": ({"points": [*POINTS, (3, 3)]}, ["point 6 belongs to no cell"]),
-    "unmerged points": (
-        {"points": [*POINTS, (1, 0), (1, 1)], "cells": [(0, 1, 2, 3), (6, 4, 5, 7)]},
-        ["coincides with point", "remove or merge it"],
-    ),
+    "unmerged points": ({"points": [*POINTS, (1, 0), (1, 1)], "cells": [(0, 1, 2, 3), (6, 4, 5,
+        7)]}, ["coincides with point", "remove or merge it"]),
     "fixed component": ({"fixed": [*CLAMP, (1, 2, 0.0)]}, ["components to 1"]),
     "fixed component below zero": ({"fixed": [*CLAMP, (1, -1, 0.0)]}, ["components to 1"]),
     "fixed node": ({"fixed": [*CLAMP, (6, 0, 0.0)]}, ["nodes run to 5"]),
@@ -289,11 +225,7 @@ BAD = {
     "incompressible": ({"material": Isotropic(1.0, 0.5, "plane_strain")}, ["nu = 1/2", "nu < 1/2"]),
     "solid": ({"material": Isotropic(1.0, 0.3, "solid")}, ["material: 3D, the body 2D"]),
     "solid tensor": ({"material": Anisotropic(SOLID)}, ["material: 3D, the body 2D"]),
-}
-
-
-def test_good_input_is_good():
-    assert np.isfinite(reference_fem.solve(**GOOD)).all()
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("change", "fragments"), BAD.values(), ids=BAD)
@@ -313,9 +245,3 @@ def test_displaced_middle_node_bends_the_cell_and_the_patch_still_holds(element,
     fixed = held_on_boundary(patch(element)[0], affine(points))
     found = reference_fem.solve(points, cells, element, MATERIALS["plane stress"], fixed, [])
     assert np.abs(found - affine(points)).max() <= ROUNDING * np.abs(affine(points)).max()
-
-
-def test_consistent_repetition_is_no_contradiction():
-    once = reference_fem.solve(**GOOD)
-    twice = reference_fem.solve(**(GOOD | {"fixed": [*CLAMP, *CLAMP]}))
-    np.testing.assert_array_equal(once, twice)

@@ -131,13 +131,6 @@ def test_highest_order_is_the_callers():
     assert richardson(*values, 16, 2.9).status == ("not asymptotic",)
 
 
-@pytest.mark.parametrize("growth", [0.2, 1.0])
-def test_divergence_is_not_asymptotic(growth):
-    estimate = three(lambda n: float(n) ** growth)
-    assert estimate.status == ("not asymptotic",)
-    assert np.isnan(estimate.order).all()
-
-
 @pytest.mark.parametrize("limit", [1.0, -1e6, 1e-6])
 def test_rounding_is_called_exact(limit):
     estimate = three(lambda n: limit * (1 + 1e-14 * np.sin(37 * n)))
@@ -159,24 +152,6 @@ def test_small_change_above_rounding_is_not_exact():
     assert estimate.status == ("asymptotic",)
 
 
-def test_each_value_has_its_own_judgement():
-    estimate = three(lambda n: np.array([1 + n**-2.0, 1.0, 1 + (-0.5) ** round(np.log2(n))]))
-    assert estimate.status == ("asymptotic", "exact", "not asymptotic")
-    assert estimate.order[0] == pytest.approx(2, abs=1e-9)
-    assert np.isnan(estimate.order[1:]).all()
-
-
-@settings(deadline=None)
-@given(scale=st.integers(-60, 60), shift=st.integers(0, 3))
-def test_unit_of_the_quantity_does_not_matter(scale, shift):
-    def sequence(n):
-        return np.array([0.5 + n**-1.7, shift + 0.3 * n**-2.2, (-1) ** n + 2.0])
-
-    unit, scaled = three(sequence), three(lambda n: 2.0**scale * sequence(n))
-    assert scaled.status == unit.status
-    np.testing.assert_array_equal(scaled.uncertainty, 2.0**scale * unit.uncertainty)
-
-
 # --- refinement -----------------------------------------------------------------------------------
 
 
@@ -191,31 +166,10 @@ class Counted:
         return np.atleast_1d(self.sequence(cells))
 
 
-@pytest.mark.parametrize("order", [0.75, 1.0, 2.0, 3.0])
-@pytest.mark.parametrize("tolerance", [1e-1, 1e-3])
-def test_refines_until_the_tolerance_is_met_and_no_further(order, tolerance):
-    quantity = Counted(power(2.0, -1.0, order))
-    estimate = refine(quantity, 2, tolerance, finest=2**16)
-    assert abs(estimate.value[0] - 2) <= estimate.uncertainty[0] <= tolerance
-    # No mesh too many: the one before missed the tolerance, unless it was among the first three.
-    earlier = [2 - float(n) ** -order for n in quantity.asked[:-1]]
-    if len(earlier) > 2:
-        parts = [np.array([value]) for value in earlier[-3:]]
-        assert richardson(*parts, 0, HIGHEST).uncertainty[0] > tolerance
-    assert estimate.cells == quantity.asked[-1]
-    assert quantity.asked == [2 * 2**k for k in range(len(quantity.asked))]
-
-
 def test_every_value_must_meet_the_tolerance():
     estimate = refine(lambda n: np.array([n**-4.0, n**-1.0]), 2, 0.01)
     assert (estimate.uncertainty <= 0.01).all()
     assert estimate.cells == 128
-
-
-def test_three_meshes_are_solved_even_if_two_agree():
-    quantity = Counted(lambda _: 1.0)
-    assert refine(quantity, 3, 1.0).status == ("exact",)
-    assert quantity.asked == [3, 6, 12]
 
 
 @pytest.mark.parametrize(
@@ -362,11 +316,6 @@ def test_a_plateau_is_not_the_limit():
 def test_slow_convergence_is_not_trusted():
     estimate = three(power(0.0, 1.0, 0.2))
     assert abs(estimate.value[0]) <= estimate.uncertainty[0]
-
-
-def test_values_of_different_size_are_judged_each_by_itself():
-    estimate = three(lambda n: np.array([1e12, 0.1 * n**-0.6]))
-    assert estimate.status == ("exact", "asymptotic")
 
 
 @table(

@@ -134,29 +134,6 @@ def test_order_of_the_stress_is_that_of_the_gradient(element, bent):
     assert np.log2(error(5) / error(10)) == pytest.approx(ELEMENTS[element].degree, abs=0.1)
 
 
-def test_where_cells_meet_the_stress_is_their_mean():
-    # Three triangles about (1, 1), two of them about (1, 0): strains εxx of 1, 2 and 6 by hand.
-    points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0]]
-    body = make_discretisation(points, [[0, 1, 2], [0, 2, 3], [1, 4, 2]], "P1")
-    u = np.zeros((5, 2))
-    u[:, 0] = [0, 1, 2, 0, 7]  # εxx: 1 in the first, 2 in the second, 6 in the third
-    found = Solution(body, u, Isotropic(1.0, 0.0))
-    x = [[1.0, 1.0], [1.0, 0.0], [0.0, 0.0], [0.5, 0.5], [1.0, 0.5], [0.6, 0.3], [0.3, 0.6]]
-    assert found.stress(x)[:, 0] == pytest.approx([3, 3.5, 1.5, 1.5, 3.5, 1, 2], rel=1e-13)
-
-
-@every_element
-def test_no_points_have_no_stress(element):
-    body = distorted(element)
-    d = body.dim
-    law = Isotropic(2.0, 0.3, "solid" if d == 3 else "plane_strain")
-    found = Solution(body, 0 * body.points, law, np.zeros(len(body.vertices)))
-    nowhere = np.zeros((0, d))
-    assert found.at(nowhere).shape == (0, d)
-    assert found.strain(nowhere).shape == found.stress(nowhere).shape == (0, 3 * d - 3)
-    assert found.pressure_at(nowhere).shape == (0,)
-
-
 def test_bad_questions_are_named():
     body = reference_fem.box_discretisation(Box((1.0, 1.0)), 2)
     u = np.zeros(body.points.shape)

@@ -77,9 +77,8 @@ def test_what_is_not_held_is_seen(order, error, linear, difference, beyond):
         {"case": "clamped_pull", "order": order, "error": error},
         {"case": "block_pull", "order": 3, "error": 1e-13},
     ]
-    seen = question.observed(elements, [{"linear": linear, "difference": difference}])
-    limits = [tolerance.limit for tolerance in question.TOLERANCES]
-    found = [i for i, (o, most) in enumerate(zip(seen, limits, strict=True)) if o.value > most]
+    judged = question.judge(elements, [{"linear": linear, "difference": difference}])
+    found = [i for i, one in enumerate(judged) if one.observed.value > one.limit]
     assert found == beyond
 
 

@@ -8,7 +8,6 @@ from msvalidate.studies.actuator import (
     bodies,
     controls,
     edges,
-    figure8,
     figure8_statements,
     models,
     prestretched,
@@ -243,15 +242,6 @@ def test_every_film_is_at_rest_without_a_voltage():
     for film in prestretched.films((1.0, 2.0), 5):
         rest = bodies.springs(film.bonded(5), 0.0)
         assert np.abs(rest).max() < 1e-9 * film.height
-
-
-def test_questions_join():
-    """Columns of all questions have one meaning each."""
-    parts = [profile, figure8, prestretched, controls]
-    meanings = {}
-    for part in parts:
-        for column, meaning in part.COLUMNS.items():
-            assert meanings.setdefault(column, meaning) == meaning
 
 
 def test_a_fault_is_noticed_by_the_profile_alone():

@@ -18,6 +18,7 @@ from msvalidate.judging import counting
 from msvalidate.judging.evidence import UNGATED
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.baseline import baseline_files
+from msvalidate.problem import SolverError
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from reference_fem.systems.dissection import node_order
@@ -162,18 +163,17 @@ def test_damping_that_follows_the_spacing_is_seen_in_space(tables):
     ]
     spoilt_growth = steps.growth(pd.DataFrame(spoilt_rows))
     kept = table[(table["body"] != "cube") | (table["method"] != "viscous_leapfrog")]
-    limits = [t.limit for t in space.TOLERANCES]
     for grown, seen in ((table, False), (pd.concat([kept, spoilt_growth]), True)):
-        errors = [one.error for one in space.relaxations(grown)]
-        assert [error > limit for error, limit in zip(errors, limits, strict=False)] == [
-            *[seen] * 3,
-            *[False] * 3,
-        ]
+        judged = [rule.read(steps.split_table("growth", grown)) for rule in steps.CUBE]
+        missed = [one.observed.error > one.limit for one in judged]
+        assert missed == [*[seen] * 3, *[False] * 3]
 
 
-def test_growth_that_no_run_reached_is_not_passed():
-    nothing = pd.DataFrame(columns=["body", "method", "threshold", "quantity", "exponent"])
-    assert all(np.isnan(one.error) for one in space.relaxations(nothing))
+def test_growth_that_no_run_reached_is_not_passed(tables):
+    nothing = {name: tables[name].iloc[:0] for name in ("growth", "growth_here")}
+    for rule in steps.CUBE:
+        with pytest.raises(SolverError, match="no row of growth"):
+            rule.read(nothing)
 
 
 def test_counted_factor_is_that_of_dense_elimination():
@@ -194,7 +194,7 @@ def test_counted_factor_is_that_of_dense_elimination():
 
 def test_elimination_in_layers_is_told_from_nested_dissection(monkeypatch):
     """A band: unknowns^(5/3) entries and unknowns^(7/3) products."""
-    limits = {t.quantity: t.limit for t in space.TOLERANCES}
+    limits = {t.quantity: t.limit for t in space.RULES}
     by_layers = [np.lexsort(space.cube_of_elements(n).points.T) for n in space.QUICK_EDGES]
     monkeypatch.setattr(space, "node_order", lambda _: by_layers.pop(0))
     factors = pd.DataFrame([row for n in space.QUICK_EDGES for row in space.count_elimination(n)])

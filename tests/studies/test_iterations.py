@@ -19,8 +19,7 @@ def observed(monkeypatch, *given):
         "iterations": [state(0.1, 0.0), state(0.05, 0.0, by_dt=0.0)],
     }
     monkeypatch.setattr(iterations, "records", lambda: [record, plain])
-    found = iterations.run().observed
-    return [found[tolerance.quantity].value for tolerance in iterations.TOLERANCES]
+    return [tolerance.observed.value for tolerance in iterations.run().tolerances]
 
 
 def test_error_that_grows_by_iterations(monkeypatch):

@@ -101,7 +101,7 @@ def with_braced(monkeypatch):
 
 @pytest.fixture(scope="module")
 def solid_tables():
-    return solids.solid_tables(homogenise, QUICK)[0]
+    return solids.solid_tables(homogenise, QUICK)
 
 
 # The cases ------------------------------------------------------------------------------------
@@ -367,7 +367,7 @@ def test_a_long_bar_takes_the_work_of_a_free_one():
     assert found["shear"].work == pytest.approx(4 * 10**2, rel=0.02)  # L²/h² · 12/3 of a beam
 
 
-def test_extrapolation_finds_the_limit_of_a_power_and_doubts_what_does_not_shrink():
+def test_extrapolation_finds_the_limit_of_a_power_and_uncertainties_what_does_not_shrink():
     found = elastic.extrapolate(*(2 + h**1.6 for h in (1, 0.5, 0.25)))
     assert found.work == pytest.approx(2, rel=1e-12)
     assert found.uncertainty == pytest.approx(elastic.TRUST * 0.25**1.6 / 2, rel=1e-9)
@@ -399,7 +399,7 @@ def test_clamped_lattices_come_nearer_to_the_elastic_body():
 
 
 @pytest.mark.parametrize(
-    ("gaps", "doubt", "found"),
+    ("gaps", "uncertainty", "found"),
     [
         ((0.04, 0.01), 0.0, 2.0),
         ((0.04, 0.01), 0.004, "not resolved"),
@@ -407,8 +407,8 @@ def test_clamped_lattices_come_nearer_to_the_elastic_body():
         ((0.01, 0.04), 0.0, "not asymptotic"),
     ],
 )
-def test_orders_of_two_sizes(gaps, doubt, found):
-    pair = pd.DataFrame({"difference": gaps, "uncertainty": doubt, "spacing": (0.5, 0.25)})
+def test_orders_of_two_sizes(gaps, uncertainty, found):
+    pair = pd.DataFrame({"difference": gaps, "uncertainty": uncertainty, "spacing": (0.5, 0.25)})
     assert clamped.order(pair) == (found if isinstance(found, str) else pytest.approx(found))
 
 
@@ -418,11 +418,16 @@ def test_a_line_breaks_where_its_sign_changes():
 
 
 def test_nothing_to_judge_is_no_pass():
-    assert np.isnan(clamped._worst(pd.Series([], dtype=float)).value)
+    words = pd.DataFrame({"cell_over": ["none"], "clamped_order": ["not resolved"]})
+    assert np.isnan(cases.numbers("cell_over")(words))
+    none = pd.DataFrame({"released": [1.0], "omega2_m": 1.0, "omega2_m_theory": ["none"]})
+    assert np.isnan(solids._cauchy(none)["released"]).all()
+    assert np.isnan(solids._frequency(none)).all()
+    assert np.isnan(clamped._away(words.assign(clamped_expected=1.0)))
     orders = pd.DataFrame({"order_expected": ["none"], "order": ["exact"]})
-    exact, _, away = uniform.observe(pd.DataFrame(), orders)
-    assert np.isnan(exact.value)
-    assert np.isnan(away.value)
+    for rule in uniform.RULES:
+        with pytest.raises(SolverError, match="no row of uniform_order"):
+            rule.read({"uniform_order": orders})
 
 
 def test_what_crossing_springs_are_to_blame_for_is_not_said_where_points_move():

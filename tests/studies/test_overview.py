@@ -44,7 +44,7 @@ def test_springs_are_labelled_by_what_they_are_made_with(made, said):
 def test_another_rule_another_label(rule):
     """What ran by another rule is told so on the first screen."""
     asked = "triangle", cook.RISING, rule
-    method = cook.edge_method(cook.on_edges(*asked, 4), cook.RISING)
+    method = cook.edge_method(*asked)
     ran = pd.DataFrame(cases.rows(LIMIT, method, (4, 8), (30.0, 36.0)))
     results = Results("quick", {"benchmarks": {"cook_edges": ran}})
     row = good_for.row(ROWS["cook_edges"], results, {})
@@ -64,7 +64,7 @@ def test_the_committed_rows_are_made_of_the_committed_tables(form):
 
 @pytest.mark.parametrize("lattice", ["square, cut", "triangular, cut"])
 def test_another_lattice_another_label(lattice):
-    row = {"lattice": lattice, "cells_across": 8, "difference": 0.4, "doubt": 0.1}
+    row = {"lattice": lattice, "cells_across": 8, "difference": 0.4, "uncertainty": 0.1}
     told = ROWS["ordinary"].told(pd.DataFrame([{"body": ordinary.BRACKET.body, **row}]))
     assert told["springs"].to_list() == [f"{lattice} to the outline"]
 

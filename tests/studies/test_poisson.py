@@ -46,7 +46,7 @@ def test_stated_resolution_is_the_real_one(name):
     noticed = controls.smallest(name)["smallest_noticed"]
 
     def largest(size):
-        faulty = partial(controls.apply_fault, controls.FAULTS[name], size)
+        faulty = partial(controls.apply_fault, controls.FAULTS[name][0], size)
         return max(controls.identities(faulty).values())
 
     assert largest(1.1 * noticed) > finite_size.IDENTITY

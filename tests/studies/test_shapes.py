@@ -190,4 +190,4 @@ def test_findings_follow_the_table(evidence):
 
 def test_figures_draw(evidence):
     for draw in evidence.figures.values():
-        assert len(draw(evidence.tables).axes) in {2, 4}
+        assert len(draw({**evidence.tables, **evidence.drawn}).axes) in {2, 4}

@@ -4,21 +4,29 @@ That it holds in its small form is what `check` says, which runs each study once
 again among the slow tests alone, for what `check` does not look at.
 """
 
+import csv
+import importlib.util
+import tomllib
+from pathlib import Path
+
 import pytest
 from matplotlib.figure import Figure
 
+from msvalidate.cli.program import main
 from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import all_passed, judge
+from msvalidate.judging.columns import common_columns
+from msvalidate.judging.evidence import UNGATED, all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 
 QUICK = Setting(quick=True)
+ROOT = Path(__file__).resolve().parents[2]
 TELLING = {
     "actuator": "no force at the edges",
     "benchmarks": "patch with one spring missing",
     "claims": "every damping costs the same",
     "convergence": "a wrong kick: half the force",
-    "cost": "a linear solution that is not refined",
+    "cost": "a solver that stops early and states no error",
     "damping": "forces a fiftieth of a step late",
     "displacement": "every spring 0.1 % softer",
     "electrostatics": "half of a segment's force to each end",
@@ -76,7 +84,7 @@ def test_tolerances_have_units_and_reasons(evidence):
 def test_figures_are_functions_of_the_tables(name, evidence):
     assert bool(evidence.figures) == (name != "claims")  # a ledger: tables alone
     for draw in evidence.figures.values():
-        figure = draw(evidence.tables)
+        figure = draw({**evidence.tables, **evidence.drawn})
         assert isinstance(figure, Figure)
         for axis in figure.axes:
             place = axis.get_subplotspec()
@@ -114,3 +122,33 @@ def test_a_candidate_that_is_none_is_refused_in_one_line(study):
 def test_each_study_answers_some_of_its_questions(study):
     with pytest.raises(ProblemError, match=r"questions: 'no such'; choose from \w+"):
         study.run(setting=QUICK, questions=("no such",))
+
+
+def test_a_new_study_is_one_of_all_these(tmp_path):
+    place = tmp_path / "plate.py"
+    assert main(["study", "new", str(place)]) == 0
+    assert main(["study", "new", str(place)]) == main(["study", "new", "poisson"]) == 2
+    spec = importlib.util.spec_from_file_location("plate", place)
+    study = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(study)
+    test_says_what_it_asks(study)
+    test_a_candidate_that_is_none_is_refused_in_one_line(study)
+    test_each_study_answers_some_of_its_questions(study)
+    evidence = study.run(setting=QUICK)
+    test_passes_in_its_small_form(evidence)
+    test_figures_are_functions_of_the_tables("plate", evidence)
+    for fault in study.FAULTS.values():
+        assert not all_passed(judge(study.run(**fault, setting=QUICK)))
+
+
+def test_words_are_of_columns_that_there_are():
+    """Columns of times are in no baseline."""
+    heads = {}
+    for path in (ROOT / "reports" / "baseline").glob("*/*/*.csv"):
+        head = path.read_text(encoding="utf-8").partition("\n")[0]
+        heads.setdefault(path.parent.name, set()).update(next(csv.reader([head])))
+    for path in (ROOT / "studies").rglob("columns.toml"):
+        there = heads[path.relative_to(ROOT / "studies").parts[0]]
+        words = tomllib.loads(path.read_text(encoding="utf-8"))
+        assert {one for one in words if one not in there and not one.endswith(UNGATED)} == set()
+    assert set(common_columns()) <= set.union(*heads.values())

@@ -107,8 +107,8 @@ def permittivity_dropped(patch):
 
 
 def equal_masses(patch):
-    true = lattice_network._nodal_mass
-    patch.setattr(lattice_network, "_nodal_mass", lambda *asked: true(*asked[:2], "equal"))
+    true = lattice_network.lattice_network
+    everywhere(patch, true, lambda *asked, **named: true(*asked, **named | {"mass": "equal"}))
 
 
 def longer_diagonals(patch):

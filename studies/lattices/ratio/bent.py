@@ -9,13 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 import reference_fem
+from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network
 from msvalidate.network.laws.volumes import Volumes
-from msvalidate.problem import Box, Isotropic, Problem, ProblemError, prescribed_displacements
 from msvalidate.problem.material import State
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
@@ -46,20 +45,20 @@ class Bent(NamedTuple):
     cells: int
 
 
-def bend_block(state: State, nu: float) -> Problem:
+def bend_block(state: State, nu: float) -> kit.Problem:
     """A block held at its left side and loaded along y at its right one: 1 Pa each."""
-    box = Box(BOX[3 if state == "solid" else 2])
-    return loading.clamped(box, Isotropic(1.0, nu, state), "shear", 1.0)
+    box = kit.Box(BOX[3 if state == "solid" else 2])
+    return loading.clamped(box, kit.Isotropic(1.0, nu, state), "shear", 1.0)
 
 
-def box_of(problem: Problem) -> Box:
+def box_of(problem: kit.Problem) -> kit.Box:
     """The box of a problem that is one of a box."""
-    if not isinstance(problem.domain, Box):
-        raise ProblemError(f"{problem.name}: a {problem.domain}; give a box")
+    if not isinstance(problem.domain, kit.Box):
+        raise kit.ProblemError(f"{problem.name}: a {problem.domain}; give a box")
     return problem.domain
 
 
-def counts(box: Box, cells: int) -> tuple[int, ...]:
+def counts(box: kit.Box, cells: int) -> tuple[int, ...]:
     """Cells along each axis, so many through the height."""
     return tuple(round(cells * edge / box.size[1]) for edge in box.size)
 
@@ -79,13 +78,13 @@ def reference(
         if kind[0] == "plane_stress":
             move = reference_fem.solve_problem(problem, mesh).displacement
         else:
-            held, moved = prescribed_displacements(problem, mesh.points)
+            held, moved = kit.prescribed_displacements(problem, mesh.points)
             move, _ = solve_mixed_on(mesh, problem.material, held, moved, force)
         found.append(float((force * move).sum() / force.sum()))
     return elastic.extrapolate(*found)
 
 
-def deflection(candidate: DisplacementSolver, block: Bent) -> float:
+def deflection(candidate: kit.DisplacementSolver, block: Bent) -> float:
     """Mean displacement (m) of the loaded side along the load."""
     problem = bend_block(block.state, block.nu)
     box = box_of(problem)
@@ -101,11 +100,11 @@ def deflection(candidate: DisplacementSolver, block: Bent) -> float:
     return float((force * move).sum() / force.sum())
 
 
-def springs_of(problem: Problem, model: str, cells: tuple[int, ...]) -> Network:
+def springs_of(problem: kit.Problem, model: str, cells: tuple[int, ...]) -> Network:
     """Network of a model: its cells have a volume each, or their halves have."""
     box, material = box_of(problem), problem.material
-    if not isinstance(material, Isotropic):
-        raise ProblemError(f"{problem.name}: an anisotropic material; give an isotropic one")
+    if not isinstance(material, kit.Isotropic):
+        raise kit.ProblemError(f"{problem.name}: an anisotropic material; give an isotropic one")
     lattice = fill(getattr(patterns, model.split(",", maxsplit=1)[0])(), box, cells)
     network = lattice_network(problem, lattice, calibrate_material(material, lattice))
     return split(network) if model == HALVES else network

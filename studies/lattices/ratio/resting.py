@@ -13,16 +13,14 @@ Expected   The lowest frequency hardly changes, the highest grows with λ: as 1/
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
+from msvalidate import kit
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
-from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Box, Isotropic
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
@@ -34,83 +32,61 @@ RATIOS, QUICK = (0.3, 0.45, 0.49, 0.499, 0.4999), (0.3, 0.485, 0.495)
 CELLS = 8
 METHODS = {"steps_leapfrog": "viscous_leapfrog", "steps_fire": "fire"}
 LOOK_EVERY = 4
-RUBBER = 0.48
 RESTART = {True: 40, False: 600}
 """Steps of FIRE, in the small form and in the full one: it stops where a power changes its sign,
 now and then by rounding, and a stop costs 1 to 2 % of the steps, of 27,000 at the most."""
-TOLERANCES = (
-    Tolerance(
+RULES = (
+    kit.Rule(
         "highest frequency squared of rubber beyond that of one cell, 8 (λ + μ)/m, relative",
         1e-9, "1",
         "energy and mass of the body are sums over cells that are alike, so no quotient of sums is "
         "beyond that of one; left is rounding",
+        table="rubber_rest", value=lambda rows: (rows["omega_high_cell"] ** 2 - 1).clip(lower=0.0),
     ),
-    Tolerance(
+    kit.Rule(
         "leapfrog steps over the prediction from frequencies", 0.05, "1",
         "the prediction takes the slowest mode for the whole displacement; looks are four steps "
         "apart, of 200 and more",
+        table="rubber_rest", value=kit.Quotient("steps_leapfrog", "steps_foreseen"), reference=1.0,
     ),
-    Tolerance(
+    kit.Rule(
         "leapfrog steps against 1/(1 - 2 nu) above nu = 0.48: exponent, from 1/2", 0.03, "1",
         "λ + 2μ is 2μ (1 - nu)/(1 - 2 nu): while 1 - 2 nu changes three times, the root of 1 - nu "
         "and the lowest frequency change by 1 % each, 0.02/log(3) = 0.018 and less over a wider "
         "range; looks, four steps apart of 2000, make 0.002",
+        table="rubber_rest", rows={"nu_settled": RATIOS[2:] + QUICK[1:]}, value="steps_leapfrog",
+        power_of=lambda rows: 1 / (1 - 2 * rows["nu_settled"]), reference=0.5,
     ),
 )  # fmt: skip
-COLUMNS = {
-    "nu_settled": "Poisson's ratio of the bent block, plane strain (1)",
-    "lame_over_mu": "Lamé's λ over μ (1)",
-    "condition": "largest over least eigenvalue of the stiffness by masses (1)",
-    "omega_high": "highest frequency of the body, in units of the root of μ/m of a point (1)",
-    "omega_low": "its lowest, same unit (1)",
-    "omega_high_over": "omega_high over that of the endless lattice, root of 4 (λ + 2μ)/μ (1)",
-    "omega_high_cell": "omega_high over that of one cell alone, root of 8 (λ + μ)/μ (1)",
-    "step_limit": "largest stable step of leapfrog, 2/omega_high (1)",
-    "steps_foreseen": "steps of leapfrog that the slowest mode takes to an error of 1e-6",
-    "steps_leapfrog": "steps of leapfrog, critically damped, to a displacement error of 1e-6",
-    "steps_fire": "steps of FIRE to the same",
-}
 
 
-def run(setting: Setting) -> Evidence:
+def run(setting: kit.Setting) -> kit.Evidence:
     """Bring blocks to rest, and judge the steps."""
     ratios = QUICK if setting.quick else RATIOS
     table = pd.DataFrame(setting.sweep(measure, ratios, "rubber to rest"))
-    high = table[table["nu_settled"] > RUBBER]
-    slope = np.polyfit(np.log(1 - 2 * high["nu_settled"]), np.log(high["steps_leapfrog"]), 1)[0]
-    values = (
-        Observed(max(0.0, float((table["omega_high_cell"] ** 2).max() - 1))),
-        farthest_value(table["steps_leapfrog"] / table["steps_foreseen"], 1.0),
-        Observed(-float(slope), 0.5),
-    )
-    return Evidence(
-        tables={"rubber_rest": table},
-        observed=by_quantity(TOLERANCES, values),
-        tolerances=TOLERANCES,
-        columns=COLUMNS,
-        rounding={"condition": 1e-6, "steps_leapfrog": 4, "steps_fire": RESTART[setting.quick]},
-        findings=findings(table),
-    )
-
-
-def findings(table: pd.DataFrame) -> tuple[str, ...]:
-    """What the last ratio costs over the first."""
+    known = kit.columns(__file__)
+    stops = replace(known["steps_fire"], rounding=RESTART[setting.quick])
     first, last = table.iloc[0], table.iloc[-1]
-    said = (
+    finding = (
         f"From nu = {first['nu_settled']:g} to {last['nu_settled']:g} a bent block's condition "
         f"grows from {first['condition']:.2g} to {last['condition']:.2g} and the largest stable "
-        "step "
-        f"falls to {last['step_limit'] / first['step_limit']:.2g} of what it was: leapfrog takes "
-        f"{last['steps_leapfrog']:.0f} steps to rest instead of {first['steps_leapfrog']:.0f}, "
-        f"FIRE {last['steps_fire']:.0f} instead of {first['steps_fire']:.0f}."
+        f"step falls to {last['step_limit'] / first['step_limit']:.2g} of what it was: leapfrog "
+        f"takes {last['steps_leapfrog']:.0f} steps to rest instead of "
+        f"{first['steps_leapfrog']:.0f}, FIRE {last['steps_fire']:.0f} instead of "
+        f"{first['steps_fire']:.0f}."
     )
-    return (said,)
+    return kit.Evidence(
+        {"rubber_rest": table},
+        tolerances=RULES,
+        columns={**known, "steps_fire": stops},
+        findings=(finding,),
+    )
 
 
 def measure(nu: float) -> dict[str, object]:
     """One row of the table."""
-    box = Box(BOX[2])
-    problem = loading.clamped(box, Isotropic(1.0, nu, "plane_strain"), "shear", loading.STRAIN)
+    box = kit.Box(BOX[2])
+    problem = loading.clamped(box, kit.Isotropic(1.0, nu, "plane_strain"), "shear", loading.STRAIN)
     network = springs_of(problem, "square", counts(box, CELLS))
     low, high = extreme_frequencies(network)
     unit = np.sqrt(1 / (2 * (1 + nu)) / network.mass.max())

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from msvalidate import kit
 from msvalidate.lattice import Lattice, Pattern, fill
-from msvalidate.problem import Array, Box, Index
 
 REACH = 3
 """Cells from the middle one to the side: more than springs and cells reach."""
@@ -36,24 +36,16 @@ COUPLED = 1e-12
 class Stencil:
     """Stiffness that couples the points of a cell with others.
 
-    Parameters
-    ----------
-    points
-        Points of a cell.
-    cell
-        (s, d) cells, counted from the middle one, of the points coupled with.
-    pair
-        (s, 2) the point of the middle cell, and what kind of point the other is.
-    block
-        (s, d, d) stiffness in N/m.
+    How many points a cell has; the cell (s, d) of each other point, counted from the middle one;
+    the kinds (s, 2) of the two; and the stiffness (s, d, d) in N/m.
     """
 
     points: int
-    cell: Index
-    pair: Index
-    block: Array
+    cell: kit.Index
+    pair: kit.Index
+    block: kit.Array
 
-    def stiffness(self, phases: Array) -> NDArray[np.complex128]:
+    def stiffness(self, phases: kit.Array) -> NDArray[np.complex128]:
         """Stiffness (q, p·d, p·d) of the waves of phases (q, d) in rad a cell."""
         n, d = self.points, self.block.shape[1]
         K = np.zeros((n, n, len(phases), d, d), dtype=complex)
@@ -65,12 +57,8 @@ class Stencil:
 
     def less(self, other: Stencil) -> Stencil:
         """What this stiffness has more than another of the same lattice."""
-        return Stencil(
-            self.points,
-            np.concatenate([self.cell, other.cell]),
-            np.concatenate([self.pair, other.pair]),
-            np.concatenate([self.block, -other.block]),
-        )
+        cell, pair = np.vstack([self.cell, other.cell]), np.vstack([self.pair, other.pair])
+        return Stencil(self.points, cell, pair, np.concatenate([self.block, -other.block]))
 
     @property
     def coupled(self) -> float:
@@ -82,8 +70,7 @@ class Stencil:
 def block(pattern: Pattern) -> Lattice:
     """A box with a cell in its middle that sees no side."""
     count = 2 * REACH + 1
-    size = tuple(float(count * edge) for edge in pattern.size)
-    return fill(pattern, Box(size), count)
+    return fill(pattern, kit.Box(tuple(float(count * edge) for edge in pattern.size)), count)
 
 
 def stencil(pattern: Pattern, lattice: Lattice, K: csr_array) -> Stencil:
@@ -95,17 +82,16 @@ def stencil(pattern: Pattern, lattice: Lattice, K: csr_array) -> Stencil:
     cell = whole[np.arange(len(kind)), kind].astype(int) - REACH
     rows, pairs, blocks = [], [], []
     for point in np.flatnonzero((cell == 0).all(axis=1)):
-        own = csr_array(K[point * d : point * d + d]).tocoo()
-        others = np.unique(own.coords[1] // d)
-        dense = np.asarray(csr_array(own).todense()).reshape(d, -1, d)
-        for other in others:
+        own = csr_array(K[point * d : point * d + d])
+        dense = np.asarray(own.todense()).reshape(d, -1, d)
+        for other in np.unique(own.indices // d):
             rows.append(cell[other])
             pairs.append((kind[point], kind[other]))
             blocks.append(dense[:, other])
     return Stencil(len(pattern.points), np.array(rows), np.array(pairs), np.array(blocks))
 
 
-def phases(dim: int) -> Array:
+def phases(dim: int) -> kit.Array:
     """A grid of phases (q, d) from cell to cell, pi among them, and long waves the same way."""
     steps = 2 * math.pi / PHASES * (np.arange(PHASES) - PHASES // 2 + 1)
     # A wave and its opposite are one: half of the phases of the last axis will do.

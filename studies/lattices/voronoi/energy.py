@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.judging.evidence import Tolerance
+from msvalidate import kit
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import Tessellation
 from msvalidate.lattice.voronoi import pattern_of_tessellation
-from msvalidate.problem import VOIGT, Array
 
 from ..cases import Solid
 from .networks import draw_network
@@ -24,16 +23,12 @@ COUNTS = {2: 64, 3: 30}
 """Few points, as the least squares are dense."""
 SEED = 7
 CASES = list(product(COUNTS, STIFFNESS_RULES))
-TOLERANCE = Tolerance(
+RULE = kit.Rule(
     "small random solids: tensor from that by least squares, relative", 1e-9, "1",
     "the same minimum of the energy by two routes; left is the rounding of a linear solve, 1e-16 "
     "times a condition number of up to 1e6, and least squares have its root",
+    table="random_energy", value="squares_error",
 )  # fmt: skip
-COLUMNS = {
-    "count": "points in the periodic cell, or in the body (1)",
-    "random_released": "largest part of the tensor that relaxation takes, affine less relaxed (1)",
-    "squares_error": "largest difference from the tensor by least squares, over its largest (1)",
-}
 
 
 def compare_tensors(solid: Solid, case: tuple[int, str]) -> dict[str, Any]:
@@ -54,7 +49,7 @@ def compare_tensors(solid: Solid, case: tuple[int, str]) -> dict[str, Any]:
     }
 
 
-def energy_tensor(cells: Tessellation, stiffness: Array) -> Array:
+def energy_tensor(cells: Tessellation, stiffness: kit.Array) -> kit.Array:
     """Relaxed Voigt tensor of springs (m,): each spring one residual, points move as they like."""
     n, d = cells.points.shape
     length = np.linalg.norm(cells.vectors, axis=1)
@@ -64,7 +59,7 @@ def energy_tensor(cells: Tessellation, stiffness: Array) -> Array:
     np.add.at(moves, (rows, cells.springs[:, 1]), unit)
     np.add.at(moves, (rows, cells.springs[:, 0]), -unit)
     root = np.sqrt(stiffness)[:, None]
-    strains = np.stack([length * unit[:, a] * unit[:, b] for a, b in VOIGT[d]], axis=1)
+    strains = np.stack([length * unit[:, a] * unit[:, b] for a, b in kit.VOIGT[d]], axis=1)
     left, right = root * moves.reshape(len(length), -1), root * strains
     # The shortest of the best moves: a shift of all points stretches nothing.
     move, *_ = np.linalg.lstsq(left, -right, rcond=None)

@@ -9,7 +9,6 @@ import numpy as np
 from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import Constants, Pattern
-from msvalidate.problem import Mask
 
 
 def unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:
@@ -32,28 +31,22 @@ def wrong_facet(pattern: Pattern, constants: Constants, spacing: float = 1.0) ->
 
 
 def missing_neighbour(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:
-    """The solid without one spring at nearly every point."""
-    factor = np.where(_pairing(pattern), 0.0, pattern.factor)
+    """The solid without one spring at nearly every point: springs that pair the points off."""
+    alone = np.ones(len(pattern.points), dtype=bool)
+    factor = np.array(pattern.factor)
+    for spring, (i, j) in enumerate(pattern.springs):
+        if i != j and alone[i] and alone[j]:
+            factor[spring], alone[i], alone[j] = 0.0, False, False
     return homogenise(replace(pattern, factor=factor), constants, spacing)
 
 
-def _pairing(pattern: Pattern) -> Mask:
-    """Springs (m,) that pair the points off, as many as are met one after another."""
-    left = np.ones(len(pattern.points), dtype=bool)
-    paired = np.zeros(len(pattern.springs), dtype=bool)
-    for spring, (i, j) in enumerate(pattern.springs):
-        if i != j and left[i] and left[j]:
-            paired[spring], left[i], left[j] = True, False, False
-    return paired
-
-
 FAULTS = {
-    "random solids with their points held": {"solid": unrelaxed, "questions": ("random_solids",)},
-    "random solids 5 % unrelaxed": {"solid": partly_unrelaxed, "questions": ("random_solids",)},
-    "one facet 1 % too large": {"solid": wrong_facet, "questions": ("random_solids",)},
-    "one neighbour of every point missing": {
-        "solid": missing_neighbour,
-        "questions": ("random_solids",),
-    },
+    name: {"solid": solid, "questions": ("random_solids",)}
+    for name, solid in {
+        "random solids with their points held": unrelaxed,
+        "random solids 5 % unrelaxed": partly_unrelaxed,
+        "one facet 1 % too large": wrong_facet,
+        "one neighbour of every point missing": missing_neighbour,
+    }.items()
 }
 """Negative controls: arguments of the study's `run` under which a tolerance must fail."""

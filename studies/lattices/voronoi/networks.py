@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate import kit
 from msvalidate.constants.stiffness import AXES_OF, CAUCHY, isotropic_moduli, isotropic_part
-from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import STIFFNESS_RULES, Pattern
 from msvalidate.lattice.point_sets import periodic_points
 from msvalidate.lattice.tessellation import Tessellation, periodic_tessellation
 from msvalidate.lattice.voronoi import pattern_of_tessellation
-from msvalidate.problem import Array
 
 from ..cases import Solid
 
@@ -22,7 +21,7 @@ Case = tuple[int, str, int, int]
 SEEDS, QUICK_SEEDS = 20, 6
 
 
-def seeds(setting: Setting, count: int | None = None) -> list[int]:
+def seeds(setting: kit.Setting, count: int | None = None) -> list[int]:
     """Seeds of the networks, by default as many as the study's form has."""
     count = count or (QUICK_SEEDS if setting.quick else SEEDS)
     return [int(seed) for seed in np.random.default_rng(setting.seed).integers(10**9, size=count)]
@@ -88,7 +87,7 @@ def moduli(solid: Solid, pattern: Pattern, rule: str) -> dict[str, Any]:
     }
 
 
-def anisotropy(tensor: Array) -> float:
+def anisotropy(tensor: kit.Array) -> float:
     """Distance of a Voigt tensor from its mean over all rotations, relative, in all components."""
     d = AXES_OF[len(tensor)]
     times = np.array([1.0] * d + [math.sqrt(2)] * (len(tensor) - d))  # each shear stands for two

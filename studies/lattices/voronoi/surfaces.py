@@ -13,22 +13,20 @@ whatever the number of points: in metres it falls as count^(-1/d), no faster.
 from __future__ import annotations
 
 import math
-from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.evidence import Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate import kit
 from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation
-from msvalidate.problem import Array, Box
 
+from . import drawing
 from .networks import seeds
-from .strewn import STRAIN, stretch_body, strewn
+from .strewn import Strewn, stretch_body, strewn
 
 COUNTS = {2: (100, 400, 1600), 3: (125, 343, 1000)}
 AWAY = {2: 2.0, 3: 1.5}
@@ -41,54 +39,20 @@ DEPTH = {
 SURE = 0.999
 DRAWN = 64
 """Points of the networks in the figure."""
-TOLERANCES = (
-    Tolerance(
-        "uniform points: depth of the surface against its closed form",
-        1.0, "half-widths of the 99.9 % interval",
-        "Student's, of the mean over the seeds; what is farther out is no chance",
-    ),
-)  # fmt: skip
-COLUMNS = {
-    "count": "points in the periodic cell, or in the body (1)",
-    "depth": "distance of the surface's points from the flat side, rms over the side (spacings)",
-    "depth_exact": 'its closed form, or "none" (spacings)',
-    "depth_std": "standard deviation of depth over the networks (spacings)",
-    "surface_roughness": "departure of the same points from their own mean plane, rms (spacings)",
-    "seeds": "random networks drawn (1)",
-    "bodies": "random bodies drawn (1)",
-    "loaded_roughness": "departure of the loaded side's displacement from a plane, rms, median "
-    "over the bodies (strain times spacing)",
-    "loaded_scatter": "half the distance of its quartiles (strain times spacing)",
-    "x": "start of a spring (spacings)",
-    "y": "start of a spring (spacings)",
-    "x_end": "end of a spring (spacings)",
-    "y_end": "end of a spring (spacings)",
-    "ux": "displacement of its start over the strain (spacings)",
-    "uy": "displacement of its start over the strain (spacings)",
-    "ux_end": "displacement of its end over the strain (spacings)",
-    "uy_end": "displacement of its end over the strain (spacings)",
-    "part": "what a line of the drawing is: a spring, or part of the surface",
-}
 
 
-def geometrical(setting: Setting) -> tuple[pd.DataFrame, dict[str, Observed]]:
-    """Table `random_surface`, and what is judged of it."""
+def run(
+    candidate: kit.DisplacementSolver, setting: kit.Setting, loaded: pd.DataFrame
+) -> kit.Evidence:
+    """Depths of surfaces, beside the table of loaded ones; networks are drawn."""
     sizes = {dim: counts[:1] if setting.quick else counts for dim, counts in COUNTS.items()}
     draws = seeds(setting)
-    kinds = [
-        (dim, points, count)
-        for dim, counts in sizes.items()
-        for points in POINT_SETS
-        for count in counts
-    ]
-    found = iter(
-        setting.sweep(depths, [(*kind, seed) for kind in kinds for seed in draws], "surfaces")
-    )
+    kinds = [(d, *kind) for d, counts in sizes.items() for kind in product(POINT_SETS, counts)]
+    cases = [(*kind, seed) for kind in kinds for seed in draws]
+    found = np.reshape(setting.sweep(depths, cases, "surfaces"), (len(kinds), len(draws), 2))
     rows, away = [], []
-    for dim, points, count in kinds:
-        squares = np.array([next(found) for _ in draws])
+    for (dim, points, count), squares in zip(kinds, found, strict=True):
         mean, rough = np.sqrt(squares.mean(axis=0))
-        exact: float | str = DEPTH[dim] if points == "uniform" else "none"
         if points == "uniform":
             error = squares[:, 0].std(ddof=1) / math.sqrt(len(draws))
             reach = stdtrit(len(draws) - 1, 0.5 + SURE / 2) * error
@@ -100,20 +64,33 @@ def geometrical(setting: Setting) -> tuple[pd.DataFrame, dict[str, Observed]]:
                 "count": count,
                 "seeds": len(draws),
                 "depth": mean,
-                "depth_exact": exact,
+                "depth_exact": DEPTH[dim] if points == "uniform" else "none",
                 "depth_std": np.sqrt(squares[:, 0]).std(ddof=1),
                 "surface_roughness": rough,
             }
         )
-    farthest = max(away, key=abs)
-    return pd.DataFrame(rows), {TOLERANCES[0].quantity: Observed(float(farthest))}
+    geometry = pd.DataFrame(rows)
+    chance = kit.Tolerance(
+        "uniform points: depth of the surface against its closed form",
+        1.0, "half-widths of the 99.9 % interval",
+        "Student's, of the mean over the seeds; what is farther out is no chance",
+        observed=kit.farthest_value(away, 0.0),
+    )  # fmt: skip
+    shown = {points: sample(candidate, seeds(setting, 1)[0], points) for points in POINT_SETS}
+    return kit.Evidence(
+        {"random_surface": geometry, "random_surface_loaded": loaded},
+        tolerances=(chance,),
+        figures={"random_networks": drawing.drawn(shown)},
+        columns=kit.columns(__file__),
+        findings=(finding(geometry, loaded),),
+    )
 
 
 def depths(case: tuple[int, str, int, int]) -> tuple[float, float]:
     """Mean squares over the sides of the depth, and of its departure from its mean, in spacings."""
     dim, points, count, seed = case
     size = (count ** (1 / dim),) * dim
-    cells = bounded_tessellation(periodic_points(points, count, size, seed), Box(size))
+    cells = bounded_tessellation(periodic_points(points, count, size, seed), kit.Box(size))
     distance, area = cells.side_distance, cells.side_area
     depth, part = [], []
     for side in range(2 * dim):
@@ -123,12 +100,11 @@ def depths(case: tuple[int, str, int, int]) -> tuple[float, float]:
         part.append(area[middle, side])
     y, weight = np.concatenate(depth), np.concatenate(part)
     mean = np.average(y, weights=weight)
-    return float(np.average(y**2, weights=weight)), float(
-        np.average((y - mean) ** 2, weights=weight)
-    )
+    about = np.average((y - mean) ** 2, weights=weight)
+    return float(np.average(y**2, weights=weight)), float(about)
 
 
-def roughness(points: Array, move: Array, scale: float) -> float:
+def roughness(points: kit.Array, move: kit.Array, scale: float) -> float:
     """Rms departure of the right side's displacement along x from its best plane, times `scale`."""
     at = points[:, 0] == points[:, 0].max()
     plane = np.column_stack([np.ones(at.sum()), points[at, 1:]])
@@ -136,56 +112,20 @@ def roughness(points: Array, move: Array, scale: float) -> float:
     return float(np.sqrt(np.mean((move[at, 0] - plane @ fit) ** 2)) * scale)
 
 
-def mechanical(
-    family: tuple[int, str, str], cells: int, bodies: list[dict[str, float]]
-) -> dict[str, Any]:
-    """One row of the table `random_surface_loaded`."""
-    dim, points, rule = family
-    low, middle, high = np.quantile([body["roughness"] for body in bodies], (0.25, 0.5, 0.75))
-    return {
-        "axes": dim,
-        "point_set": points,
-        "stiffness": rule,
-        "spacings_a_side": cells,
-        "bodies": len(bodies),
-        "loaded_roughness": middle,
-        "loaded_scatter": (high - low) / 2,
-    }
+def mechanical(bodies: pd.DataFrame) -> dict[str, Any]:
+    """What the table `random_surface_loaded` has of bodies of one family and size."""
+    low, middle, high = np.quantile(bodies["roughness"], (0.25, 0.5, 0.75))
+    rough = {"loaded_roughness": middle, "loaded_scatter": (high - low) / 2}
+    return {"bodies": len(bodies)} | rough
 
 
-def surface_rows(candidate: DisplacementSolver, setting: Setting) -> pd.DataFrame:
-    """Table `random_networks`: springs and surface of a network of each kind of point set."""
-    tables = setting.sweep(
-        partial(lines, candidate, seeds(setting, 1)[0]), POINT_SETS, "drawn networks"
-    )
-    return pd.concat(tables, ignore_index=True)
-
-
-def lines(candidate: DisplacementSolver, seed: int, points: str) -> pd.DataFrame:
-    """Lines of one network, its ends pulled apart."""
+def sample(
+    candidate: kit.DisplacementSolver, seed: int, points: str
+) -> tuple[Strewn, kit.Network, kit.Array]:
+    """A network, its ends pulled apart, and how its points move (m)."""
     body = strewn(points, DRAWN, "A/L", seed)
     problem, network = stretch_body(body)
-    move = candidate(problem, network, "linear") / STRAIN
-    surface = [body.surface(side) for side in ("left", "right", "bottom", "top")]
-    pairs = {
-        "spring": network.springs,
-        "surface": np.concatenate([np.column_stack([s[:-1], s[1:]]) for s in surface]),
-    }
-    tables = []
-    for part, ends in pairs.items():
-        (x, y), (x_end, y_end) = network.points[ends[:, 0]].T, network.points[ends[:, 1]].T
-        (ux, uy), (ux_end, uy_end) = move[ends[:, 0]].T, move[ends[:, 1]].T
-        tables.append(
-            pd.DataFrame(
-                {
-                    "point_set": points,
-                    "part": part,
-                }
-                | {"x": x, "y": y, "x_end": x_end, "y_end": y_end}
-                | {"ux": ux, "uy": uy, "ux_end": ux_end, "uy_end": uy_end}
-            )
-        )
-    return pd.concat(tables)
+    return body, network, candidate(problem, network, "linear")
 
 
 def finding(geometry: pd.DataFrame, loaded: pd.DataFrame) -> str:

@@ -3,43 +3,45 @@
 from __future__ import annotations
 
 import math
-from itertools import product
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-import reference_fem
+from msvalidate import kit
 from msvalidate.constants.stiffness import cubic_part, moduli
-from msvalidate.judging.candidate import DisplacementSolver
+from msvalidate.dynamics.integrators import EULER_CROMER
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.candidate import AT_REST
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import periodic_tessellation
 from msvalidate.lattice.voronoi import pattern_of_tessellation
-from msvalidate.problem import Anisotropic, Array, Box, Problem, SolverError, Support
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.run import Run
+from msvalidate.relaxation.viscous import viscous
+from msvalidate.statics.equilibrium import equilibrium
 
 from ..cases import Solid
-from .strewn import (
-    PLACES,
-    STRAIN,
-    from_points,
-    is_within_part,
-    ratio,
-    stretch_body,
-    strewn,
-)
+from .strewn import STRAIN, from_points, gauge, ratio, stretch_body, strewn
 
 GRID = 10
-"""Points to a side: few enough for motions without stiffness to be told."""
-SLACK_COUNT = 100
+"""Points to a side: few enough for motions without stiffness to be noticed."""
+COUNT = 100
+"""Points of bodies with slack springs, and of those stopped early."""
 ROUNDS = 60
 """Changes of which springs are slack, after which a network is given up."""
 NO_FORCE = 1e-12
 """Change of length, of the largest, that is rounding: of springs between points held alike."""
-THINNEST = 6.0
-"""Spacings across a body of any aspect."""
+LOADS = ("moved", "pulled")
+DAMPINGS = (1, 100)
+"""Over twice the lowest frequency, which is critical for the slowest motion; the report prefers an
+overdamped system."""
+EARLY = 0.1
+"""Of the largest velocity so far: the report's loop ends when the largest falls below some ε."""
 
 
 def nearly_square(
-    candidate: DisplacementSolver, solid: Solid, case: tuple[float, int]
+    candidate: kit.DisplacementSolver, solid: Solid, case: tuple[float, int]
 ) -> list[dict[str, Any]]:
     """Ratios of a square grid whose points have moved a little, endless and as a body, by rule."""
     jitter, seed = case
@@ -47,97 +49,104 @@ def nearly_square(
     grid = 0.5 + np.indices((GRID, GRID)).reshape(2, -1).T
     points = grid + jitter * (2 * rng.random(grid.shape) - 1)
     cells = periodic_tessellation(points, (float(GRID),) * 2)
-    body = from_points(points, Box((float(GRID),) * 2), "1")
     rows = []
     for rule in STIFFNESS_RULES:
         tensor = solid(pattern_of_tessellation(cells, rule), (1.0,)).tensor
-        weighted = body.weighted(rule)
-        move = candidate(*stretch_body(weighted, "half"), "linear")
+        body = from_points(points, kit.Box((float(GRID),) * 2), rule)
+        move = candidate(*stretch_body(body, "half"), "linear")
         rows.append(
             {
                 "jitter": jitter,
                 "stiffness": rule,
                 "neighbours": 2 * len(cells.springs) / GRID**2,
                 "nu_endless": moduli(cubic_part(tensor)).nu,
-                "nu_means": ratio(weighted, move),
+                "nu_means": ratio(body, move),
             }
         )
     return rows
 
 
-def few(candidate: DisplacementSolver, case: tuple[int, int]) -> list[dict[str, Any]]:
-    """Ratio by the report's means of one strewn body, by how it is held and by rule.
+def strewn_ratio(
+    candidate: kit.DisplacementSolver,
+    seed: int,
+    count: int,
+    rule: str = "1",
+    ends: str = "slide",
+    aspect: float = 1.0,
+    place: str = "whole",
+) -> float:
+    """Ratio by the report's means of one strewn body, `aspect` times as long as high.
 
-    With the part of the measured points that cannot move up or down, as their height is held. The
-    ratio is NaN of a mechanism: a point between two springs in line, as there are among few points.
+    NaN of a mechanism: a point between two springs in line, as there are among few points.
     """
-    count, seed = case
-    body = strewn("uniform", count, "1", seed)
-    rows = []
-    for ends, rule in product(("slide", "clamped"), STIFFNESS_RULES):
-        weighted = body.weighted(rule)
-        problem, network = stretch_body(weighted, ends)
-        try:
-            nu = ratio(weighted, candidate(problem, network, "linear"))
-        except SolverError:
-            nu = math.nan
-        bottom, top = body.ends("bottom", "top")
-        held = network.held[bottom | top, 1].mean()
-        rows.append(
-            {"count": count, "ends": ends, "stiffness": rule, "nu": nu, "held_measured": held}
-        )
-    return rows
+    body = strewn("uniform", count, rule, seed, aspect)
+    try:
+        return ratio(body, candidate(*stretch_body(body, ends), "linear"), place)
+    except kit.SolverError:
+        return math.nan
 
 
-def with_slack(
-    candidate: DisplacementSolver, case: tuple[str, float, int]
-) -> tuple[str, float, float, float]:
-    """Ratio of one body whose slack springs keep a part of their stiffness; part of them slack.
+def slack_ratio(candidate: kit.DisplacementSolver, slack: str, kept: float, seed: int) -> float:
+    """Ratio of one body whose slack springs, compressed or at the surface, keep a part of k.
 
     Compressed springs are found by turns of solving and looking, until none changes.
     """
-    slack, kept, seed = case
-    body = strewn("uniform", SLACK_COUNT, "1", seed)
+    body = strewn("uniform", COUNT, "1", seed)
     problem, network = stretch_body(body)
     i, j = network.springs.T
-    if slack == "surface":
-        outer = np.zeros(len(network.points), dtype=bool)
-        outer[np.concatenate([body.surface(side) for side in ("top", "bottom")])] = True
-        loose = outer[i] & outer[j]
-        move = candidate(problem, network.scaled(np.where(loose, kept, 1.0)), "linear")
-        return slack, kept, ratio(body, move), float(loose.mean())
-    loose = np.zeros(len(i), dtype=bool)
+    outer = np.zeros(len(network.points), dtype=bool)
+    outer[np.concatenate([body.surface(side) for side in ("top", "bottom")])] = True
+    loose = outer[i] & outer[j] if slack == "surface" else np.zeros(len(i), dtype=bool)
     for _ in range(ROUNDS):
         move = candidate(problem, network.scaled(np.where(loose, kept, 1.0)), "linear")
         longer = ((move[j] - move[i]) * network.vector).sum(axis=1)
         shorter = longer < -NO_FORCE * np.abs(longer).max()
-        if (loose == shorter).all():
+        if slack == "surface" or (loose == shorter).all():
             break
         loose = shorter
-    return slack, kept, ratio(body, move), float(loose.mean())
+    return ratio(body, move)
 
 
-def clamped(candidate: DisplacementSolver, case: tuple[float, int]) -> list[float]:
-    """Ratios of a strewn body between clamped ends, by place."""
-    aspect, seed = case
-    count = round(THINNEST**2 * max(aspect, 1 / aspect))
-    body = strewn("uniform", count, "1", seed, aspect)
-    move = candidate(*stretch_body(body, "clamped"), "linear")
-    return [ratio(body, move, place) for place in PLACES]
+def stop(load: str, damping: int, seed: int) -> tuple[float, float, float]:
+    """Ratio of one body stopped early, at rest if critically damped, and by linear equilibrium.
 
+    Ends are moved apart at once, as those of a body with held ends are, so that the width has yet
+    to follow the strain between them; or pulled by forces.
+    """
+    body = strewn("uniform", COUNT, "1", seed)
+    _, network = stretch_body(body)
+    static = equilibrium(network)
+    left, right = body.ends("left", "right")
+    if load == "pulled":
+        # The same ends, each point drawn by the force that held it.
+        held = np.array(network.held)
+        held[right, 0] = False
+        force = np.where(right[:, None], static.reaction, 0.0)
+        still = np.zeros(held.shape)
+        network = replace(network, held=held, displacement=still, force=np.array(force))
+    lowest, highest = extreme_frequencies(network)
+    seen: list[float] = []
+    fastest = 0.0
 
-def clamped_elastic(tensor: Array, aspect: float) -> list[float]:
-    """The same of an elastic body 1 m high."""
-    box = Box((aspect, 1.0))
-    pull = STRAIN * aspect
-    supports = (
-        Support(box.side("left"), (0.0, 0.0)),
-        Support(box.side("right"), (pull, 0.0)),
+    def shown(move: kit.Array) -> float:
+        axial = (move[right, 0].mean() - move[left, 0].mean()) / gauge(body)
+        return float(ratio(body, move) * STRAIN / axial)
+
+    def look(run: Run) -> bool:
+        nonlocal fastest
+        speed = float(np.abs(run.velocity).max())
+        fastest = max(fastest, speed)
+        if run.steps and not seen and speed < EARLY * fastest:
+            seen.append(shown(run.displacement))
+        return damping > 1 and bool(seen)
+
+    end = relax(
+        network,
+        viscous(EULER_CROMER, damping=2 * lowest * damping),
+        tolerance=AT_REST,
+        watch=look,
+        look_every=1,
+        frequencies=(lowest, highest),
     )
-    problem = Problem(box, Anisotropic(tensor), supports, name="clamped ends")
-    mesh = reference_fem.box_discretisation(box, 12, "Q2", 2.0)
-    x = np.linspace(0, aspect, 801)
-    solution = reference_fem.solve_problem(problem, mesh)
-    top, bottom = (solution.at(np.column_stack([x, 0 * x + y]))[:, 1] for y in (1.0, 0.0))
-    width = bottom - top
-    return [float(width[is_within_part(x / aspect, place)].mean() / STRAIN) for place in PLACES]
+    rest = shown(end.equilibrium.displacement) if damping == 1 else math.nan
+    return seen[0], rest, shown(static.displacement)

@@ -8,12 +8,10 @@ import pytest
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import diagonal_square, square, trapezium, triangular, zigzag_block
-from msvalidate.network import tangent
 from msvalidate.problem import (
     BodyForce,
     Box,
     Isotropic,
-    PointForce,
     Polygon,
     Problem,
     Region,
@@ -23,11 +21,9 @@ from msvalidate.problem import (
 )
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.body import nodal_forces
-from reference_fem.elasticity import stiffness
 from tests.table import refused, table
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, state="plane_stress", density=500.0, thickness=0.3)
-QUARTER = Isotropic(E=3.0, nu=1 / 4, state="plane_strain", density=500.0, thickness=0.3)
 
 
 def outlines():
@@ -68,22 +64,6 @@ def test_masses_and_constants_of_a_triangular_body(name):
     # k = √3/2·E·t, half of it on the boundary.
     values = np.sqrt(3) / 2 * 3.0 * 0.3 * np.array([0.5, 1.0])
     np.testing.assert_allclose(np.unique(network.stiffness.round(12)), values, rtol=1e-11)
-
-
-@pytest.mark.parametrize("name", OUTLINES)
-def test_a_triangular_body_is_held_and_pushed_on_its_own_sides(name):
-    outline = OUTLINES[name]
-    held, loaded_side = edges(outline)[0], edges(outline)[2]
-    supports = (Support(held, (0.0, None)), Support(held, (None, 0.25)))
-    problem = Problem(outline, THIRD, supports, (Traction(loaded_side, (4.0, -1.0)),))
-    network = lattice_network(problem, triangular(outline, 0.1))
-    on_held = held.select(network.points, outline.tolerance)
-    on_loaded = loaded_side.select(network.points, outline.tolerance)
-    np.testing.assert_array_equal(network.held, np.stack([on_held, on_held], axis=1))
-    np.testing.assert_array_equal(network.displacement[:, 1], 0.25 * on_held)
-    np.testing.assert_array_equal(network.force.any(axis=1), on_loaded)
-    total = 0.3 * loaded_side.measure(outline.span) * np.array([4.0, -1.0])
-    np.testing.assert_allclose(network.force.sum(axis=0), total, rtol=1e-13)
 
 
 @table("name", OUTLINES)
@@ -157,44 +137,8 @@ def other_code(lattice):
     return reference_fem.make_discretisation(lattice.points, lattice.cells, "P1")
 
 
-@pytest.mark.parametrize("material", [THIRD, QUARTER], ids=lambda material: material.state)
-@pytest.mark.parametrize("spacing", [0.2, 0.1])
-@pytest.mark.parametrize("name", OUTLINES)
-def test_a_triangular_network_is_the_stiffness_of_linear_triangles(name, spacing, material):
-    outline = OUTLINES[name]
-    lattice = triangular(outline, spacing)
-    problem = Problem(outline, material, (Support(edges(outline)[0], (0.0, 0.0)),))
-    network = lattice_network(problem, lattice)
-    K = tangent(network, network.points).toarray()
-    by_component = np.arange(K.shape[0]).reshape(2, -1).T.ravel()
-    wanted = stiffness(other_code(lattice), material).toarray()[np.ix_(by_component, by_component)]
-    np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
-
-
 def linear(p):
     return np.stack([1 + 2 * p[:, 0] - p[:, 1], 3 * p[:, 1] - 1], axis=1)
-
-
-LOADS = {
-    "constant on a side": lambda outline: Traction(edges(outline)[0], (5.0, -2.0)),
-    "linear on a side": lambda outline: Traction(edges(outline)[1], linear),
-    "linear on every side": lambda outline: tuple(Traction(e, linear) for e in edges(outline)),
-    "body force": lambda _: BodyForce((1.0, -9.81)),
-    "point force": lambda outline: PointForce(outline.vertices[2], (1.0, -7.0)),
-}
-
-
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("name", OUTLINES)
-def test_loads_on_triangles_are_those_of_linear_triangles(name, load):
-    outline = OUTLINES[name]
-    lattice = triangular(outline, 0.1)
-    loads = LOADS[load](outline)
-    loads = loads if isinstance(loads, tuple) else (loads,)
-    problem = Problem(outline, THIRD, (Support(edges(outline)[0], (0.0, 0.0)),), loads)
-    wanted = nodal_forces(problem, other_code(lattice))
-    found = lattice_network(problem, lattice).force
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-13 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("cells", [5, 10])

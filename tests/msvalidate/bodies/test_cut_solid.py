@@ -16,7 +16,6 @@ from msvalidate.bodies.cut_network import cut_network
 from msvalidate.lattice import cut_lattice, patterns
 from msvalidate.problem import (
     BodyForce,
-    Boundary,
     Box,
     Isotropic,
     Mesh,
@@ -125,19 +124,6 @@ def test_tractions_have_their_resultants_on_any_facets():
     area = 0.3 * np.outer(w / 2, w / 2).ravel()[:, None]
     wanted = np.cross(places, area * pull(places)).sum(axis=0)
     np.testing.assert_allclose(moment, wanted, rtol=1e-12)
-
-
-def test_a_traction_on_bent_facets_acts_on_their_true_area():
-    mesh = ball(0)
-    lattice = cut_lattice(patterns.cubic18(), mesh, 0.25)
-    upper = mesh.surface[(mesh.points[mesh.surface][..., 2] > -1e-9).all(axis=1)]
-    cap = Boundary("cap", mesh.points[upper])
-    lower = Boundary("cup", mesh.points[mesh.surface] * np.array([1.0, 1.0, 1.0]))
-    problem = Problem(
-        mesh, SOLID, (Support(lower, (0.0, 0.0, 0.0)),), (Traction(cap, (0.0, 1.0, 2.0)),)
-    )
-    force = cut_network(problem, lattice).force.sum(axis=0)
-    np.testing.assert_allclose(force, cap.measure(mesh.span) * np.array([0, 1, 2]), atol=1e-12)
 
 
 def test_parts_of_faces_of_a_box_and_broken_layers_take_loads_and_supports():

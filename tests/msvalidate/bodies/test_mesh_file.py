@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import struct
-
 import meshio
 import numpy as np
 import pytest
@@ -116,38 +113,6 @@ def test_every_format_gives_the_mesh_back(element, form, tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("head", ["<I", "<Q"])
-def test_arrays_whose_length_is_packed_apart(head, tmp_path):
-    """As some programs write .vtu: base64 of the length, padded, and then that of the numbers."""
-    corners = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], dtype=float)
-    arrays = [corners, np.arange(4), np.array([4]), np.array([9])]
-
-    def data(array):
-        raw = array.tobytes()
-        packed = b"".join(map(base64.b64encode, (struct.pack(head, len(raw)), raw))).decode()
-        return packed.join((">", "</DataArray>"))
-
-    points, nodes, ends, kinds = map(data, arrays)
-    tag = '<DataArray type="Int64" format="binary" Name='
-    (tmp_path / "a.vtu").write_text(
-        f'<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" header_type="'
-        f'{"UInt32" if head == "<I" else "UInt64"}"><UnstructuredGrid>'
-        '<Piece NumberOfPoints="4" NumberOfCells="1"><Points><DataArray type="Float64" '
-        f'format="binary" NumberOfComponents="3"{points}</Points><Cells>{tag}"connectivity"{nodes}'
-        f'{tag}"offsets"{ends}{tag}"types"{kinds}</Cells></Piece></UnstructuredGrid></VTKFile>'
-    )
-    np.testing.assert_array_equal(read_mesh(tmp_path / "a.vtu").points, corners[:, :2])
-
-
-@pytest.mark.parametrize("form", ["gmsh22", "vtu", "vtk", "vtk42"])
-def test_binary_files(form, tmp_path):
-    mesh = box_mesh("T1")
-    path, names = written(mesh, tmp_path, form, binary=True)
-    again = read_mesh(str(path))
-    assert again == mesh
-    assert set(names) <= set(again.boundaries)
-
-
 def test_gmsh_order_of_quadratic_cells(tmp_path):
     # Gmsh's manual, "Node ordering": its edges and faces are not in VTK's order.
     corners = SHAPES["hexahedron"].nodes
@@ -206,15 +171,6 @@ def test_plane_mesh_at_any_height(tmp_path):
     meshio.Mesh(lifted, [("triangle", mesh.cells)]).write(tmp_path / "b.vtu")
     with refused("'b.vtu': plane cells, but z = 3.5 at point 4 and 3 at point 0"):
         read_mesh(tmp_path / "b.vtu")
-
-
-def test_physical_group_without_a_name_goes_by_its_number(tmp_path):
-    mesh = box_mesh("P1")
-    path, _ = written(mesh, tmp_path, "gmsh22")
-    text = path.read_text(encoding="utf-8")
-    begin, end = text.index("$PhysicalNames"), text.index("$Nodes")
-    path.write_text(text[:begin] + text[end:], encoding="utf-8")
-    assert set(read_mesh(path).boundaries) == {"1", "2"}
 
 
 def test_points_that_are_marked_name_sides(tmp_path):
@@ -344,39 +300,23 @@ WIDE = [*SQUARE, [2, 0], [2, 1]]
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(
-    ("points", "blocks", "message"),
-    [
-        (
-            WIDE,
-            [("triangle", [[0, 1, 2], [0, 2, 3]]), ("quad", [[1, 4, 5, 2]])],
-            "cells of several kinds, 2 triangle, 1 quad; mesh the body with one kind",
-        ),
-        (SQUARE, [("line", [[0, 1]])], "1 line cells; give cells with an area or a volume"),
-        (SQUARE, [("quad", [[3, 2, 0, 1]])], "cell 0 at (0.5, 0.5) is inverted, flat or folded"),
-        (
-            [*SQUARE, [5, 5]],
-            [("quad", [[0, 1, 2, 3]])],
-            "1 belong to no cell, the first is point 4",
-        ),
-        (
-            [*SQUARE, [1, 1]],
-            [("triangle", [[0, 1, 2], [0, 4, 3]])],
-            "point 2 at (1, 1) coincides with point 4; merge them",
-        ),
-        ([[0, 0], [1, 0], [1, float("nan")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "nan at index"),
-        ([[0, 0], [1, 0], [1, float("inf")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "inf at index"),
-        ([[0, 0], [1, 0], [1, 1e200], [0, 1]], [("quad", [[0, 1, 2, 3]])], "1e+200 at index"),
-        ([[*x, float("nan")] for x in SQUARE], [("quad", [[0, 1, 2, 3]])], "nan at index (0, 2)"),
-        (SQUARE, [("quad", [[0, 1, 2, 9]])], "mesh cells: points 0 to 9; there are 4, from 0"),
-        (SQUARE, [("quad", [[0, 1, 2, -9]])], "mesh cells: points -9 to 2; there are 4, from 0"),
-        (
-            [*SQUARE, [2, 2]],
-            [("polygon", [[0, 1, 2, 4, 3]])],
-            f"1 polygon cells; write {', '.join(PLANE[:-1])} or {PLANE[-1]}",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("points", "blocks", "message"), [
+    (WIDE, [("triangle", [[0, 1, 2], [0, 2, 3]]), ("quad", [[1, 4, 5, 2]])],
+        "cells of several kinds, 2 triangle, 1 quad; mesh the body with one kind"),
+    (SQUARE, [("line", [[0, 1]])], "1 line cells; give cells with an area or a volume"),
+    (SQUARE, [("quad", [[3, 2, 0, 1]])], "cell 0 at (0.5, 0.5) is inverted, flat or folded"),
+    ([*SQUARE, [5, 5]], [("quad", [[0, 1, 2, 3]])], "1 belong to no cell, the first is point 4"),
+    ([*SQUARE, [1, 1]], [("triangle", [[0, 1, 2], [0, 4, 3]])],
+        "point 2 at (1, 1) coincides with point 4; merge them"),
+    ([[0, 0], [1, 0], [1, float("nan")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "nan at index"),
+    ([[0, 0], [1, 0], [1, float("inf")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "inf at index"),
+    ([[0, 0], [1, 0], [1, 1e200], [0, 1]], [("quad", [[0, 1, 2, 3]])], "1e+200 at index"),
+    ([[*x, float("nan")] for x in SQUARE], [("quad", [[0, 1, 2, 3]])], "nan at index (0, 2)"),
+    (SQUARE, [("quad", [[0, 1, 2, 9]])], "mesh cells: points 0 to 9; there are 4, from 0"),
+    (SQUARE, [("quad", [[0, 1, 2, -9]])], "mesh cells: points -9 to 2; there are 4, from 0"),
+    ([*SQUARE, [2, 2]], [("polygon", [[0, 1, 2, 4, 3]])],
+        f"1 polygon cells; write {', '.join(PLANE[:-1])} or {PLANE[-1]}"),
+])  # fmt: skip
 def test_bad_meshes_in_files(points, blocks, message, tmp_path):
     path = bad(points, blocks, tmp_path)
     with refused("mesh file 'bad.vtu': ") as caught:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import meshio
 import numpy as np
-import pytest
 
-from msvalidate.bodies.mesh_file import MOST_ZONES, read_mesh
+from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.problem import Box
 from reference_fem import box_discretisation
 
 BODY = box_discretisation(Box((2.0, 1.0)), (6, 2), "Q1")
 LEFT, RIGHT = np.split(np.argsort(BODY.points[BODY.cells].mean(axis=1)[:, 0], kind="stable"), 2)
-SPLIT = [("quad", BODY.cells[LEFT]), ("line", [[0, 1]]), ("quad", BODY.cells[RIGHT])]
-"""Two parts of the body, listed apart, with a line of its side between them."""
 
 
 def zones(path):
@@ -25,35 +21,6 @@ def zones(path):
 
 
 X = np.round(np.sort(BODY.points[BODY.cells].mean(axis=1)[:, 0]), 9).tolist()
-
-
-@pytest.mark.parametrize("form", ["gmsh22", "vtu", "vtk"])
-def test_groups_and_arrays_of_cells(form, tmp_path):
-    tags = [np.full(6, 3), np.array([5]), np.full(6, 4)]
-    points = np.column_stack([BODY.points, np.zeros(len(BODY.points))])
-    if form == "gmsh22":
-        path, data = tmp_path / "a.msh", {"gmsh:physical": tags, "gmsh:geometrical": tags}
-        names = {"soft": np.array([3, 2]), "side": np.array([5, 1])}
-        meshio.Mesh(points, SPLIT, cell_data=data, field_data=names).write(path, file_format=form)
-        assert zones(path) == {"soft": X[:6], "4": X[6:]}
-        return
-    path = tmp_path / f"a.{form}"
-    tags[0][:] = 0  # a label like any other
-    many = [np.arange(6), np.array([0]), np.arange(6, 12)]
-    meshio.Mesh(points, SPLIT, cell_data={"part": tags, "half": [t / 2 for t in tags]}).write(path)
-    assert zones(path) == {"part:0": X[:6], "part:4": X[6:]}
-    meshio.Mesh(points, SPLIT, cell_data={"id": many}).write(path)
-    assert len(zones(path)) == 12
-
-
-def test_an_array_that_numbers_cells_names_none(tmp_path):
-    body = box_discretisation(Box((2.0, 1.0)), (20, 11), "Q1")
-    count = len(body.cells)
-    assert count > MOST_ZONES
-    points = np.column_stack([body.points, np.zeros(len(body.points))])
-    data = {"id": [np.arange(count)], "part": [np.arange(count) // 110]}
-    meshio.Mesh(points, [("quad", body.cells)], cell_data=data).write(tmp_path / "a.vtu")
-    assert set(read_mesh(tmp_path / "a.vtu").zones) == {"part:0", "part:1"}
 
 
 def test_sets_of_abaqus(tmp_path):

@@ -6,7 +6,6 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from msvalidate.bodies.lattice_network import lattice_network
@@ -101,50 +100,7 @@ def test_they_do_on_part_of_a_face_of_fcc(cells):
     refuse_other_force_or_moment(lattice, Region((1.0, (0.25, 0.75), (0.5, 0.75))))
 
 
-@pytest.mark.parametrize("name", BODIES)
-def test_no_point_is_pushed_against_a_uniform_traction(name):
-    lattice = BODIES[name]()
-    d = lattice.domain.dim
-    for side, (axis, _) in SIDES.items():
-        if axis < d:
-            force = pushed(lattice, lattice.domain.side(side), (1.0,) * d)
-            assert force.min() > -1e-15
-
-
-def test_a_cut_square_gives_all_points_alike_parts_inside():
-    # Whichever diagonal cuts each square: thirds would give a point up to twice its part.
-    lattice = BODIES["cubic, turned by nothing"]()
-    force = pushed(lattice, lattice.domain.side("front"), (0.0, 0.0, 1.0))
-    place = lattice.points[:, :2]
-    inside = ((place > 0.2) & (place < np.array([0.8, 0.55]))).all(axis=1) & (force[:, 2] > 0)
-    assert inside.sum() >= 9
-    np.testing.assert_allclose(force[inside, 2], 1 / 64, rtol=1e-12)
-
-
 # Points' parts of a side ----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("box", [PLANE, SPACE], ids=["plane", "space"])
-@pytest.mark.parametrize("points", POINT_SETS)
-def test_a_whole_side_is_shared_out_among_the_points_that_are_nearest(points, box):
-    lattice = voronoi_box(box, 0.1, points=points, seed=5)
-    tree = KDTree(lattice.points)
-    count = 40_000 if box.dim == 2 else 400
-    for column, (side, (axis, end)) in enumerate(list(SIDES.items())[: 2 * box.dim]):
-        middles = [
-            np.array([end * edge]) if a == axis else (np.arange(count) + 0.5) / count * edge
-            for a, edge in enumerate(box.size)
-        ]
-        places = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1).reshape(-1, box.dim)
-        nearest = np.bincount(tree.query(places)[1], minlength=len(lattice.points))
-        share = nearest / len(places) * box.side(side).measure(box.span)
-        # A sample's cell that the outline of a part passes through is taken or left, half of it off
-        # at most: at two ends, or along an outline of some six spacings.
-        cell = max(box.size) / count
-        atol = cell if box.dim == 2 else 6 * 0.1 * cell / 2
-        np.testing.assert_allclose(lattice.side_area[:, column], share, rtol=0, atol=atol)
-        force = pushed(lattice, box.side(side), (1.0,) * box.dim)
-        np.testing.assert_array_equal(force, np.tile(lattice.side_area[:, [column]], box.dim))
 
 
 @pytest.mark.parametrize("points", POINT_SETS)
@@ -154,29 +110,6 @@ def test_a_pull_on_a_random_plane_body_has_no_moment(points):
         lattice = voronoi_box(PLANE, 0.08, points=points, seed=seed)
         force = pushed(lattice, PLANE.side("right"), (1.0, 0.0))[:, 0]
         assert force @ (lattice.points[:, 1] - 0.375) == pytest.approx(0, abs=1e-14)
-
-
-@pytest.mark.parametrize("points", POINT_SETS)
-def test_the_moment_of_a_pull_on_a_random_solid_comes_from_the_rim(points):
-    # With p(x) = |x - x_i|² to the nearest point, ∇p/2 = x - x_i on a side, so by Gauss
-    # Σ S_i x_i = ∫ x dA - ∮ p n ds/2: of second order in the spacing.
-    lattice = voronoi_box(SPACE, 0.12, points=points, seed=1)
-    tree, count, moved = KDTree(lattice.points), 5000, []
-    force = pushed(lattice, SPACE.side("right"), (1.0, 0.0, 0.0))[:, 0]
-    for axis in (1, 2):
-        other = 3 - axis
-        along = (np.arange(count) + 0.5) / count * SPACE.size[other]
-        total = 0.0
-        for sign, place in ((-1, 0.0), (1, SPACE.size[axis])):
-            rim = np.full((count, 3), 1.0)
-            rim[:, axis], rim[:, other] = place, along
-            total += sign * (tree.query(rim)[0] ** 2).mean() * SPACE.size[other]
-        expected = force.sum() * SPACE.size[axis] / 2 - total / 2
-        # Midpoints, 2e-4 m apart: slopes of p jump by up to 4 · 0.1 m at about ten places of each
-        # of two edges, and each costs the square of that distance times 1/8 of the jump.
-        assert force @ lattice.points[:, axis] == pytest.approx(expected, abs=4e-8)
-        moved.append(abs(total))
-    assert max(moved) > 1e-6
 
 
 def test_the_moment_of_a_linear_traction_on_a_random_body_is_of_second_order():
@@ -193,20 +126,6 @@ def test_the_moment_of_a_linear_traction_on_a_random_body_is_of_second_order():
         errors.append(np.abs(np.array(found) / (0.75**3 / 12) - 1).mean())
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert (orders > 1.5).all()
-
-
-def test_a_traction_is_asked_for_on_the_side_alone():
-    def traction(x):
-        return np.where(x[:, :1] == 1.0, 1.0, np.nan) * np.ones(2)
-
-    behind = 0
-    for seed in range(10):
-        lattice = voronoi_box(PLANE, 0.1, points="uniform", seed=seed)
-        off_side = (lattice.side_area[:, 1] > 0) & (lattice.points[:, 0] < 1.0)
-        force = pushed(lattice, PLANE.side("right"), traction)
-        assert (force[off_side] > 0).all()
-        behind += off_side.sum()
-    assert behind > 0
 
 
 @table(

@@ -109,24 +109,6 @@ def test_a_constant_force_accelerates_by_force_over_mass():
     np.testing.assert_allclose(end.position[:, 1], [0.12, 0.03], rtol=1e-14)
 
 
-@pytest.mark.parametrize("compiled", [True, False])
-def test_held_components_stay_whatever_their_velocity(compiled):
-    network = oscillator()
-    start = State(network.points, np.ones((2, 2)))
-    end = euler_cromer(network, start, 0.1, 3, compiled=compiled)
-    np.testing.assert_array_equal(end.position[network.held], network.points[network.held])
-    np.testing.assert_array_equal(end.velocity[network.held], 0.0)
-    assert end.position[1, 0] != 1.0
-
-
-def test_the_given_state_is_left_alone():
-    network = oscillator()
-    start = State(network.points + 0.1, np.ones((2, 2)))
-    euler_cromer(network, start, 0.1, 3)
-    np.testing.assert_array_equal(start.position, network.points + 0.1)
-    np.testing.assert_array_equal(start.velocity, 1.0)
-
-
 # Bad input ------------------------------------------------------------------------------------
 
 

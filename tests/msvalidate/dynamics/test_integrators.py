@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.integrators import INTEGRATORS, step_factors
-from msvalidate.dynamics.scheme import MotionState
 from msvalidate.dynamics.step_limits import growth_factor, one_step_matrix, stability_limit
 from msvalidate.problem import ProblemError
 
@@ -48,16 +46,6 @@ def test_limits_are_where_the_matrix_says(name, zeta):
 def test_velocity_verlet_under_damping(zeta, limit):
     found = stability_limit(INTEGRATORS["velocity_verlet"], 1.0, 1.0, 2 * zeta)
     assert found == pytest.approx(limit, abs=0.005)
-
-
-def test_explicit_euler_needs_both_ends_of_the_spectrum():
-    scheme, damping = INTEGRATORS["explicit_euler"], 1.0
-    limit = stability_limit(scheme, 0.01, 1.5, damping)
-    modes = np.geomspace(0.01, 1.5, 200)
-    singly = [stability_limit(scheme, omega, omega, damping) for omega in modes]
-    assert limit == pytest.approx(min(singly), rel=1e-12)
-    assert stability_limit(scheme, 1e-6, 0.9, damping) == pytest.approx(damping / 0.9**2)
-    assert stability_limit(scheme, 0.01, 0.6, damping) == pytest.approx(2 / damping, rel=1e-3)
 
 
 @unlimited_schemes
@@ -106,42 +94,12 @@ def test_orders(name, zeta):
     assert np.abs(orders[-3:] - order).max() < 0.1
 
 
-@true_schemes
-def test_a_step_costs_the_evaluations_that_are_told(name):
-    scheme, asked = INTEGRATORS[name], []
-
-    class Counted(ModeAcceleration):
-        def __call__(self, x):
-            asked.append(x)
-            return super().__call__(x)
-
-    scheme.step(Counted(1.0), MotionState(*np.array([[1.0], [0.0], [-1.0]])), 0.1, 0.3)
-    assert len(asked) == scheme.evaluations
-
-
 @every_scheme
 @pytest.mark.parametrize("h", [0.01, 0.3])
 def test_symplectic_schemes_keep_areas(name, h):
     scheme = INTEGRATORS[name]
     area = np.linalg.det(one_step_matrix(scheme, OMEGA, h))
     assert (abs(area - 1) < 1e-14) == scheme.symplectic
-
-
-def test_euler_cromer_as_printed_is_explicit_euler():
-    printed, euler = INTEGRATORS["euler_cromer_as_printed"], INTEGRATORS["explicit_euler"]
-    for h, damping in ((0.1, 0.0), (0.3, 0.7)):
-        found = one_step_matrix(printed, OMEGA, h, damping)
-        np.testing.assert_array_equal(found, one_step_matrix(euler, OMEGA, h, damping))
-
-
-def test_verlet_as_printed_moves_under_half_the_force():
-    """It converges, with order 1, to the motion at ω/√2, and is stable to 2√2/ω."""
-    scheme = INTEGRATORS["verlet_as_printed"]
-    steps = 200 * 2 ** np.arange(5)
-    errors = [abs(end_of(scheme, n) - np.cos(2 * OMEGA / np.sqrt(2))) for n in steps]
-    np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 1, atol=0.1)
-    assert abs(end_of(scheme, steps[-1]) - np.cos(2 * OMEGA)) > 0.2, "not the motion itself"
-    assert stability_limit(scheme, 1.0, 1.0) == pytest.approx(2 * np.sqrt(2))
 
 
 def test_verlet_with_the_old_force_twice_is_never_stable_undamped():

@@ -17,15 +17,12 @@ from msvalidate.dynamics.integrate import (
 )
 from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
 from msvalidate.dynamics.scheme import MotionState
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.network import energy, frequency_bound, spring_network, tangent
-from msvalidate.network.laws.volumes import Volumes
+from msvalidate.network import energy, spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
 LIMITED = [name for name, scheme in INTEGRATORS.items() if scheme.limit(0.0) < np.inf]
 limited_schemes = pytest.mark.parametrize("name", LIMITED)
-every_scheme = pytest.mark.parametrize("name", INTEGRATORS)
 true_schemes = pytest.mark.parametrize("name", TRUE)
 examples = settings(max_examples=25, deadline=None)
 
@@ -148,57 +145,6 @@ def test_motion_runs_backwards(name, networks, data):
     np.testing.assert_allclose(back.position, position, atol=1e-12)
 
 
-MIRRORED = {
-    (2, 3): [0, 2, 1],
-    (2, 4): [0, 3, 2, 1],
-    (3, 4): [0, 2, 1, 3],
-    (3, 8): [0, 3, 2, 1, 4, 7, 6, 5],
-}
-"""(axes, corners) of a cell -> its corners as VTK lists them after a reflection."""
-
-
-FEW_STEPS = 3
-"""A wrong force moves a point by 1e-6 m in a step, and no scheme looks back further than one."""
-
-
-@every_scheme
-@settings(max_examples=10, deadline=None)  # of each scheme; all take the same forces
-@given(data=st.data(), seed=st.integers(0, 2**32 - 1))
-def test_numbering_place_and_direction_change_nothing(name, networks, data, seed):
-    """In another order of points and springs, moved, turned and mirrored: the same motion."""
-    network, position = data.draw(networks(stressed=True))
-    rng = np.random.default_rng(seed)
-    turn, _ = np.linalg.qr(rng.normal(size=(network.dim, network.dim)))
-    away = rng.uniform(-3, 3, network.dim)
-    order, springs = (rng.permutation(len(rows)) for rows in (position, network.springs))
-    number = np.argsort(order)
-    points, cells = network.points[order] @ turn + away, network.volumes
-    if cells is not None:  # in a mirror what was counter-clockwise is clockwise
-        corners = number[cells.cells]
-        if np.linalg.det(turn) < 0:
-            corners = corners[:, MIRRORED[network.dim, corners.shape[1]]]
-        cells = Volumes(points, corners, cells.stiffness)
-    other = spring_network(
-        points,
-        number[network.springs[springs]],
-        network.stiffness[springs],
-        rest_length=network.rest_length[springs],
-        mass=network.mass[order],
-        force=network.force[order] @ turn,
-        volumes=cells,
-    )
-    velocity, rate = rng.normal(size=position.shape), rng.uniform(0, 1, len(position))
-    one, two = (
-        motion(n, State(x, v), INTEGRATORS[name], 1e-3, FEW_STEPS, c, warn=False)
-        for n, x, v, c in (
-            (network, position, velocity, rate),
-            (other, position[order] @ turn + away, velocity[order] @ turn, rate[order]),
-        )
-    )
-    np.testing.assert_allclose(two.position, one.position[order] @ turn + away, atol=1e-12)
-    np.testing.assert_allclose(two.velocity, one.velocity[order] @ turn, atol=1e-10)
-
-
 def string(n=12):
     points = np.column_stack([np.arange(n), np.zeros(n)]).astype(float)
     held = np.ones((n, 2), dtype=bool)
@@ -242,37 +188,13 @@ def test_a_scheme_that_needs_damping_is_warned_of_without(name):
         motion(string(), start, INTEGRATORS[name], 1e-6, 1)
 
 
-def test_the_bound_bounds_and_is_near():
-    network = string()
-    _, highest = extreme_frequencies(network)
-    assert highest <= frequency_bound(network) < 1.2 * highest
-
-
-@examples
-@given(data=st.data())
-def test_the_bound_holds_for_any_network(networks, data):
-    network, _ = data.draw(networks(stressed=False))
-    assert highest_or_rigid(network) <= frequency_bound(network) * (1 + 1e-12)
-
-
-def highest_or_rigid(network):
-    mass = np.repeat(network.mass, network.dim)
-    K = tangent(network, network.points).toarray() / np.sqrt(np.outer(mass, mass))
-    return np.sqrt(np.linalg.eigvalsh(K)[-1])
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"safety": 0.0}, "safety: 0; give a part of the limit"),
-        ({"safety": 1.5}, "safety: 1.5; give a part of the limit"),
-        ({"integrator": INTEGRATORS["explicit_euler"]}, "explicit_euler: unstable at any step"),
-        (
-            {"integrator": INTEGRATORS["explicit_euler"], "damping": np.linspace(0, 1, 12)},
-            "give one rate for all points",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("change", "message"), [
+    ({"safety": 0.0}, "safety: 0; give a part of the limit"),
+    ({"safety": 1.5}, "safety: 1.5; give a part of the limit"),
+    ({"integrator": INTEGRATORS["explicit_euler"]}, "explicit_euler: unstable at any step"),
+    ({"integrator": INTEGRATORS["explicit_euler"], "damping": np.linspace(0, 1, 12)},
+        "give one rate for all points"),
+])  # fmt: skip
 def test_no_step_to_recommend(change, message):
     usual = {"integrator": INTEGRATORS["leapfrog"]} | change
     with pytest.raises(ProblemError, match=message):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -92,26 +91,20 @@ def test_another_unit(name, factor, unit):
     assert f"give m (are they {unit}?)" in refusal(lambda move, _: factor * move, name)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            lambda move, _: move.T,
-            "shape (2, 45); give displacements (45, 2) in m at network.points",
-        ),
-        (lambda move, _: move.T, "(this is the transpose)"),
-        (lambda move, _: move.ravel(), "(this is flat; reshape it to (45, 2))"),
-        (lambda move, n: move[~n.held], "(these are free components alone)"),
-        (lambda move, _: np.pad(move, ((0, 0), (0, 1))), "(leave the third component out)"),
-        (lambda move, _: move[:-1], "shape (44, 2); give displacements (45, 2) in m"),
-        (lambda *_: None, "None; return displacements (45, 2) in m at network.points"),
-        (lambda *_: [[0.0, 1.0], [0.0]], "rows of different length"),
-        (lambda *_: "moved", "expected numbers, got 'moved'"),
-        (lambda move, _: move + 0j, "expected numbers"),
-        (lambda move, _: move * np.nan, "nan at index (0, 0), 90 in all; give displacements"),
-        (lambda move, _: move + np.inf, "inf at index (0, 0)"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (lambda move, _: move.T, "shape (2, 45); give displacements (45, 2) in m at network.points"),
+    (lambda move, _: move.T, "(this is the transpose)"),
+    (lambda move, _: move.ravel(), "(this is flat; reshape it to (45, 2))"),
+    (lambda move, n: move[~n.held], "(these are free components alone)"),
+    (lambda move, _: np.pad(move, ((0, 0), (0, 1))), "(leave the third component out)"),
+    (lambda move, _: move[:-1], "shape (44, 2); give displacements (45, 2) in m"),
+    (lambda *_: None, "None; return displacements (45, 2) in m at network.points"),
+    (lambda *_: [[0.0, 1.0], [0.0]], "rows of different length"),
+    (lambda *_: "moved", "expected numbers, got 'moved'"),
+    (lambda move, _: move + 0j, "expected numbers"),
+    (lambda move, _: move * np.nan, "nan at index (0, 0), 90 in all; give displacements"),
+    (lambda move, _: move + np.inf, "inf at index (0, 0)"),
+])  # fmt: skip
 def test_what_is_no_displacement(change, said):
     assert said in refusal(change)
 
@@ -135,18 +128,12 @@ def test_an_actuators_answer_is_looked_at_too():
         wrong(actuator, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            lambda s, n: State(s.position - n.points, s.velocity),
-            "displacements; add network.points",
-        ),
-        (lambda s, _: s.position, "give a State, of position and velocity"),
-        (lambda s, _: State(s.position, s.velocity[:, 0]), "give velocities (45, 2) in m/s"),
-        (lambda s, _: State(s.position * np.nan, s.velocity), "nan at index (0, 0)"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (lambda s, n: State(s.position - n.points, s.velocity), "displacements; add network.points"),
+    (lambda s, _: s.position, "give a State, of position and velocity"),
+    (lambda s, _: State(s.position, s.velocity[:, 0]), "give velocities (45, 2) in m/s"),
+    (lambda s, _: State(s.position * np.nan, s.velocity), "nan at index (0, 0)"),
+])  # fmt: skip
 def test_a_motions_state_is_looked_at_too(change, said):
     _, network = BODIES["far away"]
     start = State(network.points, 0 * network.points)
@@ -156,9 +143,3 @@ def test_a_motions_state_is_looked_at_too(change, said):
     with pytest.raises((ProblemError, SolverError)) as refused:
         check_motion(lambda net, state, *_: change(state, net))(network, start, 1e-3, 1, 0.0)
     assert said in str(refused.value)
-
-
-def test_a_checked_candidate_can_leave_the_process():
-    problem, network = BODIES["clamped"]
-    again = pickle.loads(pickle.dumps(check_displacements(solve_springs)))  # noqa: S301  our own
-    np.testing.assert_array_equal(again(problem, network), solve_springs(problem, network))

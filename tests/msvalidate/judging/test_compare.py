@@ -14,8 +14,8 @@ from msvalidate_check.words import agreement
 
 
 def test_far_apart_means_a_difference_and_not_a_sum():
-    assert farthest_value([10.0, 1.0], [10.0, 3.0]) == Observed(1.0, 3.0)
-    assert farthest_value([-2.0, 2.0], [2.0, 1.0]) == Observed(-2.0, 2.0)
+    assert farthest_value([10.0, 1.0], [10.0, 3.0]) == Observed(1.0, 3.0, 2)
+    assert farthest_value([-2.0, 2.0], [2.0, 1.0]) == Observed(-2.0, 2.0, 2)
 
 
 def test_an_order_is_of_the_size_of_errors_of_either_sign():
@@ -36,7 +36,7 @@ def test_three_values_make_a_power():
 
 
 @pytest.mark.parametrize(
-    ("difference", "doubt", "unrest", "word"),
+    ("difference", "uncertainty", "residual_motion", "word"),
     [
         (0.03, 0.01, 0.0, "agrees"),
         (-0.04, 0.01, 0.0, "agrees"),
@@ -51,5 +51,7 @@ def test_three_values_make_a_power():
         (0.9, 0.01, 0.6, "differs"),
     ],
 )
-def test_agreement_is_said_where_nothing_left_open_can_change_it(difference, doubt, unrest, word):
-    assert agreement(difference, doubt, 0.05, unrest) == word
+def test_agreement_is_said_where_nothing_left_open_can_change_it(
+    difference, uncertainty, residual_motion, word
+):
+    assert agreement(difference, uncertainty, 0.05, residual_motion) == word

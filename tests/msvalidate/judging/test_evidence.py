@@ -63,8 +63,8 @@ def test_every_observation_has_one_tolerance(tolerances):
 
 
 def test_every_column_has_a_meaning():
-    with pytest.raises(ValueError, match=r"columns without a meaning: \['x'\]"):
-        evidence(columns={})
+    with pytest.raises(ValueError, match=r"columns without a meaning: \['place'\]"):
+        evidence(table=TABLE.rename(columns={"x": "place"}), columns={})
 
 
 @pytest.mark.parametrize(
@@ -85,12 +85,6 @@ def test_words_among_numbers_are_declared():
     )
 
 
-def test_layers_of_judgement():
-    band = Tolerance("band", 1.0, "m", "because", layer="agreement")
-    found = Evidence({}, {"gap": Observed(0.0), "band": Observed(0.0)}, (LIMIT, band))
-    assert list(judge(found)["layer"]) == ["theory", "agreement"]
-
-
 def test_merged_columns_round_by_the_larger():
     parts = [Evidence({}, {}, (), rounding={"x": size, f"y{size}": size}) for size in (2.0, 1.0)]
     assert merge(*parts).rounding == {"x": 2.0, "y2.0": 2.0, "y1.0": 1.0}
@@ -108,7 +102,7 @@ def test_merged_parts_keep_their_names_apart():
 
 
 def test_worst_is_the_farthest_and_stops_at_nan():
-    assert farthest_value([1.0, 5.0, 2.0], [1.0, 2.0, 9.0]) == Observed(2.0, 9.0)
+    assert farthest_value([1.0, 5.0, 2.0], [1.0, 2.0, 9.0]) == Observed(2.0, 9.0, 3)
     assert np.isnan(farthest_value([1.0, np.nan, 99.0], 0.0).value)
     with pytest.raises(ValueError, match="no values"):
         farthest_value([], [])

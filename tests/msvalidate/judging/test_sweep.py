@@ -33,9 +33,3 @@ def test_processes_give_the_same_table(workers):
 def test_errors_come_through():
     with pytest.raises(ValueError, match=r"math domain|nonnegative"):
         Setting().sweep(math.sqrt, [-1.0], "roots")
-
-
-def test_progress_is_silent_off_a_terminal(capsys):
-    Setting(progress=True).sweep(math.sqrt, CASES, "roots")
-    captured = capsys.readouterr()
-    assert captured.out + captured.err == ""

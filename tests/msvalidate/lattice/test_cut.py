@@ -6,13 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import shapely
 
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
 from msvalidate.lattice.gaps import bridged_gaps
-from msvalidate.lattice.outline import area_moments, outline
 from msvalidate.network import tangent
 from msvalidate.problem import (
     BodyForce,
@@ -36,43 +34,6 @@ UNIT = Isotropic(E=1.0, nu=1 / 3)
 
 
 # What of a cell lies inside -----------------------------------------------------------------------
-
-
-def test_moments_of_half_a_square_are_those_of_a_triangle():
-    # ∫ (1, ξ, η, ξη) over ξ + η < 1: 1/2, 1/6, 1/6, 1/24.
-    body = shapely.Polygon([(1, 1), (3, 1), (1, 3)])
-    found = area_moments(body, np.array([[1.0, 1.0], [3.0, 3.0]]), 2.0)
-    wanted = [[5 / 24, 1 / 8], [1 / 8, 1 / 24]]
-    np.testing.assert_allclose(found[0], wanted, rtol=1e-14)
-    assert not found[1].any()
-
-
-def test_moments_leave_out_what_a_hole_takes():
-    square = shapely.box(0, 0, 4, 4)
-    hole = shapely.Polygon([(0.3, 0.4), (0.9, 0.5), (0.6, 0.8)])
-    low = np.array([[0.0, 0.0]])
-    found = area_moments(square.difference(hole), low, 1.0) + area_moments(hole, low, 1.0)
-    np.testing.assert_allclose(found, 0.25, rtol=1e-14)
-
-
-def test_the_outline_of_a_mesh_has_bent_sides_and_holes(quarter_ring):
-    disc = outline(quarter_ring((1.0, 1.0), (2.0, 2.0)))
-    # Drawn by 32 chords a side of 7.5°, and the sides themselves are parabolas: some 1e-5.
-    assert disc.area == pytest.approx(3 * np.pi / 4, rel=3e-5)
-    eight = np.array([(x, y) for y in range(4) for x in range(4)], dtype=float)
-    cells = [(a, a + 1, a + 5, a + 4) for a in range(11) if a % 4 < 3 and a != 5]
-    frame = outline(Mesh(eight, np.array(cells), "quad"))
-    assert frame.area == 8
-    assert len(frame.interiors) == 1
-
-
-def test_what_the_points_have_is_the_body():
-    domain = Polygon(((0.0, 0.1), (2.0, 0.0), (1.7, 1.5), (0.2, 1.1)))
-    lattice = cut_lattice(patterns.square(), domain, 0.13, sliver=0.0)
-    assert lattice.point_volume.sum() == pytest.approx(domain.volume, rel=1e-12)
-    middle = shapely.centroid(outline(domain))  # the first moment too, which is what weight does
-    found = lattice.point_volume @ lattice.points / domain.volume
-    np.testing.assert_allclose(found, (middle.x, middle.y), rtol=1e-12)
 
 
 # A lattice cut along its own lines is that lattice ------------------------------------------------
@@ -124,15 +85,6 @@ def prism(bent=0.0):
     surface = Mesh(points, cells, "hexahedron").surface
     walls = surface[np.ptp(points[surface][..., 2], axis=1) > 0]
     return Mesh(points, cells, "hexahedron", {"walls": walls})
-
-
-def test_a_prism_is_cut_column_by_column():
-    mesh = prism()
-    lattice = cut_lattice(patterns.cubic18(), mesh, 0.1, sliver=0.0)
-    assert lattice.point_volume.sum() == pytest.approx(mesh.volume, rel=1e-12)
-    middle = lattice.point_volume @ lattice.points / mesh.volume
-    assert middle[0] == pytest.approx(0, abs=1e-12)
-    assert middle[2] == pytest.approx(0.2, abs=1e-12)
 
 
 def test_a_prism_in_walls_that_follow_a_linear_displacement_follows_it():
@@ -230,22 +182,6 @@ def test_a_linear_displacement_prescribed_all_round_is_exact():
     np.testing.assert_allclose(found, lattice.points @ slope, rtol=0, atol=1e-13)
 
 
-def test_symmetry_lines_hold_every_point_of_theirs_and_no_other(pressed_ring):
-    problem = pressed_ring
-    lattice = cut_lattice(patterns.square(), problem.domain, 0.1)
-    network = cut_network(problem, lattice)
-    np.testing.assert_array_equal(network.held, np.abs(lattice.points) < 1e-12)
-
-
-def test_part_of_a_side_is_held_as_far_as_it_goes():
-    box = Box((2.0, 1.0))
-    part = Support(Region((0.0, (0.25, 0.75))), (0.0, 0.0))
-    network = cut_network(Problem(box, THIRD, (part,)), cut_lattice(patterns.square(), box, 0.125))
-    x, y = network.points.T
-    wanted = (x == 0) & (y >= 0.25) & (y <= 0.75)
-    np.testing.assert_array_equal(network.held, np.stack([wanted, wanted], axis=1))
-
-
 def test_a_support_off_the_lattice_is_refused(pressed_ring):
     problem = pressed_ring
     lattice = cut_lattice(patterns.square(), problem.domain, 0.1, origin=(0.05, 0.0))
@@ -291,19 +227,6 @@ def test_points_on_the_surface_are_in_the_body(body):
     top = np.array(body.span).T[1]
     np.testing.assert_array_equal(beyond.inside, (beyond.points <= top).all(axis=1))
     assert 0.5 < beyond.inside.mean() < 1
-
-
-def test_next_to_bent_sides_points_are_where_the_body_is(quarter_ring):
-    ring = quarter_ring((1.0, 1.0), (2.0, 2.0))
-    s = 1 / 64  # amid one of the straight pieces that a side is drawn by, and furthest from it
-    values = np.array([(2 * s - 1) * (s - 1), s * (2 * s - 1), 4 * s * (1 - s)])
-    asked = {("outer", 1.0): True, ("outer", 1 + 1e-7): False, ("inner", 1.0): True}
-    asked["inner", 1 - 1e-7] = False  # in the hole, but not in the hole as drawn
-    for (side, times), inside in asked.items():
-        place = times * np.einsum("k,kd->d", values, ring.side(side).places[0])
-        lattice = cut_lattice(patterns.square(), ring, 1 / 16, origin=tuple(place))
-        (point,) = np.flatnonzero(np.linalg.norm(lattice.points - place, axis=1) < 1e-9)
-        assert lattice.inside[point] == inside
 
 
 def test_places_to_interpolate_at_must_fit():

@@ -3,39 +3,18 @@
 from __future__ import annotations
 
 import re
-from itertools import product
 
 import numpy as np
 import pytest
 
 from msvalidate.lattice import cut_lattice, patterns
 from msvalidate.lattice.cut_cells import DRAWING
-from msvalidate.lattice.drawn import draw_surface, solid_facets, triangle_areas
-from msvalidate.lattice.grid_cut import cell_parts, cut_to_grid
-from msvalidate.problem import Box, Mesh, ProblemError
+from msvalidate.lattice.drawn import draw_surface, solid_facets
+from msvalidate.lattice.grid_cut import cell_parts
+from msvalidate.problem import Box, ProblemError
 from tests.msvalidate.solids import ball, bar, rotation
 
 HALF = np.array([0.1, 0.2, 0.3])
-
-
-def test_corners_of_a_cell_have_the_integrals_of_their_weights_over_a_tetrahedron():
-    # ∫ x^a y^b z^c = a! b! c! / (a + b + c + 3)! over the tetrahedron x + y + z < 1.
-    tetra = np.vstack([np.zeros(3), np.eye(3)])
-    faces = tetra[[(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]]
-    _, part, size, _ = cell_parts(faces, np.array([1, 1, 1]), 0.0)
-    one, x, xy, xyz = 1 / 6, 1 / 24, 1 / 120, 1 / 720
-    wanted = {0: one - 3 * x + 3 * xy - xyz, 1: x - 2 * xy + xyz, 2: xy - xyz, 3: xyz}
-    for up in product((0, 1), repeat=3):
-        assert part[0][up] == pytest.approx(wanted[sum(up)], rel=1e-13)
-    assert size == pytest.approx(one, rel=1e-14)
-
-
-def test_corners_less_than_rounding_off_a_plane_are_cut_once():
-    below = np.nextafter(1.0, 0.0)
-    triangle = np.array([[[0.1, 0.1, 2.0], [0.2, 0.1, below], [0.1, 0.2, below]]])
-    (pieces,) = cut_to_grid(triangle)
-    assert len(pieces.cell) <= 3
-    assert triangle_areas(pieces.corners).sum() == pytest.approx(triangle_areas(triangle)[0])
 
 
 @pytest.mark.parametrize("shape", ["tetra", "hexahedron", "tetra10", "hexahedron27"])
@@ -61,21 +40,6 @@ def test_a_box_of_broken_cells_is_cut_on_every_side():
     assert lattice.fraction.min() == pytest.approx(0.1 * 0.1 * 0.3, rel=1e-9)
 
 
-def test_prisms_have_the_same_parts_by_their_outline_and_by_their_surface():
-    mesh = bar((1.0, 0.6, 0.4), (2, 1, 2), "hexahedron", rotation(0.0, 0.0, 0.4), HALF)
-    by_outline = cut_lattice(patterns.cubic18(), mesh, 0.1)
-    assert not by_outline.by_surface
-    base = np.array([0.0, 0.0, 0.3])
-    corners = (draw_surface(solid_facets(mesh), mesh.tolerance).corners - base) / 0.1
-    first = np.floor(corners.min(axis=(0, 1)))
-    index, part, _, _ = cell_parts(corners - first, np.array([13, 13, 4]), 0.01 + 1e-9)
-    low = np.rint((by_outline.points[by_outline.cells[:, 0]] - base) / 0.1 - first)
-    order, mine = np.lexsort(low.T), np.lexsort(index.T)
-    np.testing.assert_array_equal(index[mine], low[order])
-    found = part[mine].transpose(0, 3, 2, 1).reshape(-1, 8)[:, [0, 1, 3, 2, 4, 5, 7, 6]]
-    np.testing.assert_allclose(found, by_outline.corner_volume[order] / 1e-3, rtol=0, atol=1e-13)
-
-
 def test_a_curved_ball_is_cut_to_the_error_that_it_states():
     mesh = ball(1)
     lattice = cut_lattice(patterns.cubic18(), mesh, 0.25, sliver=0.0)
@@ -86,22 +50,6 @@ def test_a_curved_ball_is_cut_to_the_error_that_it_states():
     away = np.linalg.norm(lattice.points, axis=1)
     assert lattice.inside[away < 0.97].all()
     assert not lattice.inside[away > 1.001].any()
-
-
-def test_a_cavity_is_left_out():
-    grid = np.stack(np.meshgrid(*[np.arange(4.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    number = np.arange(64).reshape(4, 4, 4)
-    round_ = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    cells = [
-        [number[i + a, j + b, k + c] for c in (0, 1) for a, b in round_]
-        for i, j, k in product(range(3), repeat=3)
-        if (i, j, k) != (1, 1, 1)
-    ]
-    mesh = Mesh(grid @ rotation(0.2, 0.1, 0.4).T, np.array(cells), "hexahedron")
-    lattice = cut_lattice(patterns.cubic18(), mesh, 0.3, sliver=0.0)
-    assert lattice.point_volume.sum() == pytest.approx(26, rel=1e-9)
-    own = lattice.points @ rotation(0.2, 0.1, 0.4)
-    assert not lattice.inside[((own > 1) & (own < 2)).all(axis=1)].any()
 
 
 def test_what_does_not_fit_is_refused_in_one_line():

@@ -199,17 +199,6 @@ def test_delaunay_meshes_keep_an_error_of_some_percent(rule):
     assert all(error > 0.02 for error, _, _ in found)
 
 
-def test_a_named_boundary_takes_its_load_to_the_corner_and_no_further():
-    mesh = grid("triangle", 4)
-    load = Traction(mesh.side("x1"), lambda p: np.stack([p[:, 1], 1 - p[:, 1]], axis=1))
-    network = lattice_network(held_at_low_sides(mesh, THIRD, (load,)), mesh_lattice(mesh))
-    x, F = mesh.points, network.force
-    assert set(np.flatnonzero(F.any(axis=1))) <= set(np.flatnonzero(np.abs(x[:, 0] - 1) < 1e-9))
-    np.testing.assert_allclose(F.sum(axis=0), [0.15, 0.15], rtol=1e-13)  # 0.3 m thick
-    # ∫ (x F_y - y F_x) with x = 1: 0.3·(1/2 - 1/3).
-    assert (x[:, 0] * F[:, 1] - x[:, 1] * F[:, 0]).sum() == pytest.approx(0.05, rel=1e-12)
-
-
 def test_a_traction_on_oblique_faces_of_hexahedra_has_its_resultant():
     straight = grid("hexahedron", 2)
     x, y, z = straight.points.T

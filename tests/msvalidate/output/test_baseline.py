@@ -11,7 +11,7 @@ import pytest
 from msvalidate.cli import program
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.output import baseline, report
+from msvalidate.output import baseline
 from msvalidate_check import exchange
 from msvalidate_check.baseline import HEADING
 from tests.table import table
@@ -51,11 +51,6 @@ def kept(tmp_path):
 
     missed.folder = tmp_path
     return missed
-
-
-def test_the_same_table_holds(kept):
-    assert (kept.folder / "t.csv").read_text().startswith("name,x,order\n")
-    assert kept() == kept(changed("steps_per_second", 0, 99.0)) == []
 
 
 def test_the_limit_of_each_value_is_where_it_is_said_to_be(kept):
@@ -193,18 +188,6 @@ def test_update_renews_the_named_studies_only(checkout, capsys):
     assert "quick baseline of stability, damping renewed" in capsys.readouterr().err
 
 
-def test_strangers_are_the_affair_of_all_studies_only(checkout, capsys):
-    (checkout.quick / "oldstudy").mkdir()
-    (checkout.quick / "oldstudy" / "t.csv").write_bytes(b"x\n1.0\n")
-    assert checkout.check("poisson") == (0, ["poisson"])
-    assert "oldstudy" not in capsys.readouterr().err
-    assert checkout.check("all") == (4, STUDIES)
-    assert "quick baseline: oldstudy is no study" in capsys.readouterr().err
-    assert checkout.check("all", "--update", "--reason", "so") == (0, STUDIES)
-    assert sorted(p.name for p in checkout.quick.iterdir()) == STUDIES
-    assert "- Baseline (quick): so\n" in checkout.reasons.read_text("utf-8")
-
-
 def test_a_first_baseline_of_one_study(checkout, capsys):
     exchange.replace_folder(checkout.quick, {})
     assert checkout.check("poisson") == (4, ["poisson"])
@@ -261,20 +244,14 @@ def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
     assert (checkout.files(), checkout.reasons.read_bytes()) == (ours, said)
 
 
-@table(
-    ("options", "said"),
-    [
-        (["--baseline", "pyproject.toml"], "--baseline pyproject.toml: a file; name a folder"),
-        (["--baseline", "reports"], "shares a folder with --out reports/latest; name another"),
-        (["--baseline", "reports/latest/b"], "shares a folder with --out reports/latest"),
-        (["--baseline", "./base"], "--baseline base: our own; leave --baseline out"),
-        (
-            ["--baseline", "pyproject.toml/b", "--update", "--reason", "so"],
-            "no permission to write",
-        ),
-        (["--baseline", "odd", "--update", "--reason", "so"], "REASONS.md: not UTF-8 at byte 0"),
-    ],
-)
+@table(("options", "said"), [
+    (["--baseline", "pyproject.toml"], "--baseline pyproject.toml: a file; name a folder"),
+    (["--baseline", "reports"], "shares a folder with --out reports/latest; name another"),
+    (["--baseline", "reports/latest/b"], "shares a folder with --out reports/latest"),
+    (["--baseline", "./base"], "--baseline base: our own; leave --baseline out"),
+    (["--baseline", "pyproject.toml/b", "--update", "--reason", "so"], "no permission to write"),
+    (["--baseline", "odd", "--update", "--reason", "so"], "REASONS.md: not UTF-8 at byte 0"),
+])  # fmt: skip
 def test_no_place_for_a_baseline_is_told_before_the_work(checkout, capsys, options, said):
     Path("odd").mkdir(exist_ok=True)
     Path("odd/REASONS.md").write_bytes(b"\xe9")
@@ -282,41 +259,3 @@ def test_no_place_for_a_baseline_is_told_before_the_work(checkout, capsys, optio
     (line,) = capsys.readouterr().err.splitlines()
     assert said in line
     assert list(Path("odd").iterdir()) == [Path("odd/REASONS.md")]
-
-
-def test_a_reason_stands_before_its_numbers_move(checkout, monkeypatch):
-    """Ended, as by a kill, before each step in turn that changes a file or folder."""
-    at, count, end = ("poisson", "--update", "--baseline", "own", "--reason"), 0, 99
-    assert checkout.check(*at, "first")[0] == 0
-    table, log = Path("own/quick/poisson/t.csv"), Path("own/REASONS.md")
-    before, said = table.read_bytes(), log.read_bytes()
-
-    def counted(act):
-        def step(*given):
-            nonlocal count
-            count += 1
-            if count == end:
-                raise KeyboardInterrupt
-            return act(*given)
-
-        return step
-
-    for module, name in ((os, "fsync"), (exchange, "exchange_folders"), (exchange, "replace")):
-        monkeypatch.setattr(module, name, counted(getattr(module, name)))
-    monkeypatch.setattr(report, "publish", lambda *_: [])
-    found, checkout.x = [], 2.0
-    for step in range(1, 20):
-        count, end = 0, step
-        try:
-            done = checkout.check(*at, "moved")
-        except KeyboardInterrupt:
-            done = None
-        found.append((table.read_bytes() != before, log.read_bytes() != said))
-        if done:
-            break
-        table.write_bytes(before)
-        log.write_bytes(said)
-    assert (found[-1], len(found) > 4) == ((True, True), True)
-    assert (True, False) not in found, "a number never moves without a reason"
-    assert found.count((False, True)) <= 2, "the rename, and the exchange in it"
-    assert {path.name for path in Path("own").iterdir()} == {"REASONS.md", "quick"}

@@ -10,9 +10,9 @@ from msvalidate.output.stored import Stored, nothing_judged
 
 ROW = {
     "body": "a block", "springs": "square", "across_coarse": "5", "error_coarse": "0.0775",
-    "error_at_20": "0.011", "across_fine": "80", "error_fine": "0.00169", "doubt_fine": "0.0001",
-    "verdict": "agrees", "condition": "half", "cells_over_linear": "0.92", "study": "poisson",
-    "table": "t",
+    "error_at_20": "0.011", "across_fine": "80", "error_fine": "0.00169",
+    "uncertainty_fine": "0.0001", "verdict": "agrees", "condition": "half",
+    "cells_over_linear": "0.92", "study": "poisson", "table": "t",
 }  # fmt: skip
 
 
@@ -34,7 +34,11 @@ def test_stored_rows_are_told_in_per_cent():
 
 def test_advice_is_the_first_row_and_those_that_differ():
     bad = ROW | {"body": "another", "springs": "mesh edges", "verdict": "differs"}
-    thin = bad | {"body": "bracket", "doubt_fine": "0.00017", "condition": "use elements: thin"}
+    thin = bad | {
+        "body": "bracket",
+        "uncertainty_fine": "0.00017",
+        "condition": "use elements: thin",
+    }
     found = front.first_screen([stored("overview", "good_for", rows(ROW, bad, thin))])
     said = found.advice
     assert found.lines[2].fine == "0.17 ± 0.017 % at 80", "a tenth of it is the reference's own"

@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 from msvalidate.output import page, rendering
-from msvalidate.output.pictures import embed_pictures, shorten_paths
 from msvalidate.output.stored import NUMBERS, Stored
 
 VOID = {"meta", "link", "img", "br"}
@@ -81,14 +80,13 @@ def test_page_of_a_study_that_passed():
     html = page.render_page([stored()])
     text = Read(html).text
     said = (
+        "How long? pass 1 of 1 tolerance held, 9.6 s A finding. lines/line.svg",
         "pass The one tolerance of 1 study held.",
         "theory agreement regression baseline seconds time of run",
         "lines pass 1 of 1 held none none none 9.6 2026-01-01 00:00 UTC",
         "What failed Nothing failed.",
-        "How long? pass 1 of 1 tolerance held, 9.6 s findings pictures tables tolerances",
+        "What is asked, and what is judged pass 1 of 1 tolerance held, 9.6 s tables tolerances",
         "As long as it is.",
-        "Findings A finding.",
-        "lines/line.svg",
         "line 2 rows, 2 columns",
         "x word 0.0 a 1.5 b",
         "x place (m)",
@@ -113,6 +111,12 @@ def test_page_of_a_study_that_failed():
     assert text.count("Nothing failed.") == 1  # of the other
 
 
+def test_page_of_one_study_begins_with_what_failed_and_where():
+    row = judged("slope", verdict="fail", observed=2.0, unit="1", rows=6, at="body plate, cells 8")
+    text = Read(page.render_page([stored(rows=[row])])).text
+    assert "tolerance held, 9.6 s slope: error 0.5, limit 0.75, farthest at body plate, ce" in text
+
+
 def test_page_of_a_study_that_did_not_finish():
     text = Read(page.render_page([stored(error="no pivot"), stored("other")])).text
     assert "not finished The one tolerance of 1 study held; did not finish: lines." in text
@@ -120,14 +124,6 @@ def test_page_of_a_study_that_did_not_finish():
     assert "lines did not finish: no pivot" in text
     assert "not finished: no pivot The results shown here are from the run before." in text
     assert "Nothing failed in the run before." in text
-
-
-def test_failures_of_the_run_before_are_not_those_of_this_one():
-    old = stored(rows=[judged("slope", verdict="fail")], error="no pivot")
-    text = Read(page.render_page([old])).text
-    assert "not finished Did not finish: lines." in text
-    assert "Missed tolerances" not in text
-    assert "slope (theory): observed" in text  # in its own section, marked
 
 
 def test_page_of_a_study_that_never_finished():
@@ -184,73 +180,7 @@ def test_no_row_of_a_verdict_is_left_out():
     assert (found.judged, found.missed) == (2, 1)
 
 
-def test_value_that_is_no_number_is_shown():
-    rows = [judged(verdict="fail", observed=float("nan"), error=float("inf"))]
-    assert "gap nan 0.5 inf 0.75 m" in Read(page.render_page([stored(rows=rows)])).text
-
-
 # --- tables and numbers ---------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("values", "shown"),
-    [
-        (["0.2000", "0.3333"], ["0.2000", "0.3333"]),  # digits that are meant
-        (["0.33333333333333", "1.0"], ["0.333333", "1"]),
-        (["75000.00000000001", "none", "5"], ["75000", "none", "5"]),
-        (["1e-12", "-"], ["1e-12", "-"]),
-        (["-6.807258372050756e-12", "-0.0"], ["-6.80726e-12", "0"]),
-        (["12345678", "1.23456789"], ["12345678", "1.23457"]),  # an integer has all its digits
-        (["12345678", "2"], ["12345678", "2"]),
-        (["0.000123", "0.000001"], ["0.000123", "0.000001"]),
-        (
-            ["1.2.3.4.5.6.7.8", "((0, 0.123456789) to 1)"],
-            ["1.2.3.4.5.6.7.8", "((0, 0.123456789) to 1)"],
-        ),
-        (["inf", "nan", ""], ["inf", "nan", ""]),
-    ],
-)
-def test_numbers_have_six_digits(values, shown):
-    assert page.format_column(values) == shown
-
-
-@pytest.mark.parametrize(
-    ("values", "kind"),
-    [
-        (["1.0", "none"], "number"),
-        (["-1e-12"], "number"),
-        (["left", "right"], "word"),
-        (["1 x 2", ""], "word"),
-        (["a word", "words that need a line of some width"], "prose"),
-        ([], "word"),
-    ],
-)
-def test_numbers_stand_on_the_right_and_words_on_the_left(values, kind):
-    assert page.column_kind(values) == kind
-
-
-def test_long_table_is_shown_by_its_first_rows():
-    content = pd.DataFrame({"x": [str(i) for i in range(page.ROWS_SHOWN + 7)]})
-    html = page.render_page([stored(tables={"line": content})])
-    text = Read(html).text
-    assert "7 more rows in lines/line.csv" in text
-    assert f">{page.ROWS_SHOWN - 1}<" in html
-    assert f">{page.ROWS_SHOWN}<" not in html
-
-
-def test_tables_that_a_reader_wants_first_come_first_and_open():
-    content = pd.DataFrame({"x": ["1"]})
-    names = ["a", "cases", "b", "summary"]
-    found = page.study_section(stored(tables=dict.fromkeys(names, content))).tables
-    assert [t.name for t in found] == ["cases", "summary", "a", "b"]
-    assert [t.open for t in found] == [True, True, False, False]
-    html = page.render_page([stored(tables=dict.fromkeys(names, content))])
-    assert [("open" in found) for found in Read(html).all("details")] == [True, True, False, False]
-
-
-def test_column_without_a_meaning_has_no_definition():
-    html = page.render_page([stored(columns={"x": "place (m)"})])
-    assert html.count("<dt><code>") == 1
 
 
 # --- words ----------------------------------------------------------------------------------------
@@ -278,27 +208,7 @@ def test_backticks_become_code():
     assert rendering.split_at_backticks("") == []
 
 
-def test_study_without_a_question_is_called_by_its_name():
-    assert page.study_section(stored(question="")).question == "lines"
-
-
 # --- provenance -----------------------------------------------------------------------------------
-
-
-def test_provenance_that_is_shared_is_given_once():
-    text = Read(page.render_page([stored("a"), stored("b")])).text
-    assert text.partition("Provenance")[2].strip() == "seed 0 time 2026-01-01 00:00 UTC"
-
-
-def test_provenance_that_differs_is_given_by_study():
-    other = stored("b", origin={"seed": "0", "time": "later"})
-    text = Read(page.render_page([stored("a"), other])).text
-    said = "seed 0 a time 2026-01-01 00:00 UTC b time later"
-    assert text.partition("Provenance")[2].strip() == said
-
-
-def test_study_without_a_time():
-    assert "none 9.6 unknown" in Read(page.render_page([stored(origin={})])).text
 
 
 # --- markup ---------------------------------------------------------------------------------------
@@ -375,26 +285,6 @@ def test_picture_is_inside_the_page_with_its_caption():
     assert {"href": "./lines/line.svg"} in Read(PLAIN).all("a")
 
 
-def test_wide_picture_scrolls_on_a_small_screen():
-    found = {
-        name: ("", svg) for name, svg in zip("abc", (SVG % 900, SVG % 300, b"none"), strict=True)
-    }
-    assert [each.wide for each in embed_pictures("s", found, 1000)] == [True, False, False]
-
-
-def test_pictures_beyond_the_room_are_linked():
-    found = {name: (name, SVG % 300) for name in "abc"}
-    length = len(embed_pictures("s", found, 10_000)[0].source)
-    first, second, third = embed_pictures("s", found, 2 * length)
-    assert [bool(each.source) for each in (first, second, third)] == [True, True, False]
-    assert third.file == "s/c.svg"
-
-
-def test_paths_are_shortened_and_nothing_else():
-    svg = b'<path d="M 1.23456 -0.00012 \nL 2.5 3" transform="scale(0.015625)"/>'
-    assert shorten_paths(svg) == b'<path d="M 1.23 0\nL 2.5 3" transform="scale(0.015625)"/>'
-
-
 def test_page_can_be_read_without_seeing_it():
     read = Read(PLAIN)
     assert read.all("html") == [{"lang": "en"}]
@@ -410,7 +300,3 @@ def test_page_can_be_read_without_seeing_it():
     pointed = {a["href"][1:] for a in read.all("a") if a["href"].startswith("#")}
     pointed |= {s["aria-labelledby"] for s in read.all("section")}
     assert pointed <= set(identifiers)
-
-
-def test_same_results_make_the_same_page():
-    assert page.render_page([stored(), stored("b")]) == page.render_page([stored(), stored("b")])

@@ -7,8 +7,6 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from msvalidate.problem import (
     SHAPES,
@@ -32,9 +30,6 @@ from msvalidate_check import elastic_case
 from tests.table import refused, table
 
 CELLS = [name for name, shape in SHAPES.items() if shape.dim > 1]
-BENT = [name for name in CELLS if SHAPES[name].degree == 2]
-examples = settings(max_examples=25, deadline=None)
-seeds = st.integers(0, 2**32 - 1)
 every_shape = pytest.mark.parametrize("shape", CELLS)
 ROUNDING = 1e-12
 """Sums of a hundred terms of size one, each rounded by 1e-16."""
@@ -67,119 +62,7 @@ def test_box_has_its_volume_and_sides(shape, box_mesh):
     assert mesh.whole_surface.measure(mesh.span) == pytest.approx(total, rel=ROUNDING)
 
 
-@given(seeds, st.sampled_from(CELLS))
-@examples
-def test_facets_close_and_volume_is_that_of_the_cells(box_mesh, seed, shape):
-    rng = np.random.default_rng(seed)
-
-    def shaken(x):
-        return x + rng.uniform(-0.015, 0.015, x.shape)
-
-    mesh = box_mesh(shape, bend=shaken)
-    _, normal = area_vectors(mesh.points[mesh.surface])
-    assert np.abs(normal.sum(axis=(0, 1))).max() < ROUNDING
-    # The second route: the Jacobian's integral over each cell, at Gauss's points of a cube.
-    kind = mesh.kind
-    x, w = np.polynomial.legendre.leggauss(6)
-    at = np.array(list(np.ndindex(*[6] * mesh.dim)))
-    places, weight = ((x + 1) / 2)[at], np.prod((w / 2)[at], axis=1)
-    if kind.simplex:  # collapsed: x, (1 - x) y, (1 - x)(1 - y) z
-        left_over = np.ones(len(at))
-        for axis in range(mesh.dim):
-            collapsed = places[:, axis] * left_over
-            weight = weight * left_over ** (axis > 0)
-            left_over = left_over - collapsed
-            places[:, axis] = collapsed
-    columns = np.einsum("qke,ckd->cqde", kind.slopes(places), mesh.points[mesh.cells])
-    assert mesh.volume == pytest.approx((np.linalg.det(columns) @ weight).sum(), rel=1e-11)
-
-
-@given(seeds, st.sampled_from(CELLS))
-@examples
-def test_numbering_does_not_matter(box_mesh, seed, shape):
-    rng = np.random.default_rng(seed)
-    mesh = box_mesh(shape, left=left)
-    new = rng.permutation(len(mesh.points))
-    points = np.empty_like(mesh.points)
-    points[new] = mesh.points
-    cells = new[mesh.cells][rng.permutation(len(mesh.cells))]
-    facets = new[mesh.boundaries["left"]]
-    other = Mesh(points, cells, shape, {"left": facets[:, rng.permutation(facets.shape[1])]})
-    assert other.volume == pytest.approx(mesh.volume, rel=ROUNDING)
-    side, same = (body.side("left") for body in (mesh, other))
-    assert np.array_equal(side.corners(mesh.span), same.corners(mesh.span))
-    assert side.measure(mesh.span) == pytest.approx(same.measure(other.span), rel=ROUNDING)
-    assert np.array_equal(np.sort(new[np.unique(mesh.surface)]), np.unique(other.surface))
-
-
-@pytest.mark.parametrize("shape", ["triangle6", "quad9"])
-def test_ring_with_bent_sides_nears_its_area(shape, ring_mesh):
-    # Parabolas through points of a circle miss its area by the fourth power of their angle.
-    exact = np.pi / 4 * (2**2 - 1**2)
-    off = [abs(ring_mesh(shape, (2, n)).volume - exact) for n in (2, 4, 8)]
-    rates = np.log2(np.array(off[:-1]) / off[1:])
-    assert rates == pytest.approx(4, abs=0.15)
-    straight = [abs(ring_mesh(shape[:-1], (2, n)).volume - exact) for n in (8,)]
-    assert straight[0] > 100 * off[-1]
-
-
-def test_arc_is_measured(ring_mesh):
-    # The length of one parabola through (1, 0), (s, s), (0, 1), by its closed form.
-    s = math.sqrt(0.5)
-    arc = ring_mesh("quad9", (1, 1), inner=0.5, outer=1.0)
-    rise, chord = math.sqrt(2) * s - math.sqrt(0.5), math.sqrt(2)
-    root = math.sqrt(chord**2 + 16 * rise**2)
-    exact = root / 2 + chord**2 / (8 * rise) * math.log((4 * rise + root) / chord)
-    assert arc.side("outer").measure(arc.span) == pytest.approx(exact, rel=1e-9)
-
-
 # --- parts of the surface -------------------------------------------------------------------------
-
-
-@every_shape
-def test_boundary_selects_just_its_points(shape, box_mesh):
-    mesh = box_mesh(shape, left=left)
-    chosen = mesh.side("left").select(mesh.points, mesh.tolerance)
-    assert np.array_equal(chosen, left(mesh.points))
-    rng = np.random.default_rng(0)
-    x = rng.uniform(0.0, 0.5, (200, mesh.dim))
-    x[:100, 0] = 0.0
-    assert np.array_equal(mesh.side("left").select(x, 1e-9), x[:, 0] == 0)
-    beside = x + 3e-9 * np.eye(mesh.dim)[0]
-    assert not mesh.side("left").select(beside, 1e-9).any()
-
-
-@pytest.mark.parametrize("shape", BENT)
-def test_boundary_selects_points_of_bent_facets(shape, ring_mesh):
-    mesh = ring_mesh(shape)
-    side = mesh.side("outer")
-    nodes = np.unique(mesh.boundaries["outer"])
-    assert np.array_equal(np.flatnonzero(side.select(mesh.points, mesh.tolerance)), nodes)
-    kind = SHAPES[{2: "line3", 3: "triangle6" if mesh.kind.simplex else "quad9"}[mesh.dim]]
-    rng = np.random.default_rng(1)
-    at = kind.clipped(rng.uniform(size=(50, kind.dim)))
-    on = np.einsum("qk,fkd->fqd", kind.values(at), side.places).reshape(-1, mesh.dim)
-    assert side.select(on, 1e-9).all()
-    outwards = on[:, :2] / np.linalg.norm(on[:, :2], axis=1)[:, None]
-    off = on.copy()
-    off[:, :2] += 1e-6 * outwards
-    assert not side.select(off, 1e-9).any()
-
-
-@every_shape
-def test_points_are_told_inside_from_outside(shape, ring_mesh):
-    mesh = ring_mesh(shape, (2, 3))
-    rng = np.random.default_rng(2)
-    x = rng.uniform(-0.2, 2.2, (500, mesh.dim))
-    r, angle = np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0])
-    inside = (r > 1) & (r < 2) & (angle > 0) & (angle < np.pi / 2)
-    if mesh.dim == 3:
-        inside &= (x[:, 2] > 0) & (x[:, 2] < 0.5)
-    # Chords and parabolas leave the circle by what an angle of 15 degrees lets them.
-    sure = np.minimum(np.abs(r - 1), np.abs(r - 2)) > 2 * (1 - np.cos(np.pi / 12))
-    assert sure.sum() > 100
-    assert np.array_equal(mesh.contains(x)[sure], inside[sure])
-    assert mesh.contains(mesh.points).all()
 
 
 def test_unknown_name_lists_the_names(box_mesh):
@@ -311,18 +194,6 @@ def test_meshes_are_equal_by_their_cells(box_mesh):
     assert again.side("left").measure(again.span) == pytest.approx(0.5)
     with pytest.raises(ValueError, match="read-only"):
         mesh.points[0] = 1.0
-
-
-@every_shape
-def test_shape_functions(shape):
-    kind = SHAPES[shape]
-    assert kind.values(kind.nodes) == pytest.approx(np.eye(len(kind.nodes)), abs=1e-12)
-    x = kind.clipped(np.random.default_rng(3).uniform(size=(20, kind.dim)))
-    assert kind.values(x).sum(axis=1) == pytest.approx(1)
-    h = 1e-6
-    for axis, e in enumerate(np.eye(kind.dim)):
-        slope = (kind.values(x + h * e) - kind.values(x - h * e)) / (2 * h)
-        assert kind.slopes(x)[:, :, axis] == pytest.approx(slope, abs=1e-8)
 
 
 @table(

@@ -17,65 +17,39 @@ ROUNDING = 1e-12
 """Sums of a hundred terms of size one, each rounded by 1e-16."""
 
 
-def left(x):
-    return x[:, 0] == 0
-
-
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
 NAN = float("nan")
 
 
-@table(
-    ("points", "cells", "shape", "message"),
-    [
-        (SQUARE, [[0, 1, 2, 3]], "pentagon", "mesh shape: 'pentagon'; choose triangle, triangle6"),
-        (SQUARE, [[0, 1, 2, 3]], "tetra", "mesh points: shape (4, 2); tetra needs (n, 3)"),
-        (SQUARE, [[0, 1, 2]], "quad", "mesh cells: shape (1, 3); quad needs (c, 4)"),
-        (SQUARE, np.empty((0, 4), int), "quad", "mesh cells: shape (0, 4)"),
-        (SQUARE, [[0, 1, 2, 4]], "quad", "mesh cells: points 0 to 4; there are 4, from 0"),
-        (SQUARE, [[0, 1, 2, -1]], "quad", "mesh cells: points -1 to 2; there are 4, from 0"),
-        (SQUARE, [[0, 1, 2, 2.5]], "quad", "give whole numbers"),
-        (SQUARE * NAN, [[0, 1, 2, 3]], "quad", "mesh points: nan at index (0, 0)"),
-        (SQUARE * 1e101, [[0, 1, 2, 3]], "quad", "nothing is beyond 1e+100 m"),
-        (SQUARE + 1e8, [[0, 1, 2, 3]], "quad", "mesh: 1 m long and 1e+08 m from the origin"),
-        (SQUARE, [[3, 2, 1, 0]], "quad", "cell 0 at (0.5, 0.5) is inverted, flat or folded"),
-        (SQUARE, [[0, 2, 1, 3]], "quad", "is inverted, flat or folded"),
-        (SQUARE, [[0, 1, 1, 3], [1, 2, 3, 1]], "quad", "is inverted, flat or folded"),
-        (SQUARE, [[0, 1, 2], [0, 3, 2]], "triangle", "cell 1 at (0.333333, 0.666667) is inverted"),
-        (SQUARE, [[0, 1, 2]], "triangle", "1 belong to no cell, the first is point 3 at (0, 1)"),
-        (SQUARE, [[0, 1, 2], [0, 2, 3], [0, 1, 2]], "triangle", "cells 0 and 2 overlap"),
-        (
-            np.vstack([SQUARE, SQUARE[2]]),
-            [[0, 1, 2], [0, 4, 3]],
-            "triangle",
-            "mesh points: point 2 at (1, 1) coincides with point 4; merge them",
-        ),
-        (
-            np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [0, -1], [2, -1.0]]),
-            [[0, 1, 2, 3], [5, 6, 1, 4], [5, 4, 0, 5]],
-            "quad",
-            "is inverted, flat or folded",
-        ),
-        (
-            np.array([[0, 0], [2, 0], [0, 2], [1, 0], [0, -1], [2, -1.0]]),
-            [[0, 1, 2], [0, 4, 3], [4, 5, 3], [3, 5, 1]],
-            "triangle",
-            "point 3 at (1, 0) lies in cell 0 or on a side of it, and is none of its points",
-        ),
-        (
-            np.vstack([SQUARE, SQUARE + 0.5]),
-            [[0, 1, 2, 3], [4, 5, 6, 7]],
-            "quad",
-            "point 4 at (0.5, 0.5) lies in cell 0 or on a side of it",
-        ),
-        (
-            np.vstack([3 * SQUARE, SQUARE + 1]),
-            [[0, 1, 2, 3], [4, 5, 6, 7]],
-            "quad",
-            "point 4 at (1, 1) lies in cell 0",
-        ),
-    ],
-)
+@table(("points", "cells", "shape", "message"), [
+    (SQUARE, [[0, 1, 2, 3]], "pentagon", "mesh shape: 'pentagon'; choose triangle, triangle6"),
+    (SQUARE, [[0, 1, 2, 3]], "tetra", "mesh points: shape (4, 2); tetra needs (n, 3)"),
+    (SQUARE, [[0, 1, 2]], "quad", "mesh cells: shape (1, 3); quad needs (c, 4)"),
+    (SQUARE, np.empty((0, 4), int), "quad", "mesh cells: shape (0, 4)"),
+    (SQUARE, [[0, 1, 2, 4]], "quad", "mesh cells: points 0 to 4; there are 4, from 0"),
+    (SQUARE, [[0, 1, 2, -1]], "quad", "mesh cells: points -1 to 2; there are 4, from 0"),
+    (SQUARE, [[0, 1, 2, 2.5]], "quad", "give whole numbers"),
+    (SQUARE * NAN, [[0, 1, 2, 3]], "quad", "mesh points: nan at index (0, 0)"),
+    (SQUARE * 1e101, [[0, 1, 2, 3]], "quad", "nothing is beyond 1e+100 m"),
+    (SQUARE + 1e8, [[0, 1, 2, 3]], "quad", "mesh: 1 m long and 1e+08 m from the origin"),
+    (SQUARE, [[3, 2, 1, 0]], "quad", "cell 0 at (0.5, 0.5) is inverted, flat or folded"),
+    (SQUARE, [[0, 2, 1, 3]], "quad", "is inverted, flat or folded"),
+    (SQUARE, [[0, 1, 1, 3], [1, 2, 3, 1]], "quad", "is inverted, flat or folded"),
+    (SQUARE, [[0, 1, 2], [0, 3, 2]], "triangle", "cell 1 at (0.333333, 0.666667) is inverted"),
+    (SQUARE, [[0, 1, 2]], "triangle", "1 belong to no cell, the first is point 3 at (0, 1)"),
+    (SQUARE, [[0, 1, 2], [0, 2, 3], [0, 1, 2]], "triangle", "cells 0 and 2 overlap"),
+    (np.vstack([SQUARE, SQUARE[2]]), [[0, 1, 2], [0, 4, 3]], "triangle",
+        "mesh points: point 2 at (1, 1) coincides with point 4; merge them"),
+    (np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [0, -1], [2, -1.0]]), [[0, 1, 2, 3], [5, 6,
+        1, 4], [5, 4, 0, 5]], "quad", "is inverted, flat or folded"),
+    (np.array([[0, 0], [2, 0], [0, 2], [1, 0], [0, -1], [2, -1.0]]), [[0, 1, 2], [0, 4, 3], [4, 5,
+        3], [3, 5, 1]], "triangle",
+        "point 3 at (1, 0) lies in cell 0 or on a side of it, and is none of its points"),
+    (np.vstack([SQUARE, SQUARE + 0.5]), [[0, 1, 2, 3], [4, 5, 6, 7]], "quad",
+        "point 4 at (0.5, 0.5) lies in cell 0 or on a side of it"),
+    (np.vstack([3 * SQUARE, SQUARE + 1]), [[0, 1, 2, 3], [4, 5, 6, 7]], "quad",
+        "point 4 at (1, 1) lies in cell 0"),
+])  # fmt: skip
 def test_bad_meshes_are_refused(points, cells, shape, message):
     with refused(message):
         Mesh(points, cells, shape)
@@ -136,34 +110,23 @@ def test_neighbours_share_their_mid_sides(box_mesh):
         Mesh(np.vstack([mesh.points, [1.05, 0.5]]), cells, "triangle6")
 
 
-@table(
-    ("boundaries", "message"),
-    [
-        ({"in": [[1, 2]]}, "boundary 'in': facet [1, 2] is not on the surface"),
-        ({"no": [[0, 3]]}, "boundary 'no': facet [0, 3] is not on the surface"),
-        ({"no": [[0, 99]]}, "boundary 'no': facet [0, 99] is not on the surface"),
-        (
-            {"none": np.empty((0, 2), int)},
-            "boundary 'none': shape (0, 2); triangle needs (f, 2), or none",
-        ),
-        ({"odd": [[0, 1, 2]]}, "boundary 'odd': shape (1, 3); triangle needs (f, 2)"),
-        ({"": [[0, 1]]}, "give 1 to 100 printable letters on one line"),
-        ({3: [[0, 1]]}, "give 1 to 100 printable letters on one line"),
-        ([[0, 1]], "mesh boundaries: [[0, 1]]; give facets by their names"),
-    ],
-)
+@table(("boundaries", "message"), [
+    ({"in": [[1, 2]]}, "boundary 'in': facet [1, 2] is not on the surface"),
+    ({"no": [[0, 3]]}, "boundary 'no': facet [0, 3] is not on the surface"),
+    ({"no": [[0, 99]]}, "boundary 'no': facet [0, 99] is not on the surface"),
+    ({"none": np.empty((0, 2), int)},
+        "boundary 'none': shape (0, 2); triangle needs (f, 2), or none"),
+    ({"odd": [[0, 1, 2]]}, "boundary 'odd': shape (1, 3); triangle needs (f, 2)"),
+    ({"": [[0, 1]]}, "give 1 to 100 printable letters on one line"),
+    ({3: [[0, 1]]}, "give 1 to 100 printable letters on one line"),
+    ([[0, 1]], "mesh boundaries: [[0, 1]]; give facets by their names"),
+])  # fmt: skip
 def test_bad_boundaries_are_refused(boundaries, message):
     points = np.array([[0, 0], [1, 0], [0, 1], [1, 1.0]])
     with refused(message):
         Mesh(points, [[0, 1, 2], [1, 3, 2]], "triangle", boundaries)
     with refused(message):
         Mesh(points, [[0, 1, 2], [1, 3, 2]], "triangle").named(boundaries)
-
-
-def test_facets_are_listed_once_and_turned_outwards(box_mesh):
-    mesh = box_mesh("triangle", (1, 1), left=left)
-    (facet,) = mesh.boundaries["left"]
-    assert np.array_equal(mesh.named({"left": [facet[::-1], facet]}).boundaries["left"], [facet])
 
 
 @table(

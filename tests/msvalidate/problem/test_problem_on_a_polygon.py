@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from msvalidate.problem import (
     Box,
@@ -76,25 +75,6 @@ def test_a_side_that_a_region_takes_from_the_span_is_refused():
     assert held[:, 1].sum() == 3 + 5 - 1
 
 
-@pytest.mark.parametrize(
-    ("domain", "part"),
-    [
-        (BAR, SLOPE),
-        (BAR, Segment((0.5, 0.5), (0.2, 0.2))),
-        (BAR, Segment((3.5, 0.0), (0.5, 0.0))),
-        (BAR, Region((None, 0.0))),
-        (BAR, Region(((1.0, 2.0), 1.0))),
-        (ELL, Region((1.0, (1.0, 3.0)))),
-        (ELL, Region(((1.0, 2.0), 1.0))),
-        (NOTCHED, Segment((1.0, 1.0), (2.0, 0.0))),
-        (Box((2.0, 1.0)), Segment((2.0, 0.25), (2.0, 0.75))),
-    ],
-)
-def test_a_traction_acts_on_any_part_of_a_side(domain, part):
-    held = (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((2.0, 0.0)), (None, 0.0)))
-    Problem(domain, SHEET, held, (Traction(part, (1.0, 0.0)),))
-
-
 @table(
     ("domain", "part"),
     [
@@ -118,33 +98,20 @@ def test_a_support_or_a_traction_inside_the_body_is_refused(domain, part):
             Problem(domain, SHEET, supports, loads)
 
 
-@table(
-    ("make", "message"),
-    [
-        (
-            lambda: bar(loads=(Traction(Segment((3.0, 1.0), (5.0, -1.0)), (1.0, 0.0)),)),
-            "region ((3, 1) to (5, -1)) reaches outside the body, 0 <= x <= 4",
-        ),
-        (lambda: bar(loads=(PointForce((2.0, 1.5), (1.0, 0.0)),)), "reaches outside the body"),
-        (
-            lambda: Traction(SLOPE, (1.0, 0.0, 0.0)),
-            "traction on ((0, 0) to (1, 1)): (1.0, 0.0, 0.0)",
-        ),
-        (lambda: Traction(SLOPE, (NAN, 0.0)), "traction on ((0, 0) to (1, 1)): nan at index 0"),
-        (lambda: bar(supports=()), "the supports leave the body free: translation along x; trans"),
-        (lambda: Support(SLOPE, (0.0,)), "support on ((0, 0) to (1, 1)): 1 components for 2 axes"),
-        (lambda: Support(((0, 0), (1, 1)), (0.0, 0.0)), "give a Region, such as box.side('left')"),
-        (lambda: Traction("left", (0.0, 0.0)), "traction: region 'left'; give a Region"),
-        (
-            lambda: Problem(BAR, Isotropic(1.0, 0.3, "solid"), (CLAMP,)),
-            "problem: a 3D material in a 2D domain",
-        ),
-        (
-            lambda: Problem(BAR.vertices, SHEET, (CLAMP,)),
-            "give a Box or a Polygon",
-        ),
-    ],
-)
+@table(("make", "message"), [
+    (lambda: bar(loads=(Traction(Segment((3.0, 1.0), (5.0, -1.0)), (1.0, 0.0)),)),
+        "region ((3, 1) to (5, -1)) reaches outside the body, 0 <= x <= 4"),
+    (lambda: bar(loads=(PointForce((2.0, 1.5), (1.0, 0.0)),)), "reaches outside the body"),
+    (lambda: Traction(SLOPE, (1.0, 0.0, 0.0)), "traction on ((0, 0) to (1, 1)): (1.0, 0.0, 0.0)"),
+    (lambda: Traction(SLOPE, (NAN, 0.0)), "traction on ((0, 0) to (1, 1)): nan at index 0"),
+    (lambda: bar(supports=()), "the supports leave the body free: translation along x; trans"),
+    (lambda: Support(SLOPE, (0.0,)), "support on ((0, 0) to (1, 1)): 1 components for 2 axes"),
+    (lambda: Support(((0, 0), (1, 1)), (0.0, 0.0)), "give a Region, such as box.side('left')"),
+    (lambda: Traction("left", (0.0, 0.0)), "traction: region 'left'; give a Region"),
+    (lambda: Problem(BAR, Isotropic(1.0, 0.3, "solid"), (CLAMP,)),
+        "problem: a 3D material in a 2D domain"),
+    (lambda: Problem(BAR.vertices, SHEET, (CLAMP,)), "give a Box or a Polygon"),
+])  # fmt: skip
 def test_a_problem_that_does_not_fit_a_polygon_is_refused(make, message):
     with refused(message):
         make()

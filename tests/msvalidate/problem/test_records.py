@@ -65,12 +65,6 @@ def test_a_print_says_what_is_in_a_record():
     assert "constants=(2250, 1125)" in repr(ms.calibrate(3e3, 1 / 3, ms.patterns.square()))
 
 
-@pytest.mark.parametrize("record", [BOX, PROBLEM.material, HELD, PULL])
-def test_a_small_record_prints_what_makes_it_again(record):
-    names = {name: getattr(ms, name) for name in ms.__all__}
-    assert eval(repr(record), names) == record  # noqa: S307
-
-
 @dataclass(frozen=True)
 class Held:
     thing: object
@@ -95,10 +89,3 @@ class Held:
 )
 def test_what_a_field_shows(thing, shown):
     assert repr(Held(thing)) == f"Held(thing={shown})"
-
-
-def test_a_record_that_holds_itself_or_lacks_a_field_prints():
-    held = Held([])
-    held.thing.append(held)
-    assert repr(held) == "Held(thing=[...])"
-    assert repr(object.__new__(Held)) == "Held(thing='?')"

@@ -46,16 +46,6 @@ def of_cells(problem, cells, element="Q1"):
     return materials_of_cells(problem, body.points[body.cells], SHAPES[body.element.shape])
 
 
-def test_the_last_zone_that_holds_a_place_counts():
-    problem = sheet(Zone(HALF, HARD), Zone(Ball((1.5, 0.5), 0.25), SOFT))
-    places = np.array([[0.5, 0.5], [1.0, 0.5], [1.1, 0.5], [1.25, 0.5], [1.5, 0.5]])
-    assert materials_at(problem, places).tolist() == [0, 1, 1, 2, 2]
-    assert problem.materials == (SOFT, HARD, SOFT)
-    assert of_cells(sheet(Zone(HALF, HARD)), (4, 1)).tolist() == [0, 0, 1, 1]
-    over = sheet(Zone(HALF, HARD), Zone(Region(((1.5, 2.0), None)), SOFT))
-    assert of_cells(over, (4, 1), "Q2").tolist() == [0, 0, 1, 2]
-
-
 @pytest.mark.parametrize(("make", "round_"), [(disc_mesh, DISC), (ball_mesh, BALL)])
 def test_named_cells_are_those_within_the_ball_that_they_fill(make, round_):
     mesh = make(1)
@@ -145,46 +135,38 @@ THIN = Region(((1.1, 1.2), None))
 OTHER = disc_mesh(1)
 
 
-@table(
-    "make, message",
-    [
-        (lambda: Ball((0.0, 0.0), 0.0), "ball: radius"),
-        (lambda: Ball([0.0, 0.0], 1.0), "ball: centre [0.0, 0.0]; give a tuple of 2 or 3"),
-        (lambda: Ball((0.0, 0.0, 0.0, 0.0), 1.0), "give a tuple of 2 or 3 coordinates"),
-        (lambda: Zone("left", HARD), "zone: region 'left'; give a Region of intervals"),
-        (lambda: Zone(BOX.side("left"), HARD), "zone: region (x = 0) has no extent"),
-        (lambda: Zone(HALF, 3.0), "zone (1 <= x <= 2): material: 3.0; give"),
-        (lambda: Zone(HALF, SOLID), "a 3D material in 2D"),
-        (lambda: sheet(HALF), "problem: zones (Region"),
-        (lambda: Problem(BOX, SOFT, (CLAMP,), zones=[Zone(HALF, HARD)]), "give a tuple of them"),
-        (
-            lambda: sheet(Zone(HALF, Isotropic(1.0, 0.3, "plane_strain"))),
-            "material in plane_strain, the body in plane_stress; give both one state",
-        ),
-        (lambda: sheet(Zone(HALF, Isotropic(1.0, 0.3, thickness=2.0))), "2 m thick, the body 1 m"),
-        (lambda: sheet(Zone(HALF, Anisotropic(np.eye(3), thickness=2.0))), "2 m thick"),
-        (lambda: sheet(Zone(Region(((2.0, 3.0), None)), HARD)), "outside the body"),
-        (lambda: Weight((1.0,)), "give 2 or 3 components in m/s²"),
-        (lambda: Weight([0.0, -9.81]), "weight: acceleration: [0.0, -9.81]; give a tuple"),
-        (lambda: Problem(BOX, SOFT, (CLAMP,), (Weight((0.0, 0.0, 1.0)),)), "give 2 components"),
-        (lambda: sheet(Zone(Ball((3.0, 3.0), 1.0), HARD)), "outside the body"),
-        (lambda: sheet(Zone(OTHER.zone("disc"), HARD)), "not of the problem's own box"),
-        (lambda: OTHER.zone("ring"), "zone 'ring': the mesh has 'disc'; choose one of them"),
-        (lambda: of_cells(sheet(Zone(HALF, HARD)), (3, 1)), "it ends inside 1 of 3 cells"),
-        (lambda: of_cells(sheet(Zone(THIN, HARD)), (2, 1)), "or a mesh with named cells"),
-        (lambda: of_cells(sheet(Zone(Ball((0.5, 0.5), 0.4), HARD)), (2, 1)), "ends inside"),
-        (lambda: of_cells(sheet(Zone(Ball((0.5, 0.0), 0.1), HARD)), (2, 1)), "no cell lies in it"),
-        (
-            lambda: OTHER.named({}, {"a": [99]}),
-            "mesh zone 'a': cells 99 to 99; there are 9, from 0",
-        ),
-        (lambda: OTHER.named({}, {"a": []}), "mesh zone 'a': shape (0,)"),
-        (lambda: OTHER.named({}, {"a": [[1]]}), "mesh zone 'a': shape (1, 1)"),
-        (lambda: OTHER.named({}, {"a\n": [1]}), "printable letters on one line"),
-        (lambda: OTHER.named({}, [1]), "mesh zones: [1]; give cells by their names"),
-        (lambda: Mesh(OTHER.points, OTHER.cells, OTHER.shape, {}, {"a": [0.5]}), "mesh zone 'a'"),
-    ],
-)
+@table("make, message", [
+    (lambda: Ball((0.0, 0.0), 0.0), "ball: radius"),
+    (lambda: Ball([0.0, 0.0], 1.0), "ball: centre [0.0, 0.0]; give a tuple of 2 or 3"),
+    (lambda: Ball((0.0, 0.0, 0.0, 0.0), 1.0), "give a tuple of 2 or 3 coordinates"),
+    (lambda: Zone("left", HARD), "zone: region 'left'; give a Region of intervals"),
+    (lambda: Zone(BOX.side("left"), HARD), "zone: region (x = 0) has no extent"),
+    (lambda: Zone(HALF, 3.0), "zone (1 <= x <= 2): material: 3.0; give"),
+    (lambda: Zone(HALF, SOLID), "a 3D material in 2D"),
+    (lambda: sheet(HALF), "problem: zones (Region"),
+    (lambda: Problem(BOX, SOFT, (CLAMP,), zones=[Zone(HALF, HARD)]), "give a tuple of them"),
+    (lambda: sheet(Zone(HALF, Isotropic(1.0, 0.3, "plane_strain"))),
+        "material in plane_strain, the body in plane_stress; give both one state"),
+    (lambda: sheet(Zone(HALF, Isotropic(1.0, 0.3, thickness=2.0))), "2 m thick, the body 1 m"),
+    (lambda: sheet(Zone(HALF, Anisotropic(np.eye(3), thickness=2.0))), "2 m thick"),
+    (lambda: sheet(Zone(Region(((2.0, 3.0), None)), HARD)), "outside the body"),
+    (lambda: Weight((1.0,)), "give 2 or 3 components in m/s²"),
+    (lambda: Weight([0.0, -9.81]), "weight: acceleration: [0.0, -9.81]; give a tuple"),
+    (lambda: Problem(BOX, SOFT, (CLAMP,), (Weight((0.0, 0.0, 1.0)),)), "give 2 components"),
+    (lambda: sheet(Zone(Ball((3.0, 3.0), 1.0), HARD)), "outside the body"),
+    (lambda: sheet(Zone(OTHER.zone("disc"), HARD)), "not of the problem's own box"),
+    (lambda: OTHER.zone("ring"), "zone 'ring': the mesh has 'disc'; choose one of them"),
+    (lambda: of_cells(sheet(Zone(HALF, HARD)), (3, 1)), "it ends inside 1 of 3 cells"),
+    (lambda: of_cells(sheet(Zone(THIN, HARD)), (2, 1)), "or a mesh with named cells"),
+    (lambda: of_cells(sheet(Zone(Ball((0.5, 0.5), 0.4), HARD)), (2, 1)), "ends inside"),
+    (lambda: of_cells(sheet(Zone(Ball((0.5, 0.0), 0.1), HARD)), (2, 1)), "no cell lies in it"),
+    (lambda: OTHER.named({}, {"a": [99]}), "mesh zone 'a': cells 99 to 99; there are 9, from 0"),
+    (lambda: OTHER.named({}, {"a": []}), "mesh zone 'a': shape (0,)"),
+    (lambda: OTHER.named({}, {"a": [[1]]}), "mesh zone 'a': shape (1, 1)"),
+    (lambda: OTHER.named({}, {"a\n": [1]}), "printable letters on one line"),
+    (lambda: OTHER.named({}, [1]), "mesh zones: [1]; give cells by their names"),
+    (lambda: Mesh(OTHER.points, OTHER.cells, OTHER.shape, {}, {"a": [0.5]}), "mesh zone 'a'"),
+])  # fmt: skip
 def test_what_is_refused(make, message):
     with pytest.raises(ProblemError, match=re.escape(message)) as refused:
         make()

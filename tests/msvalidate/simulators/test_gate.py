@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic
 from msvalidate.simulators.gate import MOVING, PASSED, STOPPED, gate
-from msvalidate.simulators.gate_block import motion, pulled_block, turned
 from msvalidate.simulators.protocol import Answer, CannotRepresent, SimulatorError
 from reference_fem import mesh_discretisation
 from reference_fem.elasticity import stiffness
@@ -171,16 +168,3 @@ def test_nothing_that_could_be_tried_is_no_pass():
     found = gate(refuse, SOFT)
     assert not found.passed
     assert set(verdicts(found).values()) == {"cannot"}
-
-
-def test_the_block_and_its_turns():
-    block = pulled_block(Isotropic(1e5, 0.5, "solid"), {})
-    points = block.mesh.points
-    assert np.array_equal(points, points.astype(np.float16))
-    assert block.force.sum(axis=0) == pytest.approx([1e5 * 2**-10, 0, 0])
-    apart = np.linalg.norm(points - points[7], axis=1)
-    there = turned(points, 0.7)
-    assert np.linalg.norm(there - there[7], axis=1) == pytest.approx(apart)
-    asked = motion(block, there, 3)
-    assert math.log2(asked.dt).is_integer()
-    assert not asked.held.any()

@@ -11,7 +11,6 @@ from msvalidate.simulators.blocks import (
     at_rest_both_ways,
     effective_on_mesh,
     frozen_case,
-    nearest_material,
 )
 from msvalidate.simulators.factors import factors
 from msvalidate.simulators.judgement import judge_simulator
@@ -352,19 +351,3 @@ def test_a_fall_that_goes_up_is_told_by_its_sign():
     )
     found = sheet_of(judge_simulator(asked, ASKED, parts=("gate",)), asked, ("gate",))
     assert found.next == "free fall: it falls up: turn the sign of gravity"
-
-
-@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
-def test_the_nearest_material_is_that_of_any_size(size):
-    """Two shapes, of which the ratio mixes; and one, which no ratio changes but in size."""
-    rng = np.random.default_rng(5)
-    one, other = size * rng.normal(size=(2, 6, 3))
-
-    def by_ratio(nu):
-        return one + nu * (0.7 * one + other)
-
-    found = nearest_material(by_ratio(0.21) / 3, by_ratio, 10.0, 0.3, (-0.5, 0.49))
-    assert [found.E, found.nu, found.left] == pytest.approx([30.0, 0.21, 0.0], abs=1e-9)
-    found = nearest_material(2 * one, lambda nu: (1 + nu) * one, 10.0, 0.3, (-0.5, 0.49))
-    assert pytest.approx(6.5) == found.E
-    assert np.isnan(found.nu)

@@ -39,14 +39,6 @@ def test_right_masses_are_found_within_what_is_told(kind, implicit):
 
 
 @table("kind", ["float64", "float32"])
-def test_a_full_cell_on_every_node_is_named(kind):
-    found = measured(kind, masses=np.full(len(OWN), 0.1))
-    assert "equal masses on all nodes" in found.pattern
-    assert found.values == pytest.approx(np.full(len(OWN), OWN.sum() / len(OWN)), rel=1e-4)
-    assert found.off > 0.5
-
-
-@table("kind", ["float64", "float32"])
 def test_one_node_of_twice_its_mass_is_named(kind):
     masses = OWN * np.where(np.arange(len(OWN)) == 17, 2, 1)
     found = measured(kind, masses=masses)

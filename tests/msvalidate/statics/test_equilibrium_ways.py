@@ -60,10 +60,3 @@ def test_where_the_first_way_ends_rest_lengths_are_raised_too(monkeypatch, first
     monkeypatch.setattr(module, "follow_path", ends)
     assert pull(equilibrium(rope(), "nonlinear").position[1, 1]) == pytest.approx(0.3, rel=1e-12)
     assert len(ways) == 2
-
-
-def test_a_way_that_leads_to_the_end_is_not_gone_twice(monkeypatch):
-    follow, ways = module.follow_path, []
-    monkeypatch.setattr(module, "follow_path", lambda *given: ways.append(given) or follow(*given))
-    assert pull(equilibrium(rope(), "nonlinear").position[1, 1]) == pytest.approx(0.3, rel=1e-12)
-    assert len(ways) == 1

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from msvalidate.network import spring_network
 from msvalidate.problem import Box, SolverError, Support
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.statics.imposing import impose_supports
 from tests.msvalidate.energies import spring_energy
 
 SIDE = 0.37
@@ -84,29 +82,3 @@ def test_a_folded_rest_is_refused_with_its_cells(lattice_body):
     rest = relax(network, **options, allow_folded=True).equilibrium
     assert rest.folded == inside_out(rest.position, 12) == 12
     assert spring_energy(network, rest.position)[0] == pytest.approx(0.006257 * SIDE**2, rel=1e-3)
-
-
-def test_small_displacements_move_what_is_held_alone(lattice_body):
-    network = squeezed(lattice_body, 12, 0.02)  # 0.24 of a cell
-    np.testing.assert_array_equal(
-        impose_supports(network, np.zeros((169, 2))), network.displacement
-    )
-
-
-def test_points_between_go_along_by_the_mean_of_neighbours():
-    """A chain of unequal springs, its end moved twice as far as it is long; a point beside it."""
-    k = np.array([1.0, 4.0, 0.5])
-    held = np.zeros((5, 2), dtype=bool)
-    held[[0, 3, 4]] = True
-    moved = np.zeros((5, 2))
-    moved[3] = [-0.6, 0.0]
-    chain = spring_network(
-        [[0, 0], [0.1, 0], [0.2, 0], [0.3, 0], [1, 1]],
-        [[0, 1], [1, 2], [2, 3]],
-        k,
-        held=held,
-        displacement=moved,
-    )
-    part = np.cumsum(1 / k) / (1 / k).sum()
-    expected = -0.6 * np.array([0, *part, 0])
-    np.testing.assert_allclose(impose_supports(chain, np.zeros((5, 2)))[:, 0], expected, atol=1e-12)

@@ -146,16 +146,12 @@ BAD = {
     "words": ("half", r"path: expected numbers"),
     "no pair": (lambda t: t, r"path: at t = 1 no pair of force and displacement .*return two"),
     "wrong shape": (lambda _: (np.zeros(3), np.zeros((3, 2))), r"path: force at t = 1: shape"),
-    "NaN inside": (
-        lambda t: (np.full((3, 2), np.nan if t < 1 else 0) + truss(1e-3).force, np.zeros((3, 2))),
-        r"path: force at t = [0-9.]+: nan",
-    ),
+    "NaN inside": (lambda t: (np.full((3, 2), np.nan if t < 1 else 0) + truss(1e-3).force,
+        np.zeros((3, 2))), r"path: force at t = [0-9.]+: nan"),
     "free point moved": (held_at(0.1), r"displacement at t = 1 of point 1, which is not held"),
-    "another end": (
-        lambda t: (2 * t * truss(1e-3).force, np.zeros((3, 2))),
-        r"path: at t = 1 the force of point 1 is \[.*\], the network's own \[.*\]; end the path",
-    ),
-}
+    "another end": (lambda t: (2 * t * truss(1e-3).force, np.zeros((3, 2))),
+        r"path: at t = 1 the force of point 1 is \[.*\], the network's own \[.*\]; end the path"),
+}  # fmt: skip
 
 
 @table("case", BAD)

@@ -71,13 +71,9 @@ BODIES = {
     "6 decades": {"decades": 6.0, "load": 1e-7},
     "far": {"far": 1e3, "load": 1e-9},
     "prestressed": {"prestress": 0.02},
-    "slender, prestressed, far": {
-        "size": (37.0, 0.37),
-        "prestress": 1e-4,
-        "far": 1e3,
-        "load": 1e-9,
-    },
-}
+    "slender, prestressed, far": {"size": (37.0, 0.37), "prestress": 1e-4, "far": 1e3,
+        "load": 1e-9},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
@@ -97,12 +93,6 @@ def test_reactions_balance_the_load_to_rounding_of_its_moment(lattice_body):
     reaction = equilibrium(network).reaction
     assert reaction.sum(axis=0) == pytest.approx([0.0, load], abs=1e-15 * load * length)
     assert reaction[0, 0] - reaction[1, 0] == pytest.approx(load * length, rel=1e-12)
-
-
-def test_an_ordinary_body_takes_one_correction():
-    # A residual of the wrong sign would be made good by what combines corrections, at their cost.
-    network = braced((6, 2), (1.48, 0.37), np.random.default_rng(3))
-    assert equilibrium(network).iterations == 2
 
 
 def test_a_load_far_below_prestress_is_known_no_better_than_that_lets_it():
@@ -200,13 +190,6 @@ def test_rounding_of_pivots_makes_no_body_unstable():
 
 
 # Small loads ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("geometry", GEOMETRIES)
-def test_without_a_load_nothing_moves_and_nothing_is_wrong(lattice_body, geometry):
-    found = equilibrium(lattice_body((1.11, 0.37), (6, 2)), geometry)
-    assert not found.displacement.any()
-    assert found.error == 0.0
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import pattern_tensor
-from msvalidate.lattice import cut_lattice, fill, mesh_lattice, patterns, trapezium, triangular
+from msvalidate.lattice import fill, mesh_lattice, patterns, trapezium, triangular
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.network import internal_force
 from msvalidate.problem import (
@@ -92,37 +91,6 @@ def gradient(strain):
     for (i, j), g in zip([(0, 1)] if d == 2 else [(1, 2), (0, 2), (0, 1)], strain[d:], strict=True):
         e[i, j], e[j, i] = g / 2 + 0.2, g / 2 - 0.2
     return e
-
-
-@pytest.mark.parametrize("kappa", [0.0, 1.3])
-@pytest.mark.parametrize("name", LATTICES)
-def test_a_uniform_strain_has_one_stress_everywhere(name, kappa):
-    lattice, constants, tensor = LATTICES[name]
-    d = lattice.points.shape[1]
-    strain = np.array(PLANE if d == 2 else SPACE)
-    network = clamped(lattice, constants, kappa)
-    found = moved(network, lattice.points @ gradient(strain).T)
-    t = THICKNESS if d == 2 else 1.0
-    wanted = tensor @ strain
-    wanted[:d] += kappa * strain[:d].sum()
-    stress = cell_stress(network, lattice, found, thickness=t)
-    np.testing.assert_allclose(stress * t, np.tile(wanted, (len(stress), 1)), rtol=0, atol=1e-13)
-    at_points = point_stress(lattice, stress)
-    np.testing.assert_allclose(at_points * t, np.tile(wanted, (len(at_points), 1)), atol=1e-13)
-
-
-def test_a_cut_lattice_under_uniform_strain_has_it_too_beside_whole_cells():
-    box = Box((1.03, 0.57))
-    lattice = cut_lattice(patterns.square(), box, 0.1, origin=(0.0, 0.02))
-    problem = Problem(box, material(2), (Support(box.side("left"), (0.0, 0.0)),))
-    network = cut_network(problem, lattice, (2.0, 0.7))
-    found = moved(network, lattice.points @ gradient(PLANE).T)
-    stress = cell_stress(network, lattice, found)
-    wanted = LATTICES["square"][2] @ np.array(PLANE)
-    cut = np.unique(lattice.cells[lattice.fraction < 1 - 1e-9])
-    inner = stress[~np.isin(lattice.cells, cut).any(axis=1)]
-    assert len(inner) > 20
-    np.testing.assert_allclose(inner, np.tile(wanted, (len(inner), 1)), rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("geometry", ["linear", "nonlinear"])

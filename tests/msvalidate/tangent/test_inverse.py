@@ -56,16 +56,9 @@ BODIES = {
     "bar": lambda: block((100.0, 1.0, 1.0), (100, 1, 1)),
     "stiff inside": lambda: stiff_inside(block(CUBE, (6, 6, 6)), 1e6),
     "soft inside": lambda: stiff_inside(block(CUBE, (6, 6, 6)), 1e-6),
-    "prescribed": lambda: block(
-        CUBE,
-        (5, 5, 5),
-        supports=(
-            Support(Region((0.0, None, None)), (0.0, 0.0, 0.0)),
-            Support(Region((1.0, None, None)), (1e-3, 0.0, None)),
-        ),
-        load=(0.0, 0.0, 0.0),
-    ),
-}
+    "prescribed": lambda: block(CUBE, (5, 5, 5), supports=(Support(Region((0.0, None, None)), (0.0,
+        0.0, 0.0)), Support(Region((1.0, None, None)), (1e-3, 0.0, None))), load=(0.0, 0.0, 0.0)),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("geometry", ["linear", "nonlinear"])

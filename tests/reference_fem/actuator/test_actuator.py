@@ -86,18 +86,6 @@ def test_a_voltage_beyond_pull_in_is_refused_and_names_the_last():
     assert "\n" not in str(no.value)
 
 
-def test_scales():
-    # Lengths times 3, moduli times 4, permittivity times 5, and 7 deep.
-    law = square_fibres(4.0, 2.0)
-    slab = facing_slab(30.0, 30.0, permittivity=5.0)
-    large = SoftSlab(slab, law, 1, "plates", element="Q1", depth=7.0)
-    small = equilibrium_at(between_plates(), 4.0)
-    found = equilibrium_at(large, 4.0 * 3 * np.sqrt(4 / 5))
-    assert found.ratio == pytest.approx(small.ratio, rel=1e-7)
-    expected = 7 * 5 * small.charge / small.voltage * found.voltage
-    assert found.charge == pytest.approx(expected, rel=1e-6)
-
-
 # --- in air ---------------------------------------------------------------------------------------
 
 
@@ -129,12 +117,6 @@ def test_a_slab_in_air_is_at_rest_and_symmetric(framed):
     assert uniform_voltage(found.ratio) == pytest.approx(4, rel=0.05)
 
 
-def test_equilibrium_does_not_depend_on_the_way_there(framed):
-    direct = equilibrium_at(framed, 3.0)
-    stepped = sweep(framed, (1.0, 2.0, 3.0)).held[-1]
-    assert np.abs(direct.displacement - stepped.displacement).max() <= 1e-6
-
-
 def test_a_free_end_of_an_electrode_is_lost_early_and_the_last_equilibrium_kept():
     found = sweep(in_air(), (1.0, 3.0), resolution=0.1)
     assert found.held[0].voltage == 1.0
@@ -164,17 +146,6 @@ def test_low_voltages_meet_the_linear_response():
 
 
 # --- fixed points ---------------------------------------------------------------------------------
-
-
-def test_a_linear_map_is_solved_in_as_many_turns_as_it_has_motions():
-    J = np.diag([0.9, 0.3, -0.5])
-
-    def answer(x):
-        return (x.ravel() @ J + 1).reshape(x.shape), "with it"
-
-    turns = fixed_point(answer, np.zeros((3, 1)), 1e-10)
-    assert turns.count <= 6
-    assert (turns.found, turns.left <= 1e-10) == ("with it", True)
 
 
 def test_a_map_without_a_fixed_point_is_refused():

@@ -49,34 +49,3 @@ def test_what_rounding_hides_is_refused(ratio):
     medium, values = layers(ratio)
     with pytest.raises(SolverError, match=r"permittivities from 3.* to 3.*take a conductor"):
         medium.solve(values)
-
-
-def test_a_core_of_great_permittivity_tends_to_a_conductor():
-    """Beside it a conductor that floats, which has no permittivity at all."""
-    body = box_discretisation(Box((SIDE, SIDE)), (9, 9), "Q1")
-    y = body.points[:, 1]
-    middle = body.points[body.cells].mean(axis=1) / SIDE
-    inside = (np.abs(middle - [0.5, 0.4]) < 0.2).all(axis=1)
-    held = np.isin(y, (0.0, y.max()))
-    values = np.where(y == 0, -0.3, 0.4)
-    core = np.unique(body.cells[inside])
-    ones = np.ones(len(body.cells))
-    limit = Dielectric(body, ones, held, core).solve(values).energy
-    gaps = []
-    for ratio in (1e2, 1e4, 1e6):
-        found = Dielectric(body, np.where(inside, ratio, 1.0), held).solve(values)
-        gaps.append((1 - found.energy / limit) * ratio)
-        assert found.error <= max(2e-12, 1e-14 * ratio)
-    # What flows through the core stores energy like 1/ratio.
-    assert gaps[0] == pytest.approx(gaps[1], rel=0.1)
-    assert gaps[1] == pytest.approx(gaps[2], rel=1e-3)
-
-
-@pytest.mark.parametrize("ratio", [1.0, 1e6])
-def test_equal_potentials_leave_no_charge(ratio):
-    medium, _ = layers(ratio)
-    found = medium.solve(np.full(len(medium.held), 0.3))
-    assert not found.charge.any()
-    assert found.energy == 0.0
-    assert found.error == 0.0
-    np.testing.assert_array_equal(found.values, 0.3)

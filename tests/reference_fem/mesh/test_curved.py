@@ -75,20 +75,6 @@ def test_interpolation_on_curved_cells_holds_linear_functions(element):
 
 
 @pytest.mark.parametrize("element", QUADRATIC)
-def test_points_between_chord_and_arc_are_in_the_body_and_beyond_it_are_not(element):
-    body = ring(element, 1)
-    angle = np.pi / 8  # amid an edge of the one or two cells that make the quarter
-    d = body.dim
-    place = np.zeros((1, d))
-    place[0, :2] = 0.999 * OUTER * np.array([np.cos(angle), np.sin(angle)])
-    chord = OUTER * np.cos(np.pi / 8)
-    assert np.linalg.norm(place) > chord  # beyond the straight edge
-    assert np.abs(body.interpolation(place) @ body.points - place).max() <= ROUNDING
-    with pytest.raises(ProblemError, match="must lie in the body"):
-        body.interpolation(place * 1.002)
-
-
-@pytest.mark.parametrize("element", QUADRATIC)
 def test_curved_cells_pass_the_patch_test(element):
     body = ring(element)
     x, d = body.points, body.dim
@@ -99,14 +85,6 @@ def test_curved_cells_pass_the_patch_test(element):
     assert not held.all()  # else nothing is solved
     found = solve_on(body, law, held, np.where(held, exact, 0.0), np.zeros(x.shape))
     assert np.abs(found - exact).max() <= ROUNDING * np.abs(exact).max()
-
-
-def test_cells_bent_by_rounding_are_straight_ones():
-    flat = reference_fem.box_discretisation(Box((1.0, 1.0)), 3, "Q2")
-    points = flat.points + 1e-13 * np.random.default_rng(1).random(flat.points.shape)
-    again = make_discretisation(points, flat.cells, "Q2")
-    assert not again.curved
-    assert np.abs(again.gradients - flat.gradients).max() <= ROUNDING
 
 
 # --- integrals ------------------------------------------------------------------------------------
@@ -140,25 +118,6 @@ def test_volume_is_the_flux_through_the_surface(element):
 
 
 # --- loads ----------------------------------------------------------------------------------------
-
-
-def test_a_load_on_a_parabola_has_its_length_and_moment():
-    # Length of y = 4h x(c - x)/c² over 0 <= x <= c: √(c² + 16h²)/2 + c²/(8h) asinh(4h/c).
-    c, h = 1.0, 0.2
-    points = [(0, 0), (c, 0), (c, -1), (0, -1), (c, -0.5), (c / 2, -1), (0, -0.5), (c / 2, h)]
-    cells = [[3, 2, 1, 0, 5, 4, 7, 6, 8]]
-    body = make_discretisation([*points, (c / 2, -0.5)], cells, "Q2")
-    top = body.surface[(body.points[body.surface][:, :, 1] >= 0).all(axis=1)]
-    assert len(top) == 1
-    facets = Facets(body, top)
-    length = np.sqrt(c**2 + 16 * h**2) / 2 + c**2 / (8 * h) * np.arcsinh(4 * h / c)
-    force = facets.integrated(np.broadcast_to([2.0, -3.0], facets.places.shape))
-    # Ten points integrate this root to 1e-9.
-    assert force.sum(axis=0) == pytest.approx(length * np.array([2.0, -3.0]), rel=1e-9)
-    s = np.linspace(0, 1, 200_001)
-    x, y, slope = c * s, 4 * h * s * (1 - s), np.sqrt(c**2 + (4 * h * (1 - 2 * s)) ** 2)
-    turning = np.trapezoid((x * -3.0 - y * 2.0) * slope, s)  # error 1e-11
-    assert moment(body.points, force) == pytest.approx(turning, rel=1e-8)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)

@@ -55,25 +55,6 @@ def integrated_by_hand(shape, edges, C):
     return np.einsum("q,qim,ij,qjn->mn", weight, B, C, B)
 
 
-def test_each_shape_of_cells_has_one_element():
-    solid = [name for name, shape in SHAPES.items() if shape.dim > 1]
-    assert sorted(solid) == sorted(kind.shape for kind in ELEMENTS.values())
-    assert all(name == kind.name for name, kind in ELEMENTS.items())
-
-
-@every
-def test_nodes_sides_and_functions_are_those_of_the_shape(element):
-    kind = ELEMENTS[element]
-    shape = SHAPES[kind.shape]
-    assert (kind.dim, kind.degree, kind.corners) == (shape.dim, shape.degree, shape.corners)
-    np.testing.assert_array_equal(kind.places, shape.nodes)
-    sides = {frozenset(facet) for facet in kind.facets}
-    assert sides == {frozenset(facet) for facet in shape.facets.tolist()}
-    at = np.random.default_rng(1).random((20, kind.dim)) / kind.dim
-    wanted = shape.values(at)[:, kind.listed]
-    np.testing.assert_allclose(kind.functions(at)[0].T, wanted, atol=1e-14)
-
-
 @every
 def test_the_stiffness_of_one_cell_is_the_integral_by_hand(element):
     kind = ELEMENTS[element]

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import meshio
 import numpy as np
 import pytest
 
-from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.bodies.mesh_file import read_mesh
-from msvalidate.lattice import square
 from msvalidate.problem import (
     SHAPES,
     BodyForce,
@@ -188,41 +185,3 @@ def test_chords_of_another_ring_are_refused():
         solve_problem(pressed(mesh), mesh_discretisation(annulus("Q2", inner=1.1)))
     with refused("mesh the problem's own domain"):
         solve_problem(pressed(mesh), mesh_discretisation(annulus("Q1")))
-
-
-def test_traction_does_not_reach_a_side_between_two_loaded_ones():
-    # In a strip one cell high, the ends of a cell's top are both on loaded sides.
-    body = box_discretisation(Box((2.0, 1.0)), (1, 1), "Q1")
-    mesh = Mesh(body.points, body.cells, "quad")
-    ends = mesh.surface[
-        (np.ptp(body.points[mesh.surface][..., 0], axis=1) == 0)  # both upright sides
-    ]
-    mesh = mesh.named({"ends": ends})
-    sides = (Traction(mesh.side("ends"), (0.0, 7.0)),)
-    held = (Support(Region((None, 0.0)), (0.0, 0.0)),)
-    found = solve_problem(
-        Problem(mesh, Isotropic(1e6, 0.3), held, sides), mesh_discretisation(mesh)
-    ).displacement
-    both = tuple(Traction(Region((x, None)), (0.0, 7.0)) for x in (0.0, 2.0))
-    expected = solve_problem(
-        Problem(Box((2.0, 1.0)), Isotropic(1e6, 0.3), held, both), body
-    ).displacement
-    assert found == pytest.approx(expected, rel=1e-12)
-
-
-def test_network_on_a_mesh_is_that_of_the_box():
-    box = Box((2.0, 1.0))
-    lattice = square(box, (4, 2))
-    mesh = mesh_of(box_discretisation(box, (4, 2), "Q1"))
-    on_mesh = replace(lattice, domain=mesh)
-    networks = []
-    for domain, grid, (left, right) in (
-        (box, lattice, (box.side("left"), box.side("right"))),
-        (mesh, on_mesh, (mesh.side("left"), mesh.side("right"))),
-    ):
-        problem = asked(domain, left, right, 2)
-        networks.append(lattice_network(problem, grid, (1.0, 1.0)))
-    first, second = networks
-    assert np.array_equal(first.held, second.held)
-    assert second.force == pytest.approx(first.force, rel=1e-12, abs=1e-12 * 300)
-    assert np.array_equal(first.stiffness, second.stiffness)

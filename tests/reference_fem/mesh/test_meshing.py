@@ -7,14 +7,11 @@ import re
 import numpy as np
 import pytest
 import skfem
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import reference_fem
 from msvalidate.lattice import trapezium, triangular, zigzag_block
 from msvalidate.problem import (
     Anisotropic,
-    BodyForce,
     Box,
     Isotropic,
     Polygon,
@@ -45,31 +42,6 @@ def refused(message):
 
 
 # --- boxes ----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("element", PLANE)
-def test_box_mesh_covers_the_box(element):
-    body = reference_fem.box_discretisation(BOX, (5, 3), element, 2.0)
-    kind, p = ELEMENTS[element], ELEMENTS[element].degree
-    middles = 15 if p == 2 and not kind.simplex else 0
-    lacking = 0 if kind.nodes == kind.corners + 5 else middles  # of serendipity
-    assert body.points.shape == ((p * 5 + 1) * (p * 3 + 1) - lacking, 2)
-    assert body.basis.mesh.t.shape[1] == 15 * (1 + kind.simplex)
-    np.testing.assert_array_equal(body.points.min(axis=0), 0)
-    np.testing.assert_array_equal(body.points.max(axis=0), BOX.size)
-    one = skfem.LinearForm(lambda v, _: v).assemble(body.basis)
-    assert one.sum() == pytest.approx(BOX.volume, rel=1e-13)
-
-
-def test_grading_crowds_lines_to_both_ends():
-    def lines(cells, grading):
-        body = reference_fem.box_discretisation(Box((2.0, 2.0)), cells, "Q1", grading)
-        return np.unique(body.points[:, 0])
-
-    assert lines(4, 2.0) == pytest.approx([0, 0.25, 1, 1.75, 2], rel=1e-15)  # s² from either end
-    assert lines(4, 1.0) == pytest.approx([0, 0.5, 1, 1.5, 2], rel=1e-15)
-    even = lines(7, 2.5)
-    assert even == pytest.approx(2 - even[::-1], abs=1e-15)
 
 
 @table(
@@ -135,15 +107,6 @@ def test_each_part_is_graded_as_the_whole_would_be():
     assert found[1][4:] == pytest.approx(1 + 2 * (1 - np.linspace(1, 0, 9) ** 2), abs=1e-15)
 
 
-@settings(max_examples=30, deadline=None)
-@given(inner=st.lists(st.integers(1, 19), min_size=1, max_size=4, unique=True))
-def test_parts_take_their_share_of_the_cells_by_length(inner):
-    # Twenty cells of a twentieth each, cut anywhere between: the lines are those without a cut.
-    places = tuple(k * 0.1 for k in sorted(inner))
-    body = reference_fem.box_discretisation(Box((2.0, 1.0)), (20, 1), "Q1", through=(places, ()))
-    assert lines(body, 0) == pytest.approx(np.linspace(0, 2, 21), abs=1e-15)
-
-
 def test_a_traction_on_a_part_that_the_lines_end_at_has_its_resultant():
     part = Region((1.2, (0.8 / 3, 0.55)))
     body = reference_fem.box_discretisation(BOX, (3, 6), "Q2", 1.7, through=((), (0.8 / 3, 0.55)))
@@ -153,33 +116,27 @@ def test_a_traction_on_a_part_that_the_lines_end_at_has_its_resultant():
     np.testing.assert_allclose(force.sum(axis=0), (0.55 - 0.8 / 3) * np.array([2, -1]), rtol=1e-12)
 
 
-@table(
-    ("through", "message"),
-    [
-        # shapes and types
-        ((), "mesh lines through (): give coordinates for each axis, as ((), (0.4, 0.6))"),
-        (((0.4,),), "mesh lines through ((0.4,),): give coordinates for each axis"),
-        (4, "mesh lines through 4: give coordinates for each axis"),
-        ((0.4, ()), "mesh lines through 0.4: give coordinates in order, between 0 and 1.2 m"),
-        ((("a",), ()), "mesh lines through: expected numbers, got ('a',)"),
-        (((), (NAN,)), "mesh lines through: nan at index 0; every value must be finite"),
-        # places
-        (((0.6, 0.4), ()), "mesh lines through (0.6, 0.4): give coordinates in order, between 0"),
-        (((1.3,), ()), "mesh lines through (1.3,): give coordinates in order, between 0 and 1.2 m"),
-        (((), (0.9,)), "mesh lines through (0.9,): give coordinates in order, between 0 and 0.8 m"),
-        (((0.0,), ()), "mesh lines through (0.0,): give coordinates in order"),
-        (((1.2,), ()), "mesh lines through (1.2,): give coordinates in order"),
-        # counts
-        (
-            ((0.05,), ()),
-            "mesh lines through (0.05,): 6 cells do not divide among the parts; choose",
-        ),
-        (((0.3, 0.9), ()), "mesh lines through (0.3, 0.9): 6 cells do not divide among the parts"),
-        (((), tuple(0.1 * k for k in range(1, 8))), "4 cells do not divide among the parts"),
-        # Parts of next to no length. Above, halves of a cell go up on either side alike.
-        (((0.4, 0.4 + 1e-12), ()), "6 cells do not divide among the parts"),
-    ],
-)
+@table(("through", "message"), [
+    # shapes and types
+    ((), "mesh lines through (): give coordinates for each axis, as ((), (0.4, 0.6))"),
+    (((0.4,),), "mesh lines through ((0.4,),): give coordinates for each axis"),
+    (4, "mesh lines through 4: give coordinates for each axis"),
+    ((0.4, ()), "mesh lines through 0.4: give coordinates in order, between 0 and 1.2 m"),
+    ((("a",), ()), "mesh lines through: expected numbers, got ('a',)"),
+    (((), (NAN,)), "mesh lines through: nan at index 0; every value must be finite"),
+    # places
+    (((0.6, 0.4), ()), "mesh lines through (0.6, 0.4): give coordinates in order, between 0"),
+    (((1.3,), ()), "mesh lines through (1.3,): give coordinates in order, between 0 and 1.2 m"),
+    (((), (0.9,)), "mesh lines through (0.9,): give coordinates in order, between 0 and 0.8 m"),
+    (((0.0,), ()), "mesh lines through (0.0,): give coordinates in order"),
+    (((1.2,), ()), "mesh lines through (1.2,): give coordinates in order"),
+    # counts
+    (((0.05,), ()), "mesh lines through (0.05,): 6 cells do not divide among the parts; choose"),
+    (((0.3, 0.9), ()), "mesh lines through (0.3, 0.9): 6 cells do not divide among the parts"),
+    (((), tuple(0.1 * k for k in range(1, 8))), "4 cells do not divide among the parts"),
+    # Parts of next to no length. Above, halves of a cell go up on either side alike.
+    (((0.4, 0.4 + 1e-12), ()), "6 cells do not divide among the parts"),
+])  # fmt: skip
 def test_bad_places_for_lines_are_named(through, message):
     with refused(message):
         reference_fem.box_discretisation(BOX, (6, 4), "Q1", through=through)
@@ -211,13 +168,9 @@ OUTLINES = {
     "turned block": turned(BLOCK, -2.0),
     "triangle": Polygon(((0.0, 0.0), (0.8, 0.0), (0.4, 0.8 * ROW))),
     # A hexagon without one of its six triangles: one corner inside, of 300 degrees.
-    "open hexagon": Polygon(
-        tuple(
-            (0.6 * float(r * np.cos(a)), 0.6 * float(r * np.sin(a)))
-            for r, a in [(0, 0), *((1, k * np.pi / 3) for k in range(6))]
-        )
-    ),
-}
+    "open hexagon": Polygon(tuple((0.6 * float(r * np.cos(a)), 0.6 * float(r * np.sin(a))) for r,
+        a in [(0, 0), *((1, k * np.pi / 3) for k in range(6))])),
+}  # fmt: skip
 outlines = pytest.mark.parametrize("outline", OUTLINES.values(), ids=OUTLINES)
 triangles = pytest.mark.parametrize("element", [e for e in PLANE if ELEMENTS[e].simplex])
 
@@ -270,35 +223,6 @@ def test_triangles_cover_the_outline(outline, spacing, element):
     assert (len(body.cells), len(body.points)) == pytest.approx((cells, nodes), rel=1e-12)
 
 
-@triangles
-@pytest.mark.parametrize("depth", [0, 1, 2, 5])
-@outlines
-def test_refinement_leaves_no_gaps_and_no_hanging_nodes(outline, depth, element):
-    body = refined(outline, element, depth)
-    assert area(body) == pytest.approx(outline.volume, rel=1e-12)
-    ends = np.sort(body.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    ends, uses = np.unique(ends, axis=0, return_counts=True)
-    assert set(uses.tolist()) == {1, 2}
-    # What one triangle has alone is the outline and no more.
-    alone = body.points[ends[uses == 1]]
-    assert all(outline.on_boundary(pair) for pair in alone)
-    around = np.linalg.norm(alone[:, 1] - alone[:, 0], axis=1).sum()
-    assert around == pytest.approx(sum(edge.measure(()) for edge in edges(outline)), rel=1e-12)
-
-
-@pytest.mark.parametrize("rings", [1, 2, 3])
-@pytest.mark.parametrize("depth", [1, 3, 6])
-@outlines
-def test_refinement_halves_the_triangles_at_the_places_each_time(outline, depth, rings):
-    body = refined(outline, "P1", depth, rings)
-    # Halving coordinates of 1 m keeps 1e-16 of them, 1e-13 of the smallest side.
-    assert sides(body).min() == pytest.approx(0.2 / 2**depth, rel=1e-12)
-    x = corners(body)
-    for place in outline.corners:
-        at = (np.linalg.norm(x - place, axis=2) < 1e-9).any(axis=1)
-        assert sides(body)[at] == pytest.approx(0.2 / 2**depth, rel=1e-12)
-
-
 @pytest.mark.parametrize("rings", [1, 2, 3])
 @outlines
 def test_refined_triangles_stay_well_shaped(outline, rings):
@@ -306,18 +230,6 @@ def test_refined_triangles_stay_well_shaped(outline, rings):
     found = angles(refined(outline, "P1", 8, rings))
     assert found.min() > 30 - 1e-9
     assert found.max() < 120 + 1e-9
-
-
-def test_refinement_is_local_and_grows_with_depth_and_rings():
-    counts = [len(refined(BLOCK, "P1", depth).cells) for depth in range(10)]
-    steps = np.diff(counts[4:])
-    assert steps.max() < 2 * steps.min()  # about as many more at each depth, not a multiple
-    wider = [len(refined(BLOCK, "P1", 4, rings).cells) for rings in (1, 2, 3)]
-    assert wider == sorted(set(wider))
-    # Far from the place refined towards, the triangles are those to start from.
-    body = reference_fem.polygon_discretisation(BAR, 0.1, "P1", towards=[(0.0, 0.0)], depth=5)
-    far = (np.linalg.norm(corners(body), axis=2) > 0.5).all(axis=1)
-    assert sides(body)[far] == pytest.approx(0.1, rel=1e-12)
 
 
 @triangles
@@ -341,20 +253,6 @@ def test_a_place_named_twice_is_one_place():
     np.testing.assert_array_equal(once.points, twice.points)
 
 
-@triangles
-@pytest.mark.parametrize("depth", [0, 3])
-@outlines
-def test_points_of_the_lattice_are_points_of_the_mesh(outline, depth, element):
-    lattice = triangular(outline, 0.2)
-    body = refined(outline, element, depth)
-    matrix = body.interpolation(lattice.points)
-    # At a vertex one shape function is 1 and all others 0, to the rounding of the coordinates.
-    nearest = np.linalg.norm(lattice.points[:, None] - body.points, axis=2).argmin(axis=1)
-    expected = np.zeros(matrix.shape)
-    expected[np.arange(len(nearest)), nearest] = 1
-    assert np.abs(matrix.toarray() - expected).max() < 1e-11
-
-
 STACK = Polygon(
     (
         *((0.0, 0.0), (4.0, 0.0), (4.5, ROW), (4.75, ROW), (5.25, 2 * ROW), (5.0, 2 * ROW)),
@@ -366,53 +264,38 @@ STACK = Polygon(
 hold have the very area and perimeter of the outline."""
 
 
-@table(
-    ("arguments", "options", "message"),
-    [
-        ((BAR, 0.2, "Q2"), {}, "mesh: Q2 in a polygon of 4 vertices, 1.6 x 0.519615 m; give a"),
-        ((BOX, 0.2), {}, "mesh: P2 in a box 1.2 x 0.8 m; give a Polygon and P1 or P2"),
-        # spacing
-        ((BAR, 0.0), {}, "mesh spacing: 0.0 m; it must be above zero"),
-        ((BAR, -0.2), {}, "mesh spacing: -0.2 m; it must be above zero"),
-        ((BAR, NAN), {}, "mesh spacing: nan; every value must be finite"),
-        ((BAR, 0.3), {}, "mesh spacing: triangles of side 0.3 m cover 0.662509 of 0.6755 m²"),
-        ((BAR, 0.1999), {}, "choose one that divides every edge"),
-        ((BLOCK, 0.25), {}, "choose one that divides every edge"),
-        ((BAR, 100.0), {}, "mesh spacing: triangles of side 100 m cover 0 of 0.6755 m²"),
-        # Whole triangles make the area, but not the outline.
-        (
-            (Polygon(((0.0, 0.0), (4.0, 0.0), (4.0, 2 * ROW), (0.0, 2 * ROW))), 1.0),
-            {},
-            "mesh spacing: triangles of side 1 m have their edges on 0 of 1.73205 m of edge 1 of",
-        ),
-        (
-            (STACK, 1.0),
-            {},
-            "have their edges on 0 of 0.25 m of edge 2 of the outline, ((4.5, 0.866025) to (4.75, ",
-        ),
-        # places
-        ((BAR, 0.2), {"towards": [(0.0, NAN)]}, "places to refine towards: nan at index (0, 1)"),
-        ((BAR, 0.2), {"towards": (0.0, 0.0)}, "towards: shape (2,); give (p, 2)"),
-        ((BAR, 0.2), {"towards": np.zeros((2, 3))}, "towards: shape (2, 3); give (p, 2)"),
-        ((BAR, 0.2), {"depth": 5}, "mesh depth: 5 and no places to refine towards; give towards"),
-        (
-            (BAR, 0.2),
-            {"towards": [(0.2, 0.0), (0.5, 0.0)]},
-            "towards: (0.5, 0) is 0.1 m from the nearest vertex of the mesh; choose vertices",
-        ),
-        ((BAR, 0.2), {"towards": [(9.0, 0.0)]}, "(9, 0) is 7.4 m from the nearest vertex"),
-        # depth and rings, whether there is a place or not
-        ((BAR, 0.2), {"depth": -1}, "mesh depth: -1; give a whole number, 0 or more"),
-        ((BAR, 0.2), {"depth": 1.0}, "mesh depth: 1.0; give a whole number, 0 or more"),
-        ((BAR, 0.2), {"depth": True}, "mesh depth: True; give a whole number, 0 or more"),
-        ((BAR, 0.2), {"rings": 0}, "mesh rings: 0; give a whole number, 1 or more"),
-        (
-            (BAR, 0.2),
-            {"towards": [(0.0, 0.0)], "depth": 40},
-            "mesh depth: 40 puts vertices 1.8e-13 m apart, nearer than two places are told apart",
-        ),
-    ],
-)
+@table(("arguments", "options", "message"), [
+    ((BAR, 0.2, "Q2"), {}, "mesh: Q2 in a polygon of 4 vertices, 1.6 x 0.519615 m; give a"),
+    ((BOX, 0.2), {}, "mesh: P2 in a box 1.2 x 0.8 m; give a Polygon and P1 or P2"),
+    # spacing
+    ((BAR, 0.0), {}, "mesh spacing: 0.0 m; it must be above zero"),
+    ((BAR, -0.2), {}, "mesh spacing: -0.2 m; it must be above zero"),
+    ((BAR, NAN), {}, "mesh spacing: nan; every value must be finite"),
+    ((BAR, 0.3), {}, "mesh spacing: triangles of side 0.3 m cover 0.662509 of 0.6755 m²"),
+    ((BAR, 0.1999), {}, "choose one that divides every edge"),
+    ((BLOCK, 0.25), {}, "choose one that divides every edge"),
+    ((BAR, 100.0), {}, "mesh spacing: triangles of side 100 m cover 0 of 0.6755 m²"),
+    # Whole triangles make the area, but not the outline.
+    ((Polygon(((0.0, 0.0), (4.0, 0.0), (4.0, 2 * ROW), (0.0, 2 * ROW))), 1.0), {},
+        "mesh spacing: triangles of side 1 m have their edges on 0 of 1.73205 m of edge 1 of"),
+    ((STACK, 1.0), {},
+        "have their edges on 0 of 0.25 m of edge 2 of the outline, ((4.5, 0.866025) to (4.75, "),
+    # places
+    ((BAR, 0.2), {"towards": [(0.0, NAN)]}, "places to refine towards: nan at index (0, 1)"),
+    ((BAR, 0.2), {"towards": (0.0, 0.0)}, "towards: shape (2,); give (p, 2)"),
+    ((BAR, 0.2), {"towards": np.zeros((2, 3))}, "towards: shape (2, 3); give (p, 2)"),
+    ((BAR, 0.2), {"depth": 5}, "mesh depth: 5 and no places to refine towards; give towards"),
+    ((BAR, 0.2), {"towards": [(0.2, 0.0), (0.5, 0.0)]},
+        "towards: (0.5, 0) is 0.1 m from the nearest vertex of the mesh; choose vertices"),
+    ((BAR, 0.2), {"towards": [(9.0, 0.0)]}, "(9, 0) is 7.4 m from the nearest vertex"),
+    # depth and rings, whether there is a place or not
+    ((BAR, 0.2), {"depth": -1}, "mesh depth: -1; give a whole number, 0 or more"),
+    ((BAR, 0.2), {"depth": 1.0}, "mesh depth: 1.0; give a whole number, 0 or more"),
+    ((BAR, 0.2), {"depth": True}, "mesh depth: True; give a whole number, 0 or more"),
+    ((BAR, 0.2), {"rings": 0}, "mesh rings: 0; give a whole number, 1 or more"),
+    ((BAR, 0.2), {"towards": [(0.0, 0.0)], "depth": 40},
+        "mesh depth: 40 puts vertices 1.8e-13 m apart, nearer than two places are told apart"),
+])  # fmt: skip
 def test_a_bad_mesh_of_triangles_is_named(arguments, options, message):
     with refused(message):
         reference_fem.polygon_discretisation(*arguments, **options)
@@ -429,31 +312,6 @@ VOIGT = {
     "anisotropic": SKEW,
 }
 materials = pytest.mark.parametrize("name", MATERIALS)
-
-
-def held_all_round(outline, displacement):
-    fields = tuple(lambda x, axis=axis: displacement(x)[:, axis] for axis in (0, 1))
-    return tuple(Support(edge, fields) for edge in edges(outline))
-
-
-@materials
-@outlines
-def test_quadratic_elements_hold_a_parabola_under_constant_body_force(outline, name):
-    # u = (x² + 2xy, 3y² - xy): strain (2x + 2y, 6y - x, 2x - y), constant divergence of stress.
-    def parabola(p):
-        x, y = p.T
-        return np.column_stack([x**2 + 2 * x * y, 3 * y**2 - x * y])
-
-    along_x = VOIGT[name] @ [2, -1, 2]
-    along_y = VOIGT[name] @ [2, 6, -1]
-    force = BodyForce((-(along_x[0] + along_y[2]), -(along_x[2] + along_y[1])))
-    problem = Problem(outline, MATERIALS[name], held_all_round(outline, parabola), (force,))
-    body = refined(outline, "P2", 3, spacing=0.1)
-    solution = reference_fem.solve_problem(problem, body)
-    exact = parabola(body.points)
-    assert np.abs(solution.displacement - exact).max() <= 1e-12 * np.abs(exact).max()
-    places = triangular(outline, 0.05).points
-    assert np.abs(solution.at(places) - parabola(places)).max() <= 1e-12 * np.abs(exact).max()
 
 
 @triangles

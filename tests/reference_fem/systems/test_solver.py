@@ -81,20 +81,6 @@ def test_every_choice_agrees(body, choice):
         assert (each.steps > 0) == (each.choice == "multigrid")
 
 
-def test_large_bodies_take_what_is_fastest(monkeypatch):
-    monkeypatch.setattr("reference_fem.systems.solver.WORTH_CHOLMOD", 1)
-    monkeypatch.setattr(
-        "reference_fem.systems.solver.MOST_PRODUCTS", {"superlu": 1.0, "cholmod": 1.0}
-    )
-    for there, factor in ((True, "cholmod"), (False, "superlu")):
-        monkeypatch.setattr("reference_fem.systems.solver.has_cholmod", lambda there=there: there)
-        plane, *_ = clamped((1.0, 1.0), 4, "Q1")
-        solid, *_ = clamped((1.0, 1.0, 1.0), 4, "H1")
-        assert plane._chosen[0] == factor
-        assert solid._chosen[0] == "multigrid"
-        assert solid._direct == factor
-
-
 def test_multigrid_that_stalls_gives_way_to_a_factor_once(monkeypatch):
     monkeypatch.setattr(
         "reference_fem.systems.solver.MOST_PRODUCTS", {"superlu": 0.0, "cholmod": 0.0}
@@ -115,18 +101,6 @@ def test_multigrid_that_stalls_gives_way_to_a_factor_once(monkeypatch):
 
 
 # --- one body, many loads -------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("choice", EVERY)
-def test_a_factor_or_hierarchy_is_made_once(choice, monkeypatch):
-    solver, displacement, force = clamped((1.0, 1.0, 1.0), 4, "H1", choice=choice)
-    one, _ = solver.solve(displacement, force)
-    for name in ("factorise", "Hierarchy"):
-        monkeypatch.setattr(f"reference_fem.systems.solver.{name}", None)
-    other, _ = solver.solve(0 * displacement, 2 * force)
-    both, _ = solver.solve(displacement, 3 * force)
-    assert np.abs(both - one - other).max() <= AGREE * np.abs(both).max()
-    assert np.abs(other).max() > 1e-3 * np.abs(both).max()
 
 
 def test_everything_may_be_held():
@@ -210,20 +184,6 @@ def test_no_number_is_refused(size, choice):
     other = reference_fem.Solver(solver.body, broken, solver.held, choice)
     with pytest.raises(SolverError, match=r"residual nan N .* the stiffness holds values"):
         other.solve(displacement, 0 * force)
-
-
-@pytest.mark.parametrize("choice", FACTORS)
-def test_a_negative_stiffness_is_not_taken_for_an_answer_of_rest(choice):
-    # CHOLMOD refuses it; LU solves it, as is right for a system that is regular.
-    solver, displacement, force = clamped((1.0, 1.0), 3, "Q1", choice=choice)
-    turned = reference_fem.Solver(solver.body, -solver.stiffness, solver.held, choice)
-    if choice == "cholmod":
-        with pytest.raises(SolverError, match="singular"):
-            turned.solve(displacement, force)
-    else:
-        found, _ = turned.solve(0 * displacement, -force)
-        wanted, _ = solver.solve(0 * displacement, force)
-        assert np.abs(found - wanted).max() <= AGREE * np.abs(wanted).max()
 
 
 def test_an_absent_package_is_named(monkeypatch):

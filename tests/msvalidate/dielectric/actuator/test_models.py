@@ -9,10 +9,8 @@ import pytest
 
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, lowest_modes, relax_actuator, slab
 from msvalidate.dielectric.actuator.balance import stiffness, unbalanced_force
-from msvalidate.dielectric.actuator.device import MODELS
-from msvalidate.dielectric.actuator.models import CHARGES, charge_actuator
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.network import energy
-from msvalidate.problem import ProblemError
 
 
 def disturbed(body, size=0.03):
@@ -98,29 +96,3 @@ def test_the_report_s_model_ends_at_its_own_equilibrium():
     assert lowest_modes(more)[0][0] < lowest_modes(one)[0][0]
     with pytest.raises(PulledIn):
         at_voltage(body, 0.7, start=more, bracket=1e-3)
-
-
-@pytest.mark.parametrize("model", ["plane", "parallel_plates"])
-def test_electrodes_may_run_either_way(model):
-    body = slab(4.0, 1.0, 2, covered=0.5, model=model)
-    turned = replace(body, electrodes=tuple(line[::-1] for line in body.electrodes))
-    one, other = at_voltage(body, 0.3), at_voltage(turned, 0.3)
-    assert other.displacement == pytest.approx(one.displacement, abs=1e-12)
-
-
-def test_a_model_is_a_function_and_a_row(monkeypatch):
-    def halved(device, position, voltage):
-        return CHARGES["plane"](device, position, voltage / 2)
-
-    def refuse(device):
-        if device.depth > 1:
-            raise ProblemError("depth: too deep")
-
-    monkeypatch.setitem(MODELS, "halved", refuse)
-    monkeypatch.setitem(CHARGES, "halved", halved)
-    body = slab(4.0, 1.0, 2, covered=0.5, model="halved")
-    one, other = at_voltage(replace(body, model="plane"), 0.15), at_voltage(body, 0.3)
-    assert other.displacement == pytest.approx(one.displacement, abs=1e-10)
-    assert np.abs(one.displacement).max() > 1e-4
-    with pytest.raises(ProblemError, match="too deep"):
-        replace(body, depth=2.0)

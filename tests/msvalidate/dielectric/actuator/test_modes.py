@@ -21,22 +21,6 @@ from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
 
 
-@pytest.mark.parametrize("cells", [3, 8])
-def test_lowest_modes_are_those_of_the_dense_matrix(cells):
-    held = at_voltage(slab(12.0, 4.0, cells), 1.0)
-    free = ~held.actuator.network.held
-    electric = charge_actuator(held.actuator, held.position, held.voltage)
-    K = stiffness(held.actuator, held.position, electric).toarray()
-    values, modes = lowest_modes(held, 4)
-    assert values == pytest.approx(np.linalg.eigvalsh(K)[:4], rel=1e-9)
-    assert (values > 0).all()
-    for value, mode in zip(values, modes, strict=True):
-        inside = mode[free]
-        assert np.linalg.norm(inside) == pytest.approx(1)
-        assert K @ inside == pytest.approx(value * inside, abs=1e-9 * abs(K).max())
-    assert not modes[:, ~free].any()
-
-
 def test_the_lowest_mode_softens_towards_pull_in(plates):
     near = sweep(plates, [3.0, 6.0, 7.0], bracket=1e-5).equilibria
     values = [lowest_modes(held)[0][0] for held in near]

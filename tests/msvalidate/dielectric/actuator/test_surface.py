@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.spatial import Delaunay
 
-from msvalidate.dielectric.actuator.surface import is_off_surface, outline
+from msvalidate.dielectric.actuator.surface import outline
 from msvalidate.lattice import square
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError
-
-EDGES = [[0, 1], [1, 2], [2, 0]]
 
 
 def filled(columns, rows):
@@ -30,25 +27,6 @@ def test_outline_of_a_box(columns, rows):
     around = outline(network)
     assert len(around) == len(set(around.tolist())) == 2 * (columns + rows)
     assert area(network.points[around]) == pytest.approx(columns * rows)  # counter-clockwise
-
-
-@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (4, 2), (5, 3)])
-def test_springs_on_the_outline_are_the_surface(columns, rows):
-    network = filled(columns, rows)
-    around = outline(network)
-    known = {frozenset(pair) for pair in zip(around, np.roll(around, -1), strict=True)}
-    inside = [i for i, pair in enumerate(network.springs.tolist()) if frozenset(pair) not in known]
-    assert is_off_surface(network, network.springs).tolist() == inside
-
-
-def test_outline_of_triangles_is_their_hull():
-    points = np.random.default_rng(3).uniform(size=(40, 2))
-    mesh = Delaunay(points)
-    network = spring_network(
-        points, np.unique(np.sort(mesh.simplices[:, EDGES].reshape(-1, 2)), axis=0), 1.0
-    )
-    assert set(outline(network).tolist()) == set(mesh.convex_hull.ravel().tolist())
-    assert area(points[outline(network)]) > 0
 
 
 def test_numbering_does_not_matter():

@@ -42,13 +42,6 @@ def test_a_filled_slab_has_the_energy_of_its_cells():
     assert energy(network, moved) == pytest.approx(cells, rel=1e-13)
 
 
-@pytest.mark.parametrize("stretch", [0.7, 1.0, 1.5, 3.0])
-def test_relaxed_thickness_needs_no_pressure(stretch):
-    ratio = uniform.relaxed_thickness(stretch, **SPRINGS)
-    assert uniform.pressure(ratio, stretch=stretch, **SPRINGS) == pytest.approx(0, abs=1e-14)
-    assert (ratio < 1) == (stretch > 1)
-
-
 def test_pull_in_of_the_report_s_lattice_is_the_known_one():
     ratio, volts = uniform.pull_in()
     assert round(volts, 3) == 6.348  # THEORY of the slab: k1 = 1, k2 = 1/2, h0 = 10, ε = 1
