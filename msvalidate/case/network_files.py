@@ -146,7 +146,8 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
         cells |= {"kappa": volumes.stiffness, "volume": volumes.rest_volume}
-        cells["pressure"] = -volumes.stiffness * dilatation(volumes, u, linear=True)
+        grown = dilatation(volumes, u, linear=True)
+        cells["pressure"] = -(volumes.slope + volumes.curvature * grown)
         tables["cells"] = pd.DataFrame(cells)
     return {name: table.reset_index(names="id") for name, table in tables.items()}
 
@@ -155,7 +156,7 @@ def tension(network: Network, displacement: Array) -> Array:
     """Tension (m,) in N of each spring, to first order in a displacement (n, d) in m."""
     i, j = network.springs.T
     along = ((displacement[j] - displacement[i]) * network.vector).sum(axis=1) / network.distance
-    return np.asarray(network.stiffness * (network.beyond_rest + along))
+    return np.asarray(network.pull_at_rest * network.distance + network.axial_stiffness * along)
 
 
 def _cell_stress(answer: SpringAnswer, case: Case) -> Mapping[str, Array]:

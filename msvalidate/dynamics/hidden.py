@@ -51,7 +51,7 @@ def refuse_lost_digits(
     moved = max(max_abs(start.x), max_abs(end.x))
     ends = [np.abs(network.points + one.x) for one in (start, end)]
     at = 0.5 * EPS * max_abs(np.where(network.held, 0.0, np.maximum(*ends)))
-    along = network.size / float(network.rest_length.max())
+    along = network.size / float(network.distance.max())
     lost = max(at, 0.5 * EPS * rounded * along)
     if moved * DIGITS >= lost:
         return

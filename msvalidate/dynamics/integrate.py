@@ -26,7 +26,6 @@ from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, st
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
 from msvalidate.network.folds import count_folded
 from msvalidate.network.residual import out_of_balance_force
@@ -122,8 +121,7 @@ def motion(
             if watch is not None:
                 watch(step, State(network.points + now.x, now.v))
     if steps and not at_rest:
-        rounded = max_abs(network.beyond_rest)
-        refuse_lost_digits(network, integrator.name, start, now, rounded)
+        refuse_lost_digits(network, integrator.name, start, now, 0.0)
     end = network.points + now.x
     return State(end, now.v, count_folded(network.simplices, end))
 
@@ -246,7 +244,7 @@ def euler_cromer(
             moving.advance(u, v, *step_factors(EULER_CROMER)(dt, rate), dt, steps)
             now = MotionState(u, v, pushed)
             refuse_diverged(run, start, now, reach)
-            longest = float(network.rest_length.max())
+            longest = float(network.distance.max())
             refuse_lost_digits(network, EULER_CROMER.name, start, now, longest)
     end = network.points + u
     return State(end, v, count_folded(network.simplices, end))

@@ -20,12 +20,12 @@ import numpy as np
 from msvalidate.kernels import bending, stencil
 from msvalidate.kernels.general import MOST_WAVES, Sweep, Threads
 from msvalidate.kernels.grid import recognised
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type, whole_number
 
-Path = Literal["auto", "general", "lattice"]
-PATHS: tuple[Path, ...] = ("auto", "general", "lattice")
+Path = Literal["auto", "general", "lattice", "plain"]
+PATHS: tuple[Path, ...] = ("auto", "general", "lattice", "plain")
 
 
 class Motion:
@@ -37,7 +37,8 @@ class Motion:
         Springs, and cells if there are any.
     path
         "general": by lists of springs; "lattice": by a stencil, for uniform lattices only; "auto"
-        takes this where it serves. Results agree to rounding.
+        takes this where it serves; "plain": NumPy's, of laws that compiled loops do not have, and
+        then taken by "auto". Results agree to rounding.
     threads
         Among which the general path shares its points; they change no bit of the motion. A lattice
         with more than one takes the general path.
@@ -63,7 +64,12 @@ class Motion:
         require_one_of("path", path, PATHS)
         whole_number("threads", threads, 1)
         whole_number("waves", waves, 1)
-        grid = recognised(network) if path == "lattice" or (path, threads) == ("auto", 1) else None
+        self._plain = path == "plain" or (path == "auto" and not compiles(network))
+        if not (self._plain or compiles(network)):
+            laws = [network.law.name] + ([network.volumes.law.name] if network.volumes else [])
+            raise ProblemError(f"path: {path}, for laws {', '.join(laws)}; take path auto or plain")
+        lattice = path == "lattice" or (path, threads) == ("auto", 1)
+        grid = recognised(network) if lattice and not self._plain else None
         if path == "lattice" and (grid is None or threads > 1):
             why = "more than one thread" if grid else "a network that is no uniform lattice"
             raise ProblemError(f"path: lattice, for {why}; take path auto or general")
@@ -75,8 +81,8 @@ class Motion:
 
     @property
     def path(self) -> Path:
-        """The path taken, "general" or "lattice"."""
-        return "general" if self._grid is None else "lattice"
+        """The path taken: "general", "lattice" or "plain"."""
+        return "plain" if self._plain else "general" if self._grid is None else "lattice"
 
     @property
     def bytes_a_step(self) -> int:
@@ -95,7 +101,11 @@ class Motion:
         """Write the force (n, d) in N at a displacement into `out`; return the energy (J)."""
         self._refuse_shape(displacement=displacement, out=out)
         force = _written("out", out)
-        stored = self._general.force(_flat(displacement), force)
+        if self._plain:
+            at = Configuration(self._network, displacement)
+            force[:], stored = at.force(), at.energy()
+        else:
+            stored = self._general.force(_flat(displacement), force)
         _put_back((out, force))
         return stored
 
@@ -160,6 +170,8 @@ class Motion:
         kinetic: float,
         to_peak: bool,
     ) -> tuple[int, float, bool]:
+        if self._plain:
+            return self._advance_plainly(*moving, dt, steps, kinetic, to_peak)
         if self._grid is not None:
             return stencil.advance(self._grid, *moving, dt, steps, kinetic, to_peak)
         if self._threads == 1 or to_peak:
@@ -167,6 +179,29 @@ class Motion:
         if self._shared is None:
             self._shared = Threads(self._network, self._threads, self._waves)
         return self._shared.advance(*moving, dt, steps)
+
+    def _advance_plainly(
+        self,
+        u: Array,
+        v: Array,
+        keep: Array,
+        push: Array,
+        dt: float,
+        steps: int,
+        kinetic: float,
+        to_peak: bool,
+    ) -> tuple[int, float, bool]:
+        network, held = self._network, self._held
+        for step in range(1, steps + 1):
+            force = Configuration(network, u).force() + network.force
+            v *= keep[:, None]
+            v += (push / network.mass)[:, None] * force
+            v.ravel()[held] = 0.0
+            u += dt * v
+            before, kinetic = kinetic, 0.5 * float(network.mass @ (v**2).sum(axis=1))
+            if to_peak and kinetic < before:
+                return step, kinetic, True
+        return steps, kinetic, False
 
     def _refuse_shape(self, **values: Array) -> None:
         """Compiled code looks at no index: other shapes would read, or write, beside the arrays."""
@@ -203,8 +238,15 @@ def _put_back(*written: tuple[Array, Array]) -> None:
 
 def curvature(network: Network, displacement: Array, direction: Array) -> float:
     """Second derivative (N·m) of the stored energy along `direction` d, (n, d) in m: dᵀ K d."""
+    if not compiles(network):
+        return Configuration(network, displacement).mode_energy(direction)
     axes = tuple(range(network.dim))
     return float(bending.curvature(axes, displacement, direction, *_laws(network)))
+
+
+def compiles(network: Network) -> bool:
+    """Whether compiled loops have the laws of its springs and cells."""
+    return network.law.compiled and (network.volumes is None or network.volumes.law.compiled)
 
 
 def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:

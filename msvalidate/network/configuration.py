@@ -1,14 +1,15 @@
 """A network under a displacement: energy, forces and tangent, from changes of length.
 
-A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
-energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. What it is longer by than at
-the reference points,
+A spring between points i and j with y = x_j - x_i pulls along its *current* direction by its law's
+pull p(s), force over length at s = y·y: on i by p(s)·y, the opposite on j. What s is larger by than
+at the reference points,
 
-    L - D = (L² - D²)/(L + D),    L² - D² = (2v + w)·w,
+    s - s0 = (2Y + w)·w,
 
-v its vector there, D its distance, w the difference of two displacements, has all digits of these:
-a position of 1e6 m has none for a displacement of 1e-10 m. Cells that resist a change of volume do
-the same (`laws.volumes`). This is the plain NumPy form; `msvalidate.kernels` has the compiled one.
+Y its vector there, w the difference of two displacements, has all digits of these: a position of
+1e6 m has none for a displacement of 1e-10 m. So forces are those at rest, 0 where these are in
+balance, and changes: p(s0)·w + (p(s) - p(s0))·y. Cells that resist a change of volume do the same
+(`laws.volumes`). This is the plain NumPy form; `msvalidate.kernels` has the compiled one.
 """
 
 from __future__ import annotations
@@ -32,8 +33,10 @@ class Configuration:
     ----------
     move, vector
         (m, d) in m: what the springs' second points move more than the first, and their vectors.
-    length, elongation
-        (m,) in m: lengths, and lengths less rest lengths.
+    length
+        (m,) in m.
+    grown
+        (m,) in m²: squares of the lengths less those at the reference points.
 
     Raises
     ------
@@ -49,23 +52,50 @@ class Configuration:
         self.vector = network.vector + self.move
         self.length = np.linalg.norm(self.vector, axis=1)
         self._refuse_no_length()
-        grown = ((network.vector + self.vector) * self.move).sum(axis=1)
-        self.elongation = grown / (self.length + network.distance) + network.beyond_rest
+        self.grown = ((network.vector + self.vector) * self.move).sum(axis=1)
+
+    @cached_property
+    def square(self) -> Array:
+        """Squares (m,) of the lengths in m²."""
+        return np.asarray(self.length**2)
+
+    @cached_property
+    def pull_change(self) -> Array:
+        """Force over length (m,) of each spring in N/m, less that at the reference points."""
+        network = self.network
+        return network.law.change(network.coefficients, network.square, self.square, self.grown)
 
     @cached_property
     def force_density(self) -> Array:
         """Tension (m,) of each spring over its length, in N/m: its stiffness across."""
-        return np.asarray(self.network.stiffness * (self.elongation / self.length))
+        return self.network.pull_at_rest + self.pull_change
+
+    @cached_property
+    def axial_stiffness(self) -> Array:
+        """Stiffness (m,) in N/m of each spring along itself."""
+        return self.network.law.axial(self.network.coefficients, self.square)
 
     def energy(self) -> float:
-        """Energy (J) stored in springs and cells."""
-        stored = float(0.5 * self.network.stiffness @ self.elongation**2)
-        return stored + self.network.of_cells(cells.energy, self.displacement)
+        """Energy (J) stored in springs and cells.
+
+        Of springs that rest at no length, what is stored beyond that at the reference points.
+        """
+        network, law, c = self.network, self.network.law, self.network.coefficients
+        stored = law.work(c, network.square, self.square, self.grown).sum()
+        if network.prestressed:
+            stored += 0.5 * float(network.pull_at_rest @ (self.move**2).sum(axis=1))
+            stored += float(law.stored(c, network.square) @ (network.pull_at_rest != 0))
+        stored -= float((network.rest_force * self.displacement).sum())
+        return float(stored) + network.of_cells(cells.energy, self.displacement)
 
     def force(self) -> Array:
         """Force (n, d) in N of all springs and cells on the points."""
-        force = self.network.assemble_forces(self.force_density[:, None] * self.vector)
-        return force + self.network.of_cells(cells.force, self.displacement)
+        network = self.network
+        pull = self.pull_change[:, None] * self.vector
+        if network.prestressed:
+            pull += network.pull_at_rest[:, None] * self.move
+        force = network.assemble_forces(pull) + network.rest_force
+        return force + network.of_cells(cells.force, self.displacement)
 
     def force_change(self, motion: Array) -> Array:
         """Change (n, d) in N of `force` by a small motion (n, d) in m, to first order: -K motion.
@@ -75,7 +105,7 @@ class Configuration:
         i, j = self.network.springs.T
         w = motion[j] - motion[i]
         along = (self.vector * w).sum(axis=1) / self.length**2
-        pull = ((self.network.stiffness - self.force_density) * along)[:, None] * self.vector
+        pull = ((self.axial_stiffness - self.force_density) * along)[:, None] * self.vector
         force = self.network.assemble_forces(pull + self.force_density[:, None] * w)
         return force + self.network.of_cells(cells.force_change, self.displacement, motion)
 
@@ -89,19 +119,19 @@ class Configuration:
         w = motion[j] - motion[i]
         along = (self.vector * w).sum(axis=1) / self.length
         across = (w**2).sum(axis=1) - along**2
-        stored = float(self.network.stiffness @ along**2 + self.force_density @ across)
+        stored = float(self.axial_stiffness @ along**2 + self.force_density @ across)
         change = self.network.of_cells(cells.force_change, self.displacement, motion)
         return stored - float(np.sum(motion * change))
 
     def tangent(self) -> bsr_array:
         """Tangent stiffness (n·d, n·d) in N/m, a d × d block for every two points that are joined.
 
-        A spring's is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness.
+        A spring's is k n nᵀ + p (I - n nᵀ): its stiffness along itself, and its pull across.
 
         Source: [Crisfield1991], chapter 3 (truss elements); derived by differentiation of `force`.
         """
         network, n = self.network, self.vector / self.length[:, None]
-        across, along = self.force_density, network.stiffness - self.force_density
+        across, along = self.force_density, self.axial_stiffness - self.force_density
 
         def entry(a: int, b: int) -> Array:
             # n nᵀ first, so that it is rounded alike in springs of any stiffness: long and slender
@@ -117,7 +147,7 @@ class Configuration:
 
     def force_magnitudes(self) -> Array:
         """Sum (n,) of the magnitudes of the forces (N) of springs and cells on each point."""
-        network, tension = self.network, np.abs(self.network.stiffness * self.elongation)
+        network, tension = self.network, np.abs(self.force_density) * self.length
         met = np.zeros(len(network.points))
         for end in (0, 1):
             met += np.bincount(network.springs[:, end], tension, len(met))

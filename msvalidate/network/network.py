@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.linear_algebra.blocks import Blocks, blocks_of
+from msvalidate.linear_algebra.refine import EPS
 from msvalidate.network.checks import (
     broadcast_values,
     check_cells,
@@ -21,6 +22,9 @@ from msvalidate.network.checks import (
     refuse_first_bad,
 )
 from msvalidate.network.folds import Simplices, simplices_of
+from msvalidate.network.laws import volumes as of_volumes
+from msvalidate.network.laws.law import Coefficients, SpringLaw
+from msvalidate.network.laws.linear import LINEAR
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.layout import Layout, make_layout
 from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError
@@ -37,9 +41,11 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 AT_REST = 2.0**-50
-"""Stretch up to which a rest length is the distance of a spring's points, rounded to a double: the
-spring is at rest there. Taken as given, that rounding would be a prestress, which bends a slender
-body more than a small load does."""
+"""Pull, over the axial stiffness, up to which a rest length is the distance of a spring's points,
+rounded to a double: the spring is at rest there. Taken as given, that rounding would be a
+prestress, which bends a slender body more than a small load does."""
+BALANCED = 16.0
+"""Roundings of the forces that meet at a point up to which they are in balance there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +61,9 @@ class Network:
     springs
         (m, 2) pairs of different points.
     stiffness
-        (m,) (N/m, thickness included), >= 0.
+        (m,) (N/m, thickness included), >= 0; below it for springs that rest at no length.
     rest_length
-        (m,) (m), > 0.
+        (m,) (m), > 0; a size alone, for springs that rest at no length.
     mass
         (n,) (kg), > 0.
     held
@@ -71,6 +77,8 @@ class Network:
     cells
         (c, corners) points of the cells that a deformed network is looked at for folds by, in VTK
         order; by default those of `volumes`, or the triangles that springs make in the plane.
+    law
+        How springs pull; `volumes` have a law of their own.
 
     Raises
     ------
@@ -88,6 +96,7 @@ class Network:
     force: Array
     volumes: Volumes | None = None
     cells: Index | None = None
+    law: SpringLaw = LINEAR
 
     def __post_init__(self) -> None:
         points = finite_coordinates("points", self.points, "n>0", (2, 3))
@@ -105,9 +114,10 @@ class Network:
             need = f"this network needs {shape}"
             object.__setattr__(self, name, checked(name, getattr(self, name), *shape, need=need))
         held, moved = boolean_mask("held", self.held, (n, d)), self.displacement
-        refuse_first_bad(
-            "stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more"
-        )
+        require_type("law", self.law, SpringLaw)
+        below = (self.stiffness < 0) & self.law.rests
+        need = f"N/m; it must be 0 or more by the {self.law.name} law"
+        refuse_first_bad("stiffness", self.stiffness, below, need)
         refuse_first_bad(
             "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
         )
@@ -115,8 +125,9 @@ class Network:
             "rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0"
         )
         refuse_first_bad("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
-        small = 0 < self.stiffness.max() < np.finfo(float).tiny  # no factor has digits then
-        refuse_first_bad("stiffness", self.stiffness, small & (self.stiffness > 0), "N/m; raise it")
+        size = np.abs(self.stiffness)
+        small = 0 < size.max() < np.finfo(float).tiny  # no factor has digits then
+        refuse_first_bad("stiffness", self.stiffness, small & (size > 0), "N/m; raise it")
         object.__setattr__(self, "springs", springs)
         distance = self.distance
         # Below 1/LONGEST a distance is rounded away when it is squared.
@@ -172,10 +183,55 @@ class Network:
         return np.asarray(np.linalg.norm(self.vector, axis=1))
 
     @cached_property
-    def beyond_rest(self) -> Array:
-        """Distances less rest lengths (m,) in m: 0 where one is the other's rounding."""
-        beyond = self.distance - self.rest_length
-        return np.where(np.abs(beyond) > AT_REST * self.distance, beyond, 0.0)
+    def square(self) -> Array:
+        """Its square (m,) in m²."""
+        return self.distance**2
+
+    @cached_property
+    def coefficients(self) -> Coefficients:
+        """Of the law, for each spring."""
+        return self.law.coefficients(self.stiffness, self.rest_length)
+
+    @cached_property
+    def axial_stiffness(self) -> Array:
+        """Stiffness (m,) in N/m of each spring along itself, at the reference points."""
+        return self.law.axial(self.coefficients, self.square)
+
+    @cached_property
+    def pull_at_rest(self) -> Array:
+        """Force over length (m,) in N/m at the reference points: 0 where it is a rounding."""
+        pull = self.law.pull(self.coefficients, self.square)
+        return np.where(np.abs(pull) > AT_REST * np.abs(self.axial_stiffness), pull, 0.0)
+
+    @property
+    def prestressed(self) -> bool:
+        """Whether springs pull at the reference points."""
+        return bool(self.pull_at_rest.any())
+
+    @cached_property
+    def rest_force(self) -> Array:
+        """Force (n, d) in N of springs and cells at the reference points: 0 where in balance.
+
+        In balance to rounding: of springs and cells under tension and pressure, and of a form that
+        was found under tension.
+        """
+        if not self.prestressed and self.volumes is None:
+            return np.zeros(self.points.shape)
+        force = self.assemble_forces(self.pull_at_rest[:, None] * self.vector)
+        force = force + self.of_cells(of_volumes.rest_force)
+        return np.where(np.abs(force) > BALANCED * self.rounding(0.0), force, 0.0)
+
+    def rounding(self, reach: float) -> Array:
+        """Force (n, 1) in N that is rounding, of lengths and of `reach` (m), added to them.
+
+        An eps of these, times the stiffness of the springs and cells that meet at a point.
+
+        Source: rounding of sums, [Higham2002], chapter 4.
+        """
+        pull = np.abs(self.axial_stiffness) * (reach + self.distance)
+        met = 1.0 * np.bincount(self.springs.ravel(), np.repeat(pull, 2), len(self.points))
+        met = met + self.of_cells(of_volumes.roundoff_magnitudes, reach)
+        return np.asarray(EPS * met)[:, None]
 
     @cached_property
     def layout(self) -> Layout:
@@ -233,12 +289,13 @@ def spring_network(
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
     cells: ArrayLike | None = None,
+    law: SpringLaw = LINEAR,
 ) -> Network:
     """Network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells
+    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells, law
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
         distances in `points`, an unstressed network; the rest defaults to none.
 
@@ -266,4 +323,5 @@ def spring_network(
         force=finite("force", zero if force is None else force),
         volumes=volumes,
         cells=None if cells is None else integers("cells", cells),
+        law=law,
     )

@@ -9,7 +9,6 @@ import numpy as np
 
 from msvalidate.linear_algebra.refine import EPS
 from msvalidate.network import Configuration, Network
-from msvalidate.network.laws import volumes as cells
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.checks import require_type
 
@@ -26,10 +25,7 @@ def is_unloaded(network: Network) -> bool:
     """
     if network.force[~network.held].any() or network.displacement.any():
         return False
-    if not network.beyond_rest.any():
-        return True
-    left = np.abs(np.where(network.held, 0.0, Configuration(network).force()))
-    return bool((left <= 4 * force_roundoff(network, 0.0)).all())
+    return not network.rest_force[~network.held].any()
 
 
 def rounded_otherwise(network: Network) -> Network:
@@ -45,15 +41,14 @@ def rounded_otherwise(network: Network) -> Network:
 
     other = copy(network)
     stiffness, vector = shaken(network.stiffness), shaken(network.vector)
-    beyond = network.beyond_rest
-    if beyond.any():
-        beyond = beyond + (beyond != 0) * (shaken(network.distance) - network.distance)
+    for kept in ("square", "coefficients", "axial_stiffness", "pull_at_rest", "rest_force"):
+        other.__dict__.pop(kept, None)
     other.__dict__.update(
-        stiffness=stiffness,
-        vector=vector,
-        distance=np.linalg.norm(vector, axis=1),
-        beyond_rest=beyond,
+        stiffness=stiffness, vector=vector, distance=np.linalg.norm(vector, axis=1)
     )
+    pull = network.pull_at_rest
+    off = shaken(network.axial_stiffness) - network.axial_stiffness
+    other.__dict__["pull_at_rest"] = pull + (pull != 0) * off
     if network.volumes is not None:
         own = copy(network.volumes)
         own.__dict__.pop("rest_volume", None)
@@ -61,6 +56,7 @@ def rounded_otherwise(network: Network) -> Network:
             stiffness=shaken(network.volumes.stiffness), corners=shaken(network.volumes.corners)
         )
         other.__dict__["volumes"] = own
+    other.__dict__["rest_force"] = (network.rest_force != 0) * other.rest_force
     return other
 
 
@@ -89,15 +85,9 @@ def force_scale(at: Configuration) -> float:
 def force_roundoff(network: Network, reach: float | None = None) -> Array:
     """Force (n, 1) in N below which the residual at a point is rounding.
 
-    An eps of lengths and of what is added to them, times the springs that meet there. `reach` (m)
-    is the largest number added: by default a coordinate; where displacements are kept apart from
-    reference positions, a displacement.
-
-    Source: rounding of sums, [Higham2002], chapter 4.
+    `reach` (m) is the largest number that is added to lengths: by default a coordinate; where
+    displacements are kept apart from reference positions, a displacement. See `Network.rounding`.
     """
     require_type("network", network, Network)
     reach = float(np.abs(network.points).max()) if reach is None else reach
-    pull = network.stiffness * (reach + network.rest_length)
-    met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
-    met = met + network.of_cells(cells.roundoff_magnitudes, reach)
-    return np.asarray(EPS * met)[:, None]
+    return network.rounding(reach)

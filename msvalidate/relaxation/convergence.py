@@ -8,6 +8,8 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
+from msvalidate.network.laws.linear import LINEAR
+from msvalidate.network.laws.quadratic import QUADRATIC
 from msvalidate.network.laws.volumes import stiffness_magnitudes
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array
@@ -41,7 +43,8 @@ class ConvergenceTest:
         self._apart = np.zeros_like(self._at_lengths)
         if state.motion.path == "lattice":
             self._apart = 4 * (1 + math.sqrt(network.dim)) * force_roundoff(network)
-        self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
+        k = np.abs(network.axial_stiffness)
+        self._softest = float(k[k > 0].min(initial=np.inf))
         self._stiffest, self._loaded = (
             _largest_point_stiffness(network),
             float(np.abs(network.force).max()),
@@ -123,12 +126,15 @@ class ConvergenceTest:
 
 
 def _largest_point_stiffness(network: Network) -> float:
-    """Largest stiffness (N/m) that meets at a point; 0 where cells may give energy back.
+    """Largest stiffness (N/m) that meets at a point; 0 where it may grow.
 
-    Energies of both signs bound no force.
+    Or where cells may give energy back: energies of both signs bound no force.
     """
     k = np.repeat(network.stiffness, 2)
     met = 1.0 * np.bincount(network.springs.ravel(), k, len(network.points))
-    if network.of_cells(lambda cells: cells.stiffness.min()) < 0:
+    cells = network.volumes
+    if network.law is not LINEAR or (
+        cells and (cells.law is not QUADRATIC or cells.stiffness.min() < 0)
+    ):
         return 0.0
     return float((met + network.of_cells(stiffness_magnitudes)).max())

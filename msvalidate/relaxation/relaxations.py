@@ -200,7 +200,7 @@ def _line_search(run: Run, direction: Array) -> bool:
         return False
     bend = kernels.curvature(run.network, run.displacement, direction)
     run.moved(evaluations=1)
-    farthest = 0.5 * float(run.network.rest_length.min()) / max_abs(direction)
+    farthest = 0.5 * float(run.network.distance.min()) / max_abs(direction)
     length = min(slope / bend, farthest) if bend > 0 else farthest
     start, near, far = run.displacement.copy(), 0.0, math.inf
     for _ in range(TRIALS):

@@ -246,7 +246,7 @@ def _follow_path(
     network: Network, solver: Solver, path: Path | None, begun: Array | None
 ) -> PathResult:
     """The end of the way to the network's own loads."""
-    stressed = path is None and begun is None and bool(network.beyond_rest.any())
+    stressed = path is None and begun is None and network.law.rests and network.prestressed
     try:
         found = follow_path(load_path(network, path, begun), solver)
     except SolverError:
@@ -259,7 +259,9 @@ def _follow_path(
         found = tightened if tightened and tightened.reached == 1 else found
     if found.reached < 1:
         raise SolverError(
-            _explain_failure(network, solver, found, stressed=bool(network.beyond_rest.any()))
+            _explain_failure(
+                network, solver, found, stressed=network.law.rests and network.prestressed
+            )
         )
     return found
 

@@ -40,7 +40,8 @@ def impose_supports(network: Network, displacement: Array) -> Array:
 def _harmonic_extension(network: Network, ahead: Array) -> Array:
     """Moves (n, d) in m of all points that are harmonic between those of the held ones."""
     n, (i, j) = len(network.points), network.springs.T
-    k = network.stiffness / network.stiffness.max(initial=0.0)
+    k = np.abs(network.axial_stiffness)
+    k = k / k.max(initial=0.0)
     pairs = np.concatenate([i, j]), np.concatenate([j, i])
     joined = csr_array(coo_array((np.concatenate([k, k]), pairs), shape=(n, n)))
     met = joined.sum(axis=1)

@@ -122,10 +122,10 @@ def refine_linear(network: Network, solver: Solver) -> Refined:
     found = solver.regular(Configuration(network))
     why = explain_rounding(network, found.softness)
     if negative_modes(found):
-        if not (network.beyond_rest.any() or network.volumes):
+        if not (network.prestressed or network.volumes):
             # Springs at rest resist every motion or none: the sign is rounding.
             refuse_inaccurate(math.inf, "linear equilibrium", why)
-        remedy = "relieve its prestress" if network.beyond_rest.any() else "stiffen its cells"
+        remedy = "relieve its prestress" if network.prestressed else "stiffen its cells"
         raise SolverError(
             "linear equilibrium: the network is unstable at its reference points (its tangent "
             f"stiffness has a negative mode); {remedy} or hold it better"
@@ -219,14 +219,14 @@ def _error_by_multigrid(at: Configuration, force: Array, cycle: Cycle | None) ->
 
 def explain_rounding(network: Network, softness: float) -> str:
     """How far apart stiffnesses are and what the softest motion meets, and what to do."""
-    k = network.stiffness[network.stiffness > 0]
+    k = np.abs(network.axial_stiffness[network.axial_stiffness != 0])
     apart = float(k.max() / k.min()) if len(k) else 1.0
     # What the softest motion of a slender body meets falls as the fourth power of its cells.
     share = min((abs(softness) / SOFTEST_REFINED) ** 0.25, 1.0)
     remedies = []
     if share < 1 and apart < ALIKE:
         remedies.append(f"take {share:.1g} of the cells along a slender body")
-    if network.beyond_rest.any():
+    if network.prestressed:
         remedies.append("take a load that prestress does not hide")
     if apart >= ALIKE or not remedies:
         remedies.append("bring stiffnesses closer together")

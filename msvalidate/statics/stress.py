@@ -71,7 +71,7 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
         vector, (i, j) = network.vector, network.springs.T
         apart = found.displacement[j] - found.displacement[i]
         strain = (apart * vector).sum(axis=1) / network.distance**2
-        pull = network.stiffness * (network.beyond_rest / network.distance + strain)
+        pull = network.pull_at_rest + network.axial_stiffness * strain
     return np.asarray(pull[:, None, None] * vector[:, :, None] * vector[:, None, :])
 
 
@@ -131,15 +131,17 @@ def cell_stress(
 def _pressure_virial(
     volumes: Volumes, lattice: Lattice, found: Equilibrium, geometry: Geometry
 ) -> Array:
-    """Each axis's part (c,) in N·m of the virial of the cells' volumes: κ (V/V0 - 1) V."""
+    """Each axis's part (c,) in N·m of the virial of the cells' volumes: U'(J) V."""
     if not np.array_equal(volumes.cells, lattice.cells):
         raise ProblemError(
             "stress: the network's volumes are not the lattice's cells; give its own"
         )
-    linear = geometry == "linear"
-    grown = dilatation(volumes, found.displacement, linear=linear)
-    V = volumes.rest_volume * (1.0 if linear else 1 + grown)
-    return np.asarray(volumes.stiffness * grown * V)
+    if geometry == "linear":
+        grown = dilatation(volumes, found.displacement, linear=True)
+        return volumes.rest_volume * (volumes.slope * (1 + grown) + volumes.curvature * grown)
+    grown = dilatation(volumes, found.displacement)
+    slope = volumes.slope + volumes.law.change(*volumes.coefficients, grown)
+    return np.asarray(slope * volumes.rest_volume * (1 + grown))
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:

@@ -1,12 +1,12 @@
 """Energy of the volumes of cells, beside springs: any Poisson's ratio.
 
-A cell of volume V (in the plane its area), V0 at rest, stores
+A cell of volume V (in the plane its area), V0 at rest, stores V0 U(J), J = V/V0, by its law
+(`laws.quadratic`, U = ½ κ (J - 1)², unless another is named), and pulls its corners by
+-U'(J) ∂V/∂x.
 
-    U = ½ κ V0 (V/V0 - 1)²,   and pulls its corners by  -κ (V/V0 - 1) ∂V/∂x.
-
-Springs give an isotropic solid with λ = μ; κ = λ - μ makes any λ of it, for a uniform strain
-changes V by its trace ([Golec2020] adds such an energy to springs). Only V enters, one number a
-cell, so that no other motion of the cell is stiffened.
+Springs at rest give an isotropic solid with λ = μ; κ = λ - μ makes any λ of it, for a uniform
+strain changes V by its trace ([Golec2020] adds such an energy to springs). Only V enters, one
+number a cell, so that no other motion of the cell is stiffened.
 
 V is the sum of determinants of the corners of triangles that cover the cell's surface. A
 quadrilateral face of a hexahedron is the bilinear one: the mean of its two pairs of triangles. In
@@ -24,7 +24,9 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from msvalidate.network.checks import check_cells
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.network.laws.law import CellLaw
+from msvalidate.network.laws.quadratic import QUADRATIC
+from msvalidate.problem import Array, Index, ProblemError, SolverError
 from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type, shaped
 from msvalidate.problem.records import dataclass
 
@@ -74,6 +76,10 @@ class Volumes:
     stiffness
         (c,) κ: N/m in the plane, thickness included, Pa in space. Below zero where the solid's
         Poisson's ratio is lower than its springs'.
+    law
+        What a cell stores by its volume.
+    pressure
+        (c,) pressure at rest, in the units of κ, of a law that has one; else 0.
 
     Raises
     ------
@@ -84,6 +90,8 @@ class Volumes:
     points: Array
     cells: Index
     stiffness: Array
+    law: CellLaw = QUADRATIC
+    pressure: Array | float = 0.0
 
     def __post_init__(self) -> None:
         need = "the points of cells are (n, 2) or (n, 3)"
@@ -93,7 +101,12 @@ class Volumes:
         count = len(shaped("cells", cells, "c>0", cells.shape[1]))
         need = f"these cells need ({count},)"
         kappa = finite("stiffness of volumes", self.stiffness, count, need=need)
-        for name, value in (("points", points), ("cells", cells), ("stiffness", kappa)):
+        require_type("law of cells", self.law, CellLaw)
+        pressure = finite("pressure of volumes", self.pressure)
+        pressure = pressure if pressure.ndim else np.full(count, float(pressure))
+        pressure = finite("pressure of volumes", pressure, count, need=need)
+        given = {"points": points, "cells": cells, "stiffness": kappa, "pressure": pressure}
+        for name, value in given.items():
             object.__setattr__(self, name, value)
             value.setflags(write=False)
         small = self.rest_volume <= 1e-12 * np.ptp(points[cells], axis=1).max(axis=1) ** d
@@ -121,6 +134,21 @@ class Volumes:
         Differences keep the digits that coordinates far from the origin have lost.
         """
         return _local_values(self, self.points, 1.0)
+
+    @property
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and pressure at rest (c,): what the law's functions take first."""
+        return self.stiffness, np.asarray(self.pressure)
+
+    @property
+    def slope(self) -> Array:
+        """U'(1) (c,): the tension of a cell at rest, its pressure below 0."""
+        return self.law.at_rest(*self.coefficients)
+
+    @property
+    def curvature(self) -> Array:
+        """U''(1) (c,): its stiffness at rest."""
+        return self.law.curvature(*self.coefficients, np.zeros(len(self.cells)))
 
     @cached_property
     def rest_volume(self) -> Array:
@@ -159,14 +187,36 @@ def dilatation(volumes: Volumes, displacement: Array, *, linear: bool = False) -
 
 
 def energy(volumes: Volumes, displacement: Array) -> float:
-    """Energy (J) that the cells store under a displacement (n, d) in m."""
-    j = dilatation(volumes, displacement)
-    return float(0.5 * (volumes.stiffness * volumes.rest_volume) @ j**2)
+    """Energy (J) that the cells store under a displacement (n, d) in m.
+
+    Less what is linear in it: the work of the forces at rest.
+    """
+    j, slope = _grown(volumes, displacement), volumes.slope
+    stored = volumes.law.work(*volumes.coefficients, j)
+    if slope.any():
+        stored = stored + slope * (j - dilatation(volumes, displacement, linear=True))
+    return float(volumes.rest_volume @ stored)
+
+
+def rest_force(volumes: Volumes) -> Array:
+    """Force (n, d) in N of the cells on the points at rest."""
+    slope = volumes.slope
+    if not slope.any():
+        return np.zeros(volumes.points.shape)
+    g = _gradient(volumes, volumes.corners, volumes.corners)
+    return _summed(volumes, -slope[:, None, None] * g)
 
 
 def force(volumes: Volumes, displacement: Array) -> Array:
-    """Force (n, d) in N of the cells on the points, displaced by (n, d) in m."""
-    return _summed(volumes, _corner_forces(volumes, displacement))
+    """Force (n, d) in N of the cells on the points, displaced by (n, d) in m, less that at rest."""
+    x = _displaced(volumes, displacement)
+    j, slope = _grown(volumes, displacement), volumes.slope
+    change = volumes.law.change(*volumes.coefficients, j)
+    pull = change[:, None, None] * _gradient(volumes, x, x)
+    if slope.any():
+        u, X = x - volumes.corners, volumes.corners
+        pull += slope[:, None, None] * (_gradient(volumes, u, x) + _gradient(volumes, X, u))
+    return -_summed(volumes, pull)
 
 
 def force_change(volumes: Volumes, displacement: Array, motion: Array) -> Array:
@@ -174,27 +224,29 @@ def force_change(volumes: Volumes, displacement: Array, motion: Array) -> Array:
     w, x = _checked_moves("motion", volumes, motion), _displaced(volumes, displacement)
     k, d = volumes.cells.shape[1], volumes.dim
     g = _gradient(volumes, x, x)
-    hard = volumes.stiffness / volumes.rest_volume * (g * w[:, :k, :d]).sum(axis=(1, 2))
+    slope, curvature = _slopes(volumes, displacement)
+    hard = curvature / volumes.rest_volume * (g * w[:, :k, :d]).sum(axis=(1, 2))
     change = hard[:, None, None] * g
-    pressure = volumes.stiffness * dilatation(volumes, displacement)
-    if pressure.any():
+    if slope.any():
         bent = _gradient(volumes, w, x) + _gradient(volumes, x, w)
-        change += pressure[:, None, None] * bent
+        change += slope[:, None, None] * bent
     return -_summed(volumes, change)
 
 
 def force_magnitudes(volumes: Volumes, displacement: Array) -> Array:
     """Sum (n,) of the magnitudes of the forces (N) that cells exert on each point."""
-    size = np.linalg.norm(_corner_forces(volumes, displacement), axis=2)
+    x = _displaced(volumes, displacement)
+    slope, _ = _slopes(volumes, displacement)
+    size = np.linalg.norm(slope[:, None, None] * _gradient(volumes, x, x), axis=2)
     return np.asarray(
         np.bincount(volumes.cells.ravel(), size.ravel(), len(volumes.points)), dtype=float
     )
 
 
 def stiffness_magnitudes(volumes: Volumes) -> Array:
-    """Sum (n,) of |κ| |∂V/∂x|²/V0 (N/m) at each point: its cells' own stiffness."""
+    """Sum (n,) of |U''(1)| |∂V/∂x|²/V0 (N/m) at each point: its cells' own stiffness."""
     g = _gradient(volumes, volumes.corners, volumes.corners)
-    root = np.sqrt(np.abs(volumes.stiffness)) / np.sqrt(volumes.rest_volume)
+    root = np.sqrt(np.abs(volumes.curvature)) / np.sqrt(volumes.rest_volume)
     own = ((root[:, None, None] * g) ** 2).sum(axis=2)
     return np.asarray(
         np.bincount(volumes.cells.ravel(), own.ravel(), len(volumes.points)), dtype=float
@@ -209,7 +261,7 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     size = np.linalg.norm(_gradient(volumes, volumes.corners, volumes.corners), axis=2)
     V0 = volumes.rest_volume
     j = size.sum(axis=1) * (reach + V0 ** (1 / volumes.dim)) / V0
-    met = (np.abs(volumes.stiffness) * j)[:, None] * size
+    met = (np.abs(volumes.curvature) * j + np.abs(volumes.slope))[:, None] * size
     return np.asarray(
         np.bincount(volumes.cells.ravel(), met.ravel(), len(volumes.points)), dtype=float
     )
@@ -218,18 +270,18 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
 def tangent(volumes: Volumes, displacement: Array) -> csr_array:
     """Tangent stiffness (n·d, n·d) in N/m, row n·d of point-major components.
 
-    A cell's block is (κ/V0) g gᵀ + κ (V/V0 - 1) H, with V's gradient g and its second derivatives.
+    A cell's block is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H.
 
     Source: the energy at the head of this file, differentiated twice.
     """
     c, corners = volumes.cells.shape
     d, size = volumes.dim, corners * volumes.dim
-    kappa, j = volumes.stiffness, dilatation(volumes, displacement)
+    slope, curvature = _slopes(volumes, displacement)
     x = _displaced(volumes, displacement)
     g = _gradient(volumes, x, x).reshape(c, size)
-    block = (kappa / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
-    if j.any():
-        block += (kappa * j)[:, None, None] * _second_derivative(volumes, x).reshape(c, size, size)
+    block = (curvature / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
+    if slope.any():
+        block += slope[:, None, None] * _second_derivative(volumes, x).reshape(c, size, size)
     dof = (volumes.cells[:, :, None] * d + np.arange(d)).reshape(c, size)
     row = np.broadcast_to(dof[:, :, None], block.shape).ravel()
     column = np.broadcast_to(dof[:, None, :], block.shape).ravel()
@@ -281,11 +333,23 @@ def _gradient(volumes: Volumes, x: Array, y: Array) -> Array:
     return np.asarray(part * g[:, : volumes.cells.shape[1], : volumes.dim])
 
 
-def _corner_forces(volumes: Volumes, displacement: Array) -> Array:
-    """Force (c, corners, d) in N of each cell on its corners."""
-    pressure = volumes.stiffness * dilatation(volumes, displacement)
-    x = _displaced(volumes, displacement)
-    return np.asarray(-pressure[:, None, None] * _gradient(volumes, x, x))
+def _grown(volumes: Volumes, displacement: Array) -> Array:
+    """`dilatation`, of cells that their law allows to have so much less volume."""
+    j = dilatation(volumes, displacement)
+    if volumes.law.barrier and not j.min() > -1:
+        cell = int(j.argmin())
+        raise SolverError(
+            f"cell {cell} of the {volumes.law.name} law has no volume left (V/V0 = "
+            f"{1 + j[cell]:.3g}); raise what is applied in smaller steps, or reduce it"
+        )
+    return j
+
+
+def _slopes(volumes: Volumes, displacement: Array) -> tuple[Array, Array]:
+    """U' and U'' (c,) of the displaced cells."""
+    law, j = volumes.law, _grown(volumes, displacement)
+    slope = volumes.slope + law.change(*volumes.coefficients, j)
+    return slope, law.curvature(*volumes.coefficients, j)
 
 
 def _second_derivative(volumes: Volumes, x: Array) -> Array:

@@ -187,7 +187,7 @@ WANTED = moves(*UNIT)
     (lambda: fitted_constants([UNIT[0], *networks((1.0, 1.0), 1.0)[1:]], WANTED, GRID.kind),
         "volumes in some networks only"),
     (lambda: fitted_constants([replace(UNIT[0], rest_length=1.1 * UNIT[0].rest_length)], WANTED[:1],
-        GRID.kind), "a spring is stressed at rest"),
+        GRID.kind), "a spring pulls at rest"),
     (lambda: fitted_constants([None], WANTED[:1], GRID.kind), "network: None; give a Network"),
 ])  # fmt: skip
 def test_bad_questions_are_refused(call, said):
