@@ -92,7 +92,12 @@ def cut_network(
     """
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
-    k, kappa, density = constants_by_zone(problem, lattice, constants, volume)
+    k, kappa, pressure, density = constants_by_zone(problem, lattice, constants, volume)
+    if pressure.any():
+        raise ProblemError(
+            "cut network: springs of no rest length and cells that an outline cuts are out of "
+            "balance at rest; take route 'volume energy', or a mesh's edges by 'cotangent'"
+        )
     held, displacement = prescribed_displacements_at(
         problem, lattice.points, support_selector(lattice)
     )

@@ -11,7 +11,11 @@ from msvalidate.constants.zones import OneOrEach, constants_by_zone
 from msvalidate.lattice import CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network
+from msvalidate.network.laws.linear import LINEAR
+from msvalidate.network.laws.logarithmic import LOGARITHMIC
+from msvalidate.network.laws.quadratic import QUADRATIC
 from msvalidate.network.laws.volumes import Volumes
+from msvalidate.network.laws.zero_length import ZERO_LENGTH
 from msvalidate.problem import (
     SIDES,
     Array,
@@ -73,14 +77,18 @@ def lattice_network(
     require_type("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
-    k, kappa, density = constants_by_zone(problem, lattice, constants, volume)
+    k, kappa, pressure, density = constants_by_zone(problem, lattice, constants, volume)
+    if pressure.any() and weights != "shared":
+        raise ProblemError(
+            f"weights: {weights!r} for springs that pull against cells; they balance by 'shared'"
+        )
     require_one_of("mass", mass, ("shared", "equal"))
     weight = boundary_weights(lattice, weights)
     held, displacement = prescribed_displacements(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
         shared = density * problem.material.thickness * lattice.point_volume
         force = nodal_force(problem, lattice, shared, _applied_force)
-    return spring_network(
+    network = spring_network(
         lattice.points,
         lattice.springs,
         k * lattice.factor * weight,
@@ -88,16 +96,26 @@ def lattice_network(
         held=held,
         displacement=displacement,
         force=force,
-        volumes=_volumes(lattice, kappa),
+        volumes=_volumes(lattice, kappa, pressure),
         cells=lattice.cells,
+        law=ZERO_LENGTH if pressure.any() else LINEAR,
     )
+    moved = np.flatnonzero(network.rest_force.any(axis=1))
+    if len(moved) and pressure.any():
+        raise ProblemError(
+            f"lattice {lattice.name}: springs and cells are out of balance at point {moved[0]} at "
+            "rest, as where the body's sides cut springs; take square, triangular or cubic, or a "
+            "mesh's edges by 'cotangent'"
+        )
+    return network
 
 
-def _volumes(lattice: Lattice, kappa: Array) -> Volumes | None:
+def _volumes(lattice: Lattice, kappa: Array, pressure: Array) -> Volumes | None:
     """The lattice's cells, where they resist a change of volume."""
-    if not kappa.any():
+    if not (kappa.any() or pressure.any()):
         return None
-    cells = Volumes(lattice.points, lattice.cells, kappa)
+    law = LOGARITHMIC if pressure.any() else QUADRATIC
+    cells = Volumes(lattice.points, lattice.cells, kappa, law, pressure)
     covered, whole = cells.rest_volume.sum(), lattice.domain.volume
     if abs(covered - whole) > 1e-9 * whole:
         raise ProblemError(

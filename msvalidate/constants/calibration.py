@@ -58,7 +58,7 @@ class Calibration(ReadOnly):
         Of the central springs (N/m, thickness included), one a kind.
     volume
         κ of the energy of a cell's volume, 0 if there is none: N/m in the plane (thickness
-        included), Pa in a solid; the same for cells of any size.
+        included), Pa in a solid; the same for cells of any size. λ where they are under pressure.
     E, nu
         Young's modulus (Pa) and Poisson's ratio of the material that the tensor is.
     zener
@@ -73,6 +73,11 @@ class Calibration(ReadOnly):
     body
         What the body does that was given; None of a pattern, and all of the above is of endless
         lattices.
+    pressure
+        Of cells at rest, in the units of `volume`: then springs have no rest length, and pull
+        against it (`laws.zero_length`, `laws.logarithmic`).
+    pushing
+        Springs of negative stiffness, of how many: none but along a mesh's edges.
     """
 
     constants: Constants
@@ -86,10 +91,18 @@ class Calibration(ReadOnly):
     spacing: float
     thickness: float
     body: TensionCheck | None = None
+    pressure: float = 0.0
+    pushing: tuple[int, int] = (0, 0)
 
     def __str__(self) -> str:
         end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)
         k = ", ".join(f"{each:.6g}" for each in self.constants)
-        kappa = f", κ = {self.volume:.6g} {UNIT[AXES_OF[len(self.tensor)]]}" if self.volume else ""
+        unit = UNIT[AXES_OF[len(self.tensor)]]
+        kappa = f", κ = {self.volume:.6g} {unit}" if self.volume else ""
+        if self.pressure:
+            kappa = f" of no rest length, λ = {self.volume:.6g} {unit} and pressure "
+            kappa += f"{self.pressure:.6g} {unit} in cells"
+            if self.pushing[0]:
+                kappa += f", {self.pushing[0]:,} of {self.pushing[1]:,} springs push"
         made = f"k = {k} N/m{kappa}: E = {self.E:g} Pa, nu = {self.nu:g}"
         return f"{self.lattice} lattice by {self.route}: {made}; {end}"

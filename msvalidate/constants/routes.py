@@ -12,6 +12,15 @@ The first is taken where it leads to the material, or else the second:
 
       κ = E ((d + 1) nu - 1) / (2 (1 + nu) (1 - (d - 1) nu)).
 
+- ``neo-Hookean``, where it is asked for: springs of no rest length beside cells under pressure,
+  U(J) = -μ ln J + (λ/2) ln²J, any ratio. Of directions of second-order isotropy Σ ½k|F r|² is
+  (μ/2) F:F if k is a (d + 2)th of the springs' at rest; the rest of the neo-Hookean law is U. It
+  is that law in homogeneous strain, and in these bodies elements of it, node for node: squares
+  with k1 = k2 = μ/3 are bilinear ones with one mean J a cell, and edges of triangles and
+  tetrahedra by the rule "cotangent" are linear ones (study `large_strain`, question twins). In
+  plane stress it is the two-dimensional law of the same small-strain moduli, which at a stretch of
+  1.1 differs from a sheet that thins by .24 %.
+
 What is said of E, nu and the anisotropy is read off the tensor that the constants make.
 """
 
@@ -43,6 +52,7 @@ from msvalidate.constants.stiffness import (
 )
 from msvalidate.constants.waves import least_stable_volume
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
+from msvalidate.lattice.edges import REST_SHARE, EdgeLattice
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
 from msvalidate.problem.checks import (
     finite,
@@ -52,6 +62,7 @@ from msvalidate.problem.checks import (
     require_type,
 )
 from msvalidate.problem.material import State
+from msvalidate.problem.records import replace
 
 CLOSED: Mapping[str, Callable[[Isotropic], Constants]] = {
     "square": square_constants,
@@ -82,6 +93,8 @@ def calibrate_by_route(
     """
     if not isinstance(material, Isotropic):
         raise ProblemError(f"calibrate: {format_value(material)}; the material must be isotropic")
+    if isinstance(lattice, EdgeLattice) and route is not None:
+        return _along_edges(material, lattice, route)
     pattern, unit = _repeating_cell(lattice, spacing)
     if not 1 / ORDINARY < material.E * material.thickness < ORDINARY:
         raise ProblemError(
@@ -152,10 +165,14 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
 
 def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:
     """A calibration of something else, whose constants would make another material of this."""
-    pattern, unit = _repeating_cell(lattice, None)
-    scales = pattern.dim == 3  # in the plane constants are the same at any spacing
-    if (given.lattice, len(given.constants)) != (pattern.name, pattern.kinds):
-        mismatch = f"a {given.lattice} lattice, not {pattern.name}"
+    if isinstance(lattice, EdgeLattice):
+        name, kinds, scales, unit = lattice.name, 1, False, 0.0
+    else:
+        pattern, unit = _repeating_cell(lattice, None)
+        name, kinds = pattern.name, pattern.kinds
+        scales = pattern.dim == 3  # in the plane constants are the same at any spacing
+    if (given.lattice, len(given.constants)) != (name, kinds):
+        mismatch = f"a {given.lattice} lattice, not {name}"
     elif scales and abs(given.spacing - unit) > ALIKE * unit:
         mismatch = f"a spacing of {given.spacing:g} m, not {unit:g} m"
     elif abs(given.thickness - material.thickness) > ALIKE * material.thickness:
@@ -206,19 +223,8 @@ def _springs_alone(material: Isotropic, pattern: Pattern, spacing: float) -> Cal
 def _with_volume_energy(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
     """Springs of the material's μ at Cauchy's ratio; κ = λ - μ."""
     d = pattern.dim
-    E, nu = axes_moduli(material, d, f"{pattern.name} lattice")
-    if not deforms_affinely(pattern):
-        raise ProblemError(
-            f"{pattern.name} lattice: its points move on in a uniform strain, and more so with "
-            "what is added to its springs; take one whose points are centres of symmetry, or route "
-            "'springs'"
-        )
-    room = 1 - (d - 1) * nu
-    if room <= 0:
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {material.nu:g} in {material.state}; "
-            "nothing is compressible, and κ would be infinite: take nu below 1/2, such as 0.499"
-        )
+    _refuse_moving_points(pattern)
+    E, nu, room = _compressible_moduli(material, d, pattern.name)
     kappa = E * ((d + 1) * nu - 1) / (2 * (1 + nu) * room)
     state: State = "plane_stress" if d == 2 else "solid"
     _, mu = lame(d, E, nu)
@@ -231,9 +237,76 @@ def _with_volume_energy(material: Isotropic, pattern: Pattern, spacing: float) -
     )
 
 
+def _of_no_rest_length(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
+    """Springs of no rest length against the pressure of cells; see the module's text."""
+    d = pattern.dim
+    _refuse_moving_points(pattern)
+    E, nu, _ = _compressible_moduli(material, d, pattern.name)
+    lam, mu = lame(d, E, nu)
+    if pattern.name == "square":
+        constants: Constants = (mu / 3, mu / 3)  # of squares with one mean J a cell
+    else:
+        state: State = "plane_stress" if d == 2 else "solid"
+        at_rest = Isotropic(2 * mu * (1 + CAUCHY[d]), CAUCHY[d], state)
+        constants = tuple(k / (d + 2) for k in isotropic_constants(at_rest, pattern, spacing))
+    tensor = isotropic_tensor(d, E, nu)
+    found = calibration_of(material, pattern, spacing, constants, lam, "neo-Hookean", tensor)
+    return replace(found, pressure=mu)
+
+
+def _along_edges(material: Isotropic, lattice: EdgeLattice, route: str) -> Calibration:
+    """The same along a mesh's edges."""
+    check_route(route)
+    if route != "neo-Hookean" or lattice.rule != "cotangent":
+        raise ProblemError(
+            f"route: {route!r} for edges of a mesh by the rule {lattice.rule!r}; take "
+            "'neo-Hookean' and mesh_lattice(mesh, 'cotangent', positive=False), or give the "
+            "constant"
+        )
+    d = lattice.points.shape[1]
+    E, nu, _ = _compressible_moduli(material, d, lattice.name)
+    lam, mu = lame(d, E, nu)
+    return Calibration(
+        constants=(mu / REST_SHARE[d],),
+        volume=lam,
+        E=material.E,
+        nu=material.nu,
+        zener=1.0,
+        route=route,
+        tensor=isotropic_tensor(d, E, nu),
+        lattice=lattice.name,
+        spacing=float(np.linalg.norm(lattice.vectors, axis=1).mean()),
+        thickness=material.thickness,
+        pressure=mu,
+        pushing=(int((lattice.factor < 0).sum()), len(lattice.springs)),
+    )
+
+
+def _refuse_moving_points(pattern: Pattern) -> None:
+    if not deforms_affinely(pattern):
+        raise ProblemError(
+            f"{pattern.name} lattice: its points move on in a uniform strain, and more so with "
+            "what is added to its springs; take one whose points are centres of symmetry, or route "
+            "'springs'"
+        )
+
+
+def _compressible_moduli(material: Isotropic, d: int, name: str) -> tuple[float, float, float]:
+    """E and nu of the d axes, and 1 - (d - 1) nu, which is above 0."""
+    E, nu = axes_moduli(material, d, f"{name} lattice")
+    room = 1 - (d - 1) * nu
+    if room <= 0:
+        raise ProblemError(
+            f"{name} lattice: nu = {material.nu:g} in {material.state}; "
+            "nothing is compressible, and κ would be infinite: take nu below 1/2, such as 0.499"
+        )
+    return E, nu, room
+
+
 ROUTES: Mapping[str, Callable[[Isotropic, Pattern, float], Calibration]] = {
     "springs": _springs_alone,
     "volume energy": _with_volume_energy,
+    "neo-Hookean": _of_no_rest_length,
 }
 """The ways to give a lattice the moduli of a material."""
 

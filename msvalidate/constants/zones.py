@@ -94,8 +94,8 @@ def calibrate_zones(
 
 def constants_by_zone(
     problem: Problem, lattice: Lattice, given: OneOrEach | None = None, volume: float = 0.0
-) -> tuple[Array, Array, Array]:
-    """Constants of springs (m,) in N/m, κ of cells (c,), and density at points (n,) in kg/m³.
+) -> tuple[Array, Array, Array, Array]:
+    """Constants of springs (m,) in N/m, κ and pressure of cells (c,), density at points (n,).
 
     Parameters
     ----------
@@ -115,17 +115,22 @@ def constants_by_zone(
             f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
             "build it from the problem's own"
         )
-    k, kappa, shear = _constants_of_each(problem, lattice, given, volume)
+    k, kappa, pressure, shear = _constants_of_each(problem, lattice, given, volume)
     density = np.array([material.density for material in problem.materials])
     at_points = np.full(len(lattice.points), density[0])
     if not problem.zones:
-        return k[0, lattice.kind], np.full(len(lattice.cells), kappa[0]), at_points
+        of_cells = (np.full(len(lattice.cells), each[0]) for each in (kappa, pressure))
+        return k[0, lattice.kind], *of_cells, at_points
     fraction = material_fractions(problem, lattice)
     if (density != density[0]).any():
         at_points = np.asarray(point_parts(lattice) @ (fraction @ density))
-    bulk = shear * (1 + 2 / lattice.points.shape[1])
+    # Of springs alone: λ = μ at rest, and λ = 0 of those whose cells bring all of it.
+    own = 2 / lattice.points.shape[1] + (0.0 if pressure.any() else 1.0)
     springs = _gifts(lattice, fraction / shear, k).sum(axis=1)
-    return springs, _volume_stiffness(fraction, shear, bulk, kappa), at_points
+    stiff = _volume_stiffness(fraction, shear, shear * own, kappa)
+    # A cell's springs are as stiff as its materials' in a row: so is what they pull against.
+    mean = 1 / (fraction @ (1 / pressure)) if pressure.any() else fraction @ pressure
+    return springs, stiff, mean, at_points
 
 
 def spring_shares(
@@ -146,7 +151,7 @@ def spring_shares(
     ProblemError
         As there.
     """
-    k, _, shear = _constants_of_each(problem, lattice, constants, 0.0)
+    k, _, _, shear = _constants_of_each(problem, lattice, constants, 0.0)
     gifts = _gifts(lattice, material_fractions(problem, lattice) / shear, k)
     total = gifts.sum(axis=1)
     return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
@@ -154,8 +159,8 @@ def spring_shares(
 
 def _constants_of_each(
     problem: Problem, lattice: Lattice, given: OneOrEach | None, volume: float
-) -> tuple[Array, Array, Array]:
-    """Spring constants (materials, kinds), κ and μ (materials,) of a problem's materials."""
+) -> tuple[Array, Array, Array, Array]:
+    """Spring constants (materials, kinds), κ, pressure and μ (materials,) of its materials."""
     volume, count = finite_number("volume stiffness", volume), len(problem.materials)
     if count > 1 and volume:
         raise ProblemError(
@@ -175,7 +180,10 @@ def _constants_of_each(
         for material, one in zip(problem.materials, each, strict=True)
     ]
     k, kappa, shear = zip(*found, strict=True)
-    return np.array(k), np.array(kappa), np.array(shear)
+    pressure = np.array([getattr(one, "pressure", 0.0) for one in each])
+    if pressure.any() and not pressure.all():
+        raise ProblemError("spring constants: some by route 'neo-Hookean'; take it for all zones")
+    return np.array(k), np.array(kappa), pressure, np.array(shear)
 
 
 def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) -> Array:

@@ -14,12 +14,18 @@ Three springs along the sides of any other triangle are never isotropic: stiffne
 twice, which 60 degrees alone allows.
 
 **The rule** ``equilateral`` gives each edge √3/4 E t a triangle, as if all were equilateral.
-**The rule** ``cotangent`` gives it ¾ E t cot γ, γ the angle opposite: a triangle then answers a
+**The rule** ``cotangent`` gives it -(3/2) E t A ∇φi·∇φj, φ the linear shape functions of the
+triangle: ¾ E t cot γ, γ the angle opposite; in tetrahedra -2 E V ∇φi·∇φj. A cell then answers a
 uniform dilatation with a uniform pressure exactly, for its springs close, Σ cot γ e⊗e = 2 A I.
 
 Equilateral triangles make all three one and the same, the matrix of linear finite elements at a
-ratio of 1/3. On other meshes a network is *another material*, as Van Gelder says of his own rule:
-no stiffness makes it exact. An irregular mesh answers uniform stress with a strain that is not, and
+ratio of 1/3. On other meshes a network *of springs at rest* is another material, as Van Gelder says
+of his own rule: no stiffness makes it exact. Springs of no rest length, under tension beside cells
+under pressure, do: by the rule ``cotangent`` and the route "neo-Hookean" of `constants.routes` they
+are linear elements, on any mesh, at any ratio and strain. There obtuse angles give springs that
+push, of negative stiffness; what is stable is the sum, so these are allowed there.
+
+At rest an irregular mesh answers uniform stress with a strain that is not, and
 whose mean is not E's, and finer cells of the same shapes do not mend it. Squares whose corners are
 moved by up to a fifth of a side have E 5 % low and a ratio of 0.36, and displacements off by as
 much at any number of cells; the error goes as the square of the irregularity. Delaunay triangles of
@@ -43,6 +49,8 @@ from msvalidate.problem.records import dataclass
 
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
+REST_SHARE = {2: 3 / 2, 3: 2.0}
+"""Of E, times -V ∇φi·∇φj: the stiffness of a spring at rest by "cotangent", by axes."""
 EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 """Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
 
@@ -66,7 +74,7 @@ class EdgeLattice(Lattice):
     of: Index
 
 
-def mesh_lattice(mesh: Mesh, rule: str = "area") -> EdgeLattice:
+def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> EdgeLattice:
     """Lattice of a mesh's points with a spring along every edge; its one constant is E·t, or E.
 
     Quadrilaterals get both diagonals too, and hexahedra those of their faces: they would shear
@@ -79,13 +87,17 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> EdgeLattice:
     mesh
         Of triangles, quadrilaterals, tetrahedra or hexahedra without mid-sides.
     rule
-        "area" for any cells; "equilateral" or "cotangent" for triangles.
+        "area" for any cells; "equilateral" for triangles; "cotangent" for these and tetrahedra.
+    positive
+        Whether every spring must have a stiffness above zero, as springs at rest must: by
+        "cotangent" some have none or less, where two angles opposite an edge add up to 180 degrees
+        or more. Springs of no rest length, by the route "neo-Hookean", need not.
 
     Raises
     ------
     ProblemError
         If the cells have mid-sides, the rule is not for them, or it makes a spring of no stiffness
-        or less, as "cotangent" does where two angles opposite an edge add up to 180 degrees.
+        or less where that is not to be.
     """
     require_type("mesh", mesh, Mesh)
     require_one_of("stiffness of a mesh's edges", rule, EDGE_RULES)
@@ -93,18 +105,25 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> EdgeLattice:
         raise ProblemError(
             f"mesh lattice: {mesh.shape} cells have mid-sides; give a mesh of straight cells"
         )
-    if rule != "area" and mesh.shape != "triangle":
+    simplex = mesh.shape == "triangle" or (mesh.shape, rule) == ("tetra", "cotangent")
+    if rule != "area" and not simplex:
+        able = "triangles and tetrahedra" if rule == "cotangent" else "triangles"
         raise ProblemError(
-            f"mesh lattice: rule {rule!r} is for triangles, the cells are {mesh.shape}; take 'area'"
+            f"mesh lattice: rule {rule!r} is for {able}, the cells are {mesh.shape}; take 'area'"
         )
     cells = mesh.cells
     volume = corner_volumes(mesh.points, cells)
     ends, weights = _edges(mesh.shape, cells.shape[1])
     pairs = np.sort(cells[:, ends], axis=2)  # (c, edges, 2)
-    gifts = _edge_contributions(mesh.points[pairs], weights, volume.sum(axis=1), rule)
+    gifts = (
+        _cotangents(mesh.points[cells], ends, volume.sum(axis=1))
+        if rule == "cotangent"
+        else _edge_contributions(mesh.points[pairs], weights, volume.sum(axis=1), rule)
+    )
     springs, which = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     factor = np.bincount(which.ravel(), gifts.ravel()).astype(float)
-    _refuse_slack(springs, factor)
+    if positive:
+        _refuse_slack(springs, factor)
     # Corners of a lattice's facets are listed the first axis fastest.
     surface = mesh.surface[:, VTK_ORDER[2]] if mesh.shape == "hexahedron" else mesh.surface
     return EdgeLattice(
@@ -143,10 +162,16 @@ def _edge_contributions(ends: Array, weights: Array, volume: Array, rule: str) -
     square = ((ends[:, :, 1] - ends[:, :, 0]) ** 2).sum(axis=2)
     if rule == "equilateral":
         return np.full(square.shape, math.sqrt(3) / 4)
-    if rule == "cotangent":
-        others = square.sum(axis=1, keepdims=True) - square
-        return np.asarray(3 / 4 * (others - square) / (4 * volume[:, None]))
     return np.asarray(weights * volume[:, None] / square)
+
+
+def _cotangents(corners: Array, ends: Index, volume: Array) -> Array:
+    """The same (c, e) of simplices with corners (c, d + 1, d): from slopes of shape functions."""
+    d = corners.shape[2]
+    slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    slopes = np.concatenate([-slopes.sum(axis=1, keepdims=True), slopes], axis=1)
+    product = (slopes[:, ends[:, 0]] * slopes[:, ends[:, 1]]).sum(axis=2)
+    return np.asarray(-REST_SHARE[d] * volume[:, None] * product)
 
 
 def _refuse_slack(springs: Index, factor: Array) -> None:
@@ -154,5 +179,6 @@ def _refuse_slack(springs: Index, factor: Array) -> None:
     if len(slack):
         raise ProblemError(
             f"mesh lattice: the spring between points {springs[slack[0]].tolist()} would have "
-            f"{factor[slack[0]]:.3g} of E; make the mesh one of Delaunay's, or take 'area'"
+            f"{factor[slack[0]]:.3g} of E; make the mesh one of Delaunay's, take 'area', or "
+            "springs of no rest length, by route 'neo-Hookean', which may push"
         )

@@ -209,12 +209,12 @@ def rest_force(volumes: Volumes) -> Array:
 
 def force(volumes: Volumes, displacement: Array) -> Array:
     """Force (n, d) in N of the cells on the points, displaced by (n, d) in m, less that at rest."""
-    x = _displaced(volumes, displacement)
+    u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
+    x = X + u
     j, slope = _grown(volumes, displacement), volumes.slope
     change = volumes.law.change(*volumes.coefficients, j)
     pull = change[:, None, None] * _gradient(volumes, x, x)
     if slope.any():
-        u, X = x - volumes.corners, volumes.corners
         pull += slope[:, None, None] * (_gradient(volumes, u, x) + _gradient(volumes, X, u))
     return -_summed(volumes, pull)
 

@@ -20,13 +20,12 @@ import pandas as pd
 from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.lattice import Lattice
 
 from .. import cases, loading
 from ..cases import Case
-from .routes import ADDED, ALIGNED, Way
+from .routes import ADDED, ALIGNED, ROUTES, Way
 
 LATTICES = {2: ("square", "triangular"), 3: ("cubic18", "bcc")}
 RATIOS = {2: (0.2, 0.45), 3: (0.4,)}

@@ -27,7 +27,6 @@ from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.constants.waves import least_stable_volume
 from msvalidate.lattice import Lattice, Pattern, fill, patterns
@@ -46,6 +45,8 @@ ALIGNED = ("square", "cubic 18", "cubic 26")
 """Lattices, as tables name them, whose springs cross no side, one point a cell."""
 LEAST = ("least_moduli", "least_waves", "least_body")
 ADDED = "volume energy"
+ROUTES = ("springs", ADDED)
+"""Of springs at rest; those under tension are in study `large_strain`."""
 
 
 class Way(NamedTuple):

@@ -196,7 +196,7 @@ def test_a_stretched_cube_has_its_material(name, nu):
         (-0.6, "triangular", "plane_stress", None, "above -0.5"),
         (0.6, "square", "plane_stress", None, "a stable material has -1 < nu <= 1/2"),
         (0.3, "square", "plane", None, "plane"),
-        (0.3, "square", "plane_stress", "angles", "route: 'angles'; choose springs or volume"),
+        (0.3, "square", "plane_stress", "angles", "route: 'angles'; choose springs, volume energy"),
         (0.3, "square", "plane_stress", "shear springs", "is gone; take 'volume energy'"),
     ],
 )
@@ -286,5 +286,25 @@ def test_cells_that_are_triangles_bear_what_rectangles_do_not():
         calibrate(1.0, -0.9, patterns.triangular())
 
 
+@pytest.mark.parametrize("name", ["square", "cubic18", "cubic26"])
+@pytest.mark.parametrize("nu", [-0.3, 0.2, 0.49])
+def test_springs_against_pressure_are_any_material(name, nu):
+    pattern = getattr(patterns, name)()
+    plane = "plane_strain" if pattern.dim == 2 else "solid"
+    body = fill(pattern, Box((0.37,) * pattern.dim), 3)
+    found = calibrate(2.0, nu, body, plane, route="neo-Hookean")
+    assert found.body.verdict == "exact"
+    assert (found.E, found.nu) == pytest.approx((2.0, nu), abs=1e-12)
+
+
+def test_springs_that_sides_cut_are_no_match_for_pressure():
+    box = Box((1.0, 1.0, 1.0))
+    held = (Support(box.side("left"), (0.0, 0.0, 0.0)),)
+    body, material = fill(patterns.bcc(), box, 3), Isotropic(2.0, 0.2, "solid")
+    found = calibrate_material(material, body, route="neo-Hookean")
+    with pytest.raises(ProblemError, match="out of balance at point 0"):
+        lattice_network(Problem(box, material, held), body, found)
+
+
 def test_every_route_is_tried():
-    assert set(ROUTES) == {SPRINGS, VOLUME}
+    assert set(ROUTES) == {SPRINGS, VOLUME, "neo-Hookean"}

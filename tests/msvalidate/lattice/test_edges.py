@@ -9,10 +9,11 @@ import pytest
 from scipy.spatial import Delaunay
 
 import reference_fem
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import isotropic_moduli, spring_tensor
 from msvalidate.lattice import EDGE_RULES, fill, mesh_lattice, patterns, trapezium, triangular
-from msvalidate.network import tangent
+from msvalidate.network import Configuration, tangent
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -24,6 +25,10 @@ from msvalidate.problem import (
 )
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.elasticity import stiffness
+from reference_fem.large_strain.equilibrium import deform
+from reference_fem.large_strain.hyperelastic import neo_hookean
+from reference_fem.large_strain.solid import Solid
+from reference_fem.mesh.from_mesh import mesh_discretisation
 from tests.table import refused
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, state="plane_stress", density=500.0, thickness=0.3)
@@ -214,12 +219,50 @@ def test_a_traction_on_oblique_faces_of_hexahedra_has_its_resultant():
     assert network.mass.sum() == pytest.approx(500 * mesh.volume, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("shape", "nu", "scale", "tol"),
+    [
+        ("triangle", 0.3, 1.0, 1e-12),
+        ("triangle", -0.2, 1e-9, 1e-6),
+        ("tetra", 0.45, 1.0, 1e-12),
+    ],
+)
+def test_springs_of_no_rest_length_are_elements_node_for_node(shape, nu, scale, tol):
+    unit = grid(shape, 3, jitter=0.3)
+    d = unit.dim
+    mesh = Mesh(0.37 * unit.points, unit.cells, shape, unit.boundaries)
+    state = "plane_strain" if d == 2 else "solid"
+    material = Isotropic(E=3.0, nu=nu, state=state, thickness=0.2 if d == 2 else 1.0)
+    # One end is pulled, turned and bent, to strains of .8.
+    far = scale * np.array([0.25, -0.1, 0.1][:d])
+    sides = (
+        (mesh.side("x0"), (0.0,) * d),
+        (mesh.side("x1"), tuple(lambda X, by=by: by * (1 + X[..., 1]) for by in far)),
+    )
+    problem = Problem(mesh, material, tuple(Support(*side) for side in sides))
+    lattice = mesh_lattice(mesh, "cotangent", positive=False)
+    found = calibrate_material(material, lattice, route="neo-Hookean")
+    assert found.pushing[0] == (lattice.factor < 0).sum() > 0
+    network = lattice_network(problem, lattice, found)
+    body = mesh_discretisation(mesh)
+    law = neo_hookean(material)
+    solid = Solid(body, law, network.held, material.thickness)
+    random = scale * 0.01 * np.random.default_rng(1).normal(size=mesh.points.shape)
+    force, _ = solid.internal_force(random)
+    own = Configuration(network, random).force()
+    np.testing.assert_allclose(own, -force, atol=0.1 * tol * np.abs(force).max())
+    ours = equilibrium(network, "nonlinear").displacement
+    theirs = deform(solid, network.displacement, np.zeros_like(ours), allow_locked=True)
+    size = np.abs(theirs.displacement).max()
+    np.testing.assert_allclose(ours, theirs.displacement, atol=tol * size)
+
+
 def test_what_no_rule_serves_is_refused():
-    with refused("rule 'cotangent' is for triangles, the cells are quad"):
+    with refused("rule 'cotangent' is for triangles and tetrahedra, the cells are quad"):
         mesh_lattice(grid("quad", 2), "cotangent")
     with refused("stiffness of a mesh's edges: 'other'"):
         mesh_lattice(grid("quad", 2), "other")
-    with refused("make the mesh one of Delaunay's, or take 'area'"):
+    with refused("make the mesh one of Delaunay's, take 'area', or springs of no rest length"):
         mesh_lattice(grid("triangle", 2), "cotangent")
     six = Mesh(
         np.array([(0, 0), (1, 0), (0, 1), (0.5, 0), (0.5, 0.5), (0, 0.5)], dtype=float),
