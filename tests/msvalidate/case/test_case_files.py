@@ -159,7 +159,7 @@ BAD = [
     (((LOAD, LOAD + "\n[springs]\nspacing = 0"),), "line 15: springs: spacing"),
     (((LOAD, LOAD + "\n[springs]\nspacing = 1\ncells = 2"),), "give one of them"),
     (((LOAD, LOAD + "\n[springs]\ncells = 1.5"),), "springs.cells: 1.5; give a whole number"),
-    (((LOAD, LOAD + '\n[springs]\nroute = "magic"'),), "route: 'magic'; choose springs, volume energy"),
+    (((LOAD, LOAD + '\n[springs]\nroute = "magic"'),), "route: 'magic'; choose springs, volume"),
     (((LOAD, LOAD + '\n[springs]\nroute = "shear springs"'),), "is gone; take 'volume energy'"),
     (((LOAD, LOAD + "\n[springs]\nvolume = 1"),), "it goes with constants"),
     (((LOAD, LOAD + "\n[springs]\nconstants = [-1, 2]"),),
