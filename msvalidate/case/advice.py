@@ -44,6 +44,9 @@ FORMULAS: Mapping[str, tuple[tuple[str, str], ...]] = {
 makes the tensor of `lattice.patterns` the material's. For cubic26 others do too; here k2 = k3."""
 VOLUME = {2: "({λ} - μ)t", 3: "λ - μ"}
 """Axes -> κ of a cell, N/m in the plane or Pa in space. Source: [Golec2020]."""
+UNDER_PRESSURE = {2: "{λ}t", 3: "λ"}
+"""The same of the route "neo-Hookean", whose springs have 1/(d + 2) of the formulas above, but for
+square: there k1 = k2 = μt/3."""
 BOUNDARY = {
     "shared": "springs in the body's sides count 1/2{edge}, points there have their cells' part",
     "cut": "springs and points of cut cells count by the part in the body",
@@ -87,6 +90,8 @@ class Advice:
         Of a body under its load; None where there is none, and why.
     volume, volume_formula
         κ of a cell (N/m in the plane, Pa in space), 0 if cells resist nothing.
+    pressure
+        Of cells at rest, in the units of `volume`: springs then have no rest length.
     E, nu, zener
         Of the lattice, as `Calibration` has them; NaN where they are not known.
     """
@@ -104,6 +109,7 @@ class Advice:
     undamped: str = "damping goes by body and load, not by E and nu"
     volume: float = 0.0
     volume_formula: str = ""
+    pressure: float = 0.0
     E: float = math.nan
     nu: float = math.nan
     zener: float = math.nan
@@ -129,6 +135,8 @@ class Advice:
     def source(self) -> str:
         """Keys of docs/references.bib."""
         own = "OstojaStarzewski2002" if self.lattice == "triangular" else "BornHuang1954"
+        if self.pressure:
+            return f"[{own}], cells [SimoPister1984]"
         return f"[{own}], κ [Golec2020]" if self.volume else f"[{own}]"
 
 
@@ -155,8 +163,13 @@ def advise(material: Isotropic, lattice: str, spacing: float, route: str | None 
         where = "in space, and the material is in the plane" if dim == 2 else "of the plane"
         raise ProblemError(f"lattice: {lattice!r} is {where}; choose {able}, or another state")
     found = calibrate_by_route(material, pattern, spacing, route)
-    omega = block_frequency(material, pattern, found.constants, found.volume, found.spacing)
+    omega = block_frequency(material, pattern, found, 0.0, found.spacing)
     return advice_of(material, lattice, found, omega, WHOSE)
+
+
+def lame_name(material: Isotropic) -> str:
+    """λ as formulas have it: λ′ of plane stress."""
+    return "λ′" if material.state == "plane_stress" else "λ"
 
 
 def advice_of(
@@ -170,12 +183,19 @@ def advice_of(
 ) -> Advice:
     """The same from a calibration, the highest frequency (rad/s) of what is named, and damping."""
     pattern = all_patterns()[lattice]()
-    lame = "λ′" if material.state == "plane_stress" else "λ"
+    lame = lame_name(material)
     every = found.spacing * np.linalg.norm(pattern.vectors, axis=1)
     rest = [float(every[pattern.kind == kind].mean()) for kind in range(pattern.kinds)]
     space = float(pattern.volume.mean()) * found.spacing**pattern.dim  # of a point inside
     by_route = found.route in ROUTES  # constants that were given have no formula
-    along = FORMULAS.get(lattice, (("the axes", ""),))
+    along, cells = FORMULAS.get(lattice, (("the axes", ""),)), VOLUME
+    if found.pressure:
+        cells = UNDER_PRESSURE
+        part = f"/{pattern.dim + 2}"
+        along = tuple(
+            (where, "μt/3" if lattice == "square" else formula + bool(formula) * part)
+            for where, formula in along
+        )
     springs = zip(along, found.constants, rest, strict=True)
     return Advice(
         material=material,
@@ -192,7 +212,8 @@ def advice_of(
         weights=weights,
         damping=damping,
         volume=found.volume,
-        volume_formula=VOLUME[pattern.dim].format(λ=lame) if found.volume and by_route else "",
+        volume_formula=cells[pattern.dim].format(λ=lame) if found.volume and by_route else "",
+        pressure=found.pressure,
         E=found.E,
         nu=found.nu if abs(found.nu) > ALIKE else 0.0,
         zener=found.zener,
@@ -200,7 +221,11 @@ def advice_of(
 
 
 def block_frequency(
-    material: Isotropic, pattern: Pattern, constants: Constants, volume: float, spacing: float
+    material: Isotropic,
+    pattern: Pattern,
+    constants: Constants | Calibration,
+    volume: float,
+    spacing: float,
 ) -> float:
     """Highest frequency (rad/s) of free blocks of whole cells, `BLOCK` or more across.
 
@@ -212,7 +237,7 @@ def block_frequency(
     material
         Gives density (kg/m³) and thickness (m).
     pattern, constants, volume, spacing
-        What repeats, N/m, κ (N/m in the plane, Pa in space), and m.
+        What repeats, N/m, κ (N/m in the plane, Pa in space), and m; a calibration brings its own κ.
 
     Raises
     ------
@@ -271,9 +296,16 @@ def springs_words(advice: Advice) -> str:
         f"along {kind.along} ({kind.length:.6g} m)"
         for kind in advice.kinds
     ]
-    if advice.volume:
-        formula = " = " * bool(advice.volume_formula) + advice.volume_formula
-        springs.append(f"κ = {advice.volume:.6g} {UNIT[advice.material.dim]}{formula} of each cell")
+    unit = UNIT[advice.material.dim]
+    formula = " = " * bool(advice.volume_formula) + advice.volume_formula
+    if advice.pressure:
+        springs.append(
+            "springs of no rest length; each cell stores -p ln J + (λ/2) ln²J of its volume, p = "
+            f"{advice.pressure:.6g} {unit} = μ{'t' * (advice.material.dim == 2)}, "
+            f"λ = {advice.volume:.6g} {unit}{formula}"
+        )
+    elif advice.volume:
+        springs.append(f"κ = {advice.volume:.6g} {unit}{formula} of each cell")
     return "; ".join(springs)
 
 

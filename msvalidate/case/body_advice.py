@@ -7,7 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.case.advice import Advice, SpringKind, advice_lines, advice_of, springs_words
+from msvalidate.case.advice import (
+    UNDER_PRESSURE,
+    Advice,
+    SpringKind,
+    advice_lines,
+    advice_of,
+    lame_name,
+    springs_words,
+)
 from msvalidate.case.case import MESH_EDGES, Case
 from msvalidate.case.identify import with_cells
 from msvalidate.case.springs import SpringAnswer
@@ -20,6 +28,11 @@ from msvalidate.dynamics.spectrum import highest_frequency
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.problem.records import replace
 
+EDGE_FORMULAS = {
+    True: "sum of E·V/L² over its cells, V their volume",
+    False: "sum of -μ·V ∇φi·∇φj over its cells, φ linear",
+}
+"""Whether springs are at rest -> stiffness of a mesh's edge; V has the thickness in it."""
 FREQUENCY = 1e-4
 """Relative error of the highest frequency's square: a step has a tenth of its limit in hand."""
 
@@ -53,11 +66,17 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
             along="the mesh's edges",
             constant=float(k[middle]),
             length=float(network.rest_length[middle]),
-            formula="sum of E·V/L² over its cells, V their volume" if own else "",
+            formula=EDGE_FORMULAS[case.route is None] if own else "",
         )
-        rule, mass = "the rule 'area'", float(np.median(network.mass))
-        body = (law, MESH_EDGES, answer.spacing, rule, (edges,), mass, omega, whose)
-        return (Advice(*body, damping=damping, undamped=why, weights="edges"),)
+        rule = "the rule 'area'" if case.route is None else case.route
+        body = (law, MESH_EDGES, answer.spacing, rule, (edges,), float(np.median(network.mass)))
+        made = answer.calibration
+        edge: dict[str, Any] = {"damping": damping, "undamped": why, "weights": "edges"}
+        if made is not None and not problem.zones:
+            lame = UNDER_PRESSURE[network.dim].format(λ=lame_name(law))
+            cells = {"volume": made.volume, "volume_formula": lame, "pressure": made.pressure}
+            edge |= {**cells, "E": made.E, "nu": made.nu, "zener": made.zener}
+        return (Advice(*body, omega, whose, **edge),)
     found: tuple[Calibration, ...]
     if problem.zones:
         found = calibrate_zones(problem, answer.lattice, route=case.route)

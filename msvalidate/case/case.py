@@ -249,7 +249,8 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     """
     domain, pattern = case.problem.domain, _pattern(case)
     if pattern is None:
-        return mesh_lattice(domain, EDGE_RULES[0])  # type: ignore[arg-type]
+        rule = EDGE_RULES[0] if case.route is None else "cotangent"
+        return mesh_lattice(domain, rule, positive=case.route is None)  # type: ignore[arg-type]
     cells = domain.volume / spacing**domain.dim
     most = MOST_ASKED[domain.dim]
     if cells > most:

@@ -125,8 +125,9 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     """Tables points, springs and, where cells resist a change of volume, cells; a row each, by id.
 
     Lengths in m, masses in kg, forces in N, stiffness in N/m; of cells, κ, its volume and its
-    pressure -κ (V/V0 - 1): N/m, m² and N/m in the plane, Pa, m³ and Pa in space. To first order in
-    the displacement, as the answer is.
+    pressure -κ (V/V0 - 1): N/m, m² and N/m in the plane, Pa, m³ and Pa in space. Of cells under
+    pressure at rest, that pressure too, and λ for κ. To first order in the displacement, as the
+    answer is.
     """
     network, u = answer.network, answer.rest.displacement
     axes, volumes = AXES[: network.dim], network.volumes
@@ -141,11 +142,14 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     points.insert(network.dim, "mass", network.mass)
     i, j = network.springs.T
     springs = {"i": i, "j": j, "kind": answer.lattice.kind, "stiffness": network.stiffness}
-    springs |= {"rest_length": network.rest_length, "force": tension(network, u)}
+    rest_length = network.rest_length * network.law.rests  # 0 of springs that rest at none
+    springs |= {"rest_length": rest_length, "force": tension(network, u)}
     tables = {"points": points, "springs": pd.DataFrame(springs)}
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
         cells |= {"kappa": volumes.stiffness, "volume": volumes.rest_volume}
+        if volumes.slope.any():
+            cells["pressure_at_rest"] = -volumes.slope
         grown = dilatation(volumes, u, linear=True)
         cells["pressure"] = -(volumes.slope + volumes.curvature * grown)
         tables["cells"] = pd.DataFrame(cells)

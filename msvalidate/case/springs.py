@@ -198,7 +198,7 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
         return each, each[0]
     if case.constants is not None:
         return case.constants, None
-    if case.lattice == MESH_EDGES:
+    if case.lattice == MESH_EDGES and case.route is None:
         return None, None
     material = case.problem.material
     if not isinstance(material, Isotropic):
@@ -208,10 +208,11 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
 
 
 def _refuse_one_for_several(case: Case) -> None:
-    if case.constants is not None or case.lattice == MESH_EDGES:
+    if case.constants is not None or (case.lattice == MESH_EDGES and case.route is None):
         what = "constants" if case.constants is not None else "springs on mesh edges"
         raise ProblemError(
-            f"{what}: the body is of several materials; take a square or cubic lattice and a route"
+            f"{what}: the body is of several materials; take a route, and for a mesh's edges route "
+            "'neo-Hookean'"
         )
 
 
