@@ -1,4 +1,4 @@
-"""The sparsity pattern of d × d blocks of springs, and their assembly.
+"""The sparsity pattern of d × d blocks of springs and cells, and their assembly.
 
 A spring adds its block to the diagonal ones of its two points and takes it from the two that couple
 them. Where they stand depends on the springs alone: found once a network, it serves every tangent.
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from itertools import combinations_with_replacement
 
 import numpy as np
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import bsr_array, csc_array, csr_array
 
 from msvalidate.problem import Array, Index
 from msvalidate.problem.records import dataclass
@@ -30,6 +30,8 @@ class Blocks:
         (m,) which pair of points a spring joins: several may join the same two.
     upper, lower
         (p,) places of the two blocks that couple a pair.
+    cells
+        (c, k, k) places of the blocks of k corners of cells, if there are any.
     """
 
     row_start: Index
@@ -38,6 +40,7 @@ class Blocks:
     pair: Index
     upper: Index
     lower: Index
+    cells: Index
 
     def summed(self, springs: Index, dim: int, entry: Callable[[int, int], Array]) -> bsr_array:
         """Matrix (n·d, n·d), row n·d of point-major components, from the springs' symmetric blocks.
@@ -52,21 +55,32 @@ class Blocks:
             Entries (m,) of all springs' blocks at a row and a column: one at a time, for memory.
         """
         n, p = len(self.diagonal), len(self.upper)
-        data = np.empty((len(self.column), dim, dim))
+        data = np.zeros((len(self.column), dim, dim))
         for a, b in combinations_with_replacement(range(dim), 2):
             value = entry(a, b)
             met = np.bincount(springs[:, 0], value, n) + np.bincount(springs[:, 1], value, n)
-            coupled = -np.bincount(self.pair, value, p)
+            coupled = -np.bincount(self.pair[: len(springs)], value, p)
             for row, column in {(a, b), (b, a)}:
                 data[self.diagonal, row, column] = met
                 data[self.upper, row, column] = coupled
                 data[self.lower, row, column] = coupled
         return bsr_array((data, self.column, self.row_start), shape=(n * dim, n * dim))
 
+    def add(self, data: Array, cells: slice, block: Array) -> None:
+        """Add the blocks (c, k, d, k, d) of some cells to those of a matrix, (n + 2p, d, d)."""
+        d = data.shape[1]
+        place = self.cells[cells].ravel()
+        rows = block.transpose(0, 1, 3, 2, 4).reshape(len(place), d * d)
+        shape, start = (len(data), len(place)), np.arange(len(place) + 1)
+        data += (csc_array((np.ones(len(place)), place, start), shape) @ rows).reshape(data.shape)
 
-def blocks_of(springs: Index, points: int) -> Blocks:
-    """Places of the blocks of springs (m, 2) between so many points."""
-    low, high = springs.min(axis=1), springs.max(axis=1)
+
+def blocks_of(springs: Index, points: int, cells: Index) -> Blocks:
+    """Places of the blocks of springs (m, 2) and cells (c, k) between so many points."""
+    first, second = np.triu_indices(cells.shape[1], 1)
+    joined = np.stack([cells[:, first].ravel(), cells[:, second].ravel()], axis=1)
+    every = np.concatenate([springs, joined])
+    low, high = every.min(axis=1), every.max(axis=1)
     pairs, pair = np.unique(low * points + high, return_inverse=True)
     low, high = np.divmod(pairs, points)
     own = np.arange(points)
@@ -77,7 +91,14 @@ def blocks_of(springs: Index, points: int) -> Blocks:
     place = np.empty(len(row), dtype=order.indices.dtype)
     place[order.data] = np.arange(len(row), dtype=place.dtype)
     upper, lower, diagonal = np.split(place, [len(pairs), 2 * len(pairs)])
-    kept = order.indptr, order.indices, diagonal, pair, upper, lower
+    of_cells = np.empty((len(cells), cells.shape[1], cells.shape[1]), dtype=place.dtype)
+    corner = np.arange(cells.shape[1])
+    of_cells[:, corner, corner] = diagonal[cells]
+    coupling = pair[len(springs) :].reshape(len(cells), len(first))
+    turned = cells[:, first] > cells[:, second]
+    of_cells[:, first, second] = np.where(turned, lower[coupling], upper[coupling])
+    of_cells[:, second, first] = np.where(turned, upper[coupling], lower[coupling])
+    kept = order.indptr, order.indices, diagonal, pair, upper, lower, of_cells
     for array in kept:
         array.setflags(write=False)
     return Blocks(*kept)

@@ -140,10 +140,10 @@ class Configuration:
             return np.asarray(elastic + across if a == b else elastic)
 
         K = network.blocks.summed(network.springs, network.dim, entry)
-        if network.volumes is None:
-            return K
-        whole = csr_array(K) + cells.tangent(network.volumes, self.displacement)
-        return bsr_array(whole, blocksize=(network.dim, network.dim))
+        if network.volumes is not None:
+            for part, block in cells.tangent_blocks(network.volumes, self.displacement):
+                network.blocks.add(K.data, part, block)
+        return K
 
     def force_magnitudes(self) -> Array:
         """Sum (n,) of the magnitudes of the forces (N) of springs and cells on each point."""

@@ -242,8 +242,8 @@ class Network:
 
     @cached_property
     def blocks(self) -> Blocks:
-        """The positions of each spring's blocks in the tangent."""
-        return blocks_of(self.springs, len(self.points))
+        """The positions of the blocks of each spring and cell in the tangent."""
+        return blocks_of(self.springs, len(self.points), self.resisting)
 
     @cached_property
     def simplices(self) -> Simplices | None:

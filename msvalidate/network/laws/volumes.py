@@ -16,12 +16,11 @@ formula serves all cells. This is the plain NumPy form; `msvalidate.kernels` hol
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
-from itertools import permutations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array
 
 from msvalidate.network.checks import check_cells
 from msvalidate.network.laws.law import CellLaw
@@ -38,6 +37,10 @@ _HEXAHEDRON = (
     (2, 3, 7, 6),
     (0, 4, 7, 3),
 )
+
+
+TOGETHER = 100_000
+"""Cells whose tangents are in memory at once."""
 
 
 def _around(corners: int) -> Index:
@@ -267,26 +270,23 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     )
 
 
-def tangent(volumes: Volumes, displacement: Array) -> csr_array:
-    """Tangent stiffness (n·d, n·d) in N/m, row n·d of point-major components.
+def tangent_blocks(volumes: Volumes, displacement: Array) -> Iterator[tuple[slice, Array]]:
+    """Tangent stiffness (N/m) of cells and of their corners, (cells, k, d, k, d), some at a time.
 
-    A cell's block is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H.
+    A cell's is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H.
 
     Source: the energy at the head of this file, differentiated twice.
     """
-    c, corners = volumes.cells.shape
-    d, size = volumes.dim, corners * volumes.dim
     slope, curvature = _slopes(volumes, displacement)
     x = _displaced(volumes, displacement)
-    g = _gradient(volumes, x, x).reshape(c, size)
-    block = (curvature / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
-    if slope.any():
-        block += slope[:, None, None] * _second_derivative(volumes, x).reshape(c, size, size)
-    dof = (volumes.cells[:, :, None] * d + np.arange(d)).reshape(c, size)
-    row = np.broadcast_to(dof[:, :, None], block.shape).ravel()
-    column = np.broadcast_to(dof[:, None, :], block.shape).ravel()
-    size = volumes.points.size
-    return csr_array((block.ravel(), (row, column)), shape=(size, size))
+    hard = (curvature / volumes.rest_volume)[:, None, None, None, None]
+    for first in range(0, len(x), TOGETHER):
+        part = slice(first, first + TOGETHER)
+        g = _gradient(volumes, x[part], x[part])
+        block = hard[part] * g[:, :, :, None, None] * g[:, None, None, :, :]
+        if slope[part].any():
+            _add_second_derivative(volumes, x[part], slope[part], block)
+        yield part, block
 
 
 def _checked_moves(name: str, volumes: Volumes, moves: Array) -> Array:
@@ -352,18 +352,17 @@ def _slopes(volumes: Volumes, displacement: Array) -> tuple[Array, Array]:
     return slope, law.curvature(*volumes.coefficients, j)
 
 
-def _second_derivative(volumes: Volumes, x: Array) -> Array:
-    """∂²V/∂x∂x (c, corners, d, corners, d): ∂²det/∂p_a∂q_b = ε_abc r_c, and so on round."""
+def _add_second_derivative(volumes: Volumes, x: Array, slope: Array, block: Array) -> None:
+    """Add slope (c,) times ∂²V/∂x∂x (c, k, d, k, d): ∂²det/∂p_a∂q_b = ε_abc r_c, and so round."""
     triangles, part = volumes.surface
-    epsilon = np.zeros((3, 3, 3))
-    for order in permutations(range(3)):
-        epsilon[order] = np.linalg.det(np.eye(3)[list(order)])
-    across = np.einsum("abc,mkc->mkab", epsilon, x)
-    c, k = x.shape[:2]
-    H = np.zeros((c, k, 3, k, 3))
+    k, d = block.shape[1:3]
+    across = np.zeros((*x.shape[:2], *x.shape[1:]))
     for p, q, r in triangles:
         for first, second, third in ((p, q, r), (q, r, p), (r, p, q)):
-            H[:, first, :, second] += across[:, third]
-            H[:, second, :, first] += across[:, third].transpose(0, 2, 1)
-    corners, d = volumes.cells.shape[1], volumes.dim
-    return np.asarray(part * H[:, :corners, :d, :corners, :d])
+            across[:, first, second] += x[:, third]
+            across[:, second, first] -= x[:, third]
+    across = (part * slope)[:, None, None, None] * across[:, :k, :k]
+    for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        if max(a, b) < d:
+            block[:, :, a, :, b] += across[..., c]
+            block[:, :, b, :, a] -= across[..., c]
