@@ -1,0 +1,42 @@
+"""At which strain are springs no longer the material, by which law, and where are they elements?
+
+The report has springs serve beyond 5 % strain where elements fail, and leaves rubber's law open.
+One question a file:
+
+- `twins`: springs under tension beside cells under pressure, against finite elements node for node;
+- `stretch`: laws of springs in homogeneous strain, against neo-Hookean and St. Venant-Kirchhoff;
+- `bending`: a block whose ends turn, springs and linear elements against elements in full;
+- `rubber`: which law of springs is vulcanised rubber, by Treloar's three tests;
+- `buckling`: a column beyond its critical load, against the elastica.
+
+Candidate: displacements predicted for a problem and its network, by default the network's own
+equilibrium. Reference: closed forms, scikit-fem finite elements, and measured rubber.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from msvalidate import kit
+
+from . import bending, buckling, rubber, stretch, twins
+
+FAULTS = {**twins.FAULTS, **stretch.FAULTS}
+"""Negative controls: arguments of `run` under which a tolerance must fail."""
+
+
+def run(
+    candidate: kit.DisplacementSolver = kit.solve_springs,
+    setting: kit.Setting = kit.FULL,
+    questions: tuple[str, ...] | None = None,
+) -> kit.Evidence:
+    """All questions, or those named, for one candidate."""
+    candidate = kit.check_displacements(candidate)
+    asked = {
+        "twins": partial(twins.run, candidate, setting),
+        "stretch": partial(stretch.run, candidate, setting),
+        "bending": partial(bending.run, candidate, setting),
+        "rubber": rubber.run,
+        "buckling": partial(buckling.run, candidate, setting),
+    }
+    return kit.gather_evidence(asked, questions)

@@ -1,0 +1,308 @@
+"""Twins: which spring networks are finite elements, node for node?
+
+Question   A body bent by its ends, and random states: forces and displacements of springs beside
+           those of elements on the same points.
+Candidate  Equilibrium of the network, springs of no rest length beside cells under pressure (route
+           "neo-Hookean"), or Green's springs.
+Reference  Linear triangles and tetrahedra of the neo-Hookean law and of St. Venant-Kirchhoff's, and
+           bilinear squares with one mean J a cell.
+Expected   On any mesh, at any ratio and strain, the same to rounding; not so with other constants,
+           and not Green's springs on squares.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import skfem
+from scipy.sparse import kron
+from skfem.models.poisson import laplace
+
+from msvalidate import kit, lattice, lattice_network
+from msvalidate.bodies.calibrate import calibrate_material
+from msvalidate.lattice import patterns
+from msvalidate.network import Configuration, Network
+from msvalidate.network.laws.green import GREEN
+from msvalidate.network.laws.quadratic import QUADRATIC
+from msvalidate.problem.records import replace
+from reference_fem.large_strain.equilibrium import deform
+from reference_fem.large_strain.hyperelastic import neo_hookean, st_venant_kirchhoff
+from reference_fem.large_strain.solid import Solid
+from reference_fem.mesh.discretisation import make_discretisation
+
+SIZE, THICKNESS, E = 0.37, 0.2, 3.0
+"""m, m, Pa."""
+CUT = {
+    2: [(0, 1, 2), (0, 2, 3)],
+    3: [(0, a, b, 6) for a, b in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
+}
+"""Axes -> corners of the simplices that a square or cube is cut into, by its diagonal."""
+IDENTITY = 1e-12
+PARTS, STEPS = 40, 6
+"""Of a displacement, and Newton steps in each."""
+SMALL, TOLERANCE = 1e-9, 1e-14
+"""A strain, and the elements' residual over the forces at a node."""
+
+
+class Pair(NamedTuple):
+    """A network, its elements, and whether these are one."""
+
+    body: str
+    springs: str
+    elements: str
+    nu: float
+    strain: float
+    cells: int
+    twin: bool = True
+
+
+PAIRS = (
+    Pair("uneven triangles", "zero-length", "P1 neo-Hookean", 0.3, 0.8, 4),
+    Pair("uneven triangles", "zero-length", "P1 neo-Hookean", 0.3, SMALL, 4),
+    Pair("uneven triangles", "zero-length", "P1 neo-Hookean", -0.3, 0.8, 4),
+    Pair("uneven tetrahedra", "zero-length", "T1 neo-Hookean", 0.45, 0.8, 2),
+    Pair("cubes cut in six", "zero-length", "T1 neo-Hookean", 0.3, 0.8, 2),
+    Pair("squares, k1 = k2", "zero-length", "Q1 neo-Hookean, mean J", 0.49, 0.8, 4),
+    Pair("squares, k1 = 2 k2", "zero-length", "Q1 neo-Hookean, mean J", 0.49, 0.8, 4, False),
+    Pair("triangular lattice", "green", "P1 St. Venant-Kirchhoff", 0.25, 0.3, 4),
+    Pair("squares, k1 = k2", "green", "Q1 St. Venant-Kirchhoff", 0.25, 0.3, 4, False),
+)
+BECAUSE = (
+    "an identity, left is rounding: 1e-16 times the forces that meet at a point, and a condition "
+    "number of up to 1e4"
+)
+twin = partial(kit.Rule, unit="1", table="twins", because=BECAUSE)
+RULES = (
+    twin("forces of random states, relative", 1e-13, value="force", rows={"twin": True},
+         because="an identity: the rounding of sums over a point's cells"),
+    twin("tangents of random states, relative", 1e-13, value="tangent", rows={"twin": True},
+         because="an identity: the rounding of sums over a point's cells"),
+    twin("equilibria bent to 30 to 80 % strain, over the largest displacement", IDENTITY,
+         value="displacement", rows={"twin": True, "strain": (0.8, 0.3)}),
+    twin("equilibria at a strain of 1e-9, over the largest displacement", 1e-6,
+         value="displacement", rows={"twin": True, "strain": SMALL},
+         because="terms of second order are 1e-9, and forces have ten digits or more of it"),
+    kit.Rule(
+        "networks that are no elements: least difference over 1e-4, up to 1", 0.5, "1",
+        "other constants or springs are another discretisation, off by parts in a thousand; a "
+        "comparison that calls them the same sees nothing", table="twins", rows={"twin": False},
+        value=lambda rows: np.minimum(1.0, rows["displacement"] / 1e-4), reference=1.0,
+    ),
+)  # fmt: skip
+FIGURE = kit.series(
+    "twins", title="Springs beside elements on the same points", x="body", y="displacement",
+    by="springs", log="y", labels=("network", "difference over largest displacement (1)"),
+    line="",
+)  # fmt: skip
+
+
+def _spoil(change, problem, network, answer):  # type: ignore[no-untyped-def]
+    return kit.solve_springs(problem, change(network), answer)
+
+
+def _weaken_cells(network: Network, change: str) -> Network:
+    """One cell without its pressure, all without, or a law without what is linear in J."""
+    cells = network.volumes
+    if cells is None:
+        return network
+    pressure = np.array(cells.pressure)
+    pressure[: 1 if change == "one" else None] = 0.0
+    return replace(network, volumes=replace(cells, pressure=pressure))
+
+
+FAULTS = {
+    "one cell's pressure missing": {
+        "candidate": partial(_spoil, partial(_weaken_cells, change="one")), "questions": ("twins",)
+    },
+}  # fmt: skip
+
+
+def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence:
+    """Compare networks and elements, force by force and at rest."""
+    table = pd.DataFrame(setting.sweep(partial(compare, candidate), PAIRS, "twins"))
+    same = table[table["twin"]]
+    bent = same[same["strain"] > SMALL]["displacement"].max()
+    other = table[~table["twin"]]["displacement"].min()
+    findings = (
+        "With the right law a spring network is a finite element body, node for node: springs of "
+        "no rest length with cotangent stiffness beside cells under pressure are linear elements of "
+        f"the neo-Hookean law, to {bent:.0e} of the displacement at strains of 80 %; squares with "
+        "k1 = k2 are bilinear elements with one mean J a cell, which do not lock.",
+        f"Other constants on the same points differ by {100 * other:.2g} % or more.",
+    )
+    return kit.Evidence(
+        {"twins": table}, tolerances=RULES, columns=kit.columns(__file__), findings=findings,
+        figures={"twins": FIGURE},
+    )  # fmt: skip
+
+
+def compare(candidate: kit.DisplacementSolver, pair: Pair) -> dict[str, object]:
+    """One row of the table."""
+    problem, network, elements = make_bodies(pair)
+    u = candidate(problem, network, "nonlinear")
+    theirs = elements.rest(network.displacement)
+    random = 0.02 * pair.strain * SIZE / pair.cells
+    state = random * np.random.default_rng(1).normal(size=u.shape)
+    at, force = Configuration(network, state), elements.force(state)
+    K = at.tangent().toarray()
+    bent = elements.tangent(state)
+    return {
+        **pair._asdict(),
+        "points": len(u),
+        "force": np.abs(at.force() + force).max() / np.abs(force).max(),
+        "tangent": np.abs(K - bent).max() / np.abs(bent).max(),
+        "displacement": np.abs(u - theirs).max() / np.abs(theirs).max(),
+    }
+
+
+def make_bodies(pair: Pair) -> tuple[kit.Problem, Network, _Solid | _MeanVolume]:
+    """What is asked, the network, and the elements beside it."""
+    solid = pair.elements.startswith("T1")
+    d, n, box = (3 if solid else 2), pair.cells, kit.Box((SIZE,) * (3 if solid else 2))
+    material = kit.Isotropic(
+        E, pair.nu, "solid" if solid else "plane_strain", thickness=1.0 if solid else THICKNESS
+    )
+    grid: kit.Lattice = lattice.square(box, n) if d == 2 else lattice.fill(patterns.cubic18(), box, n)
+    cells, shape = np.asarray(grid.cells), "quad"
+    if pair.body == "triangular lattice":
+        grid = lattice.triangular(lattice.zigzag_block(SIZE, (n, n)), SIZE / n)
+        cells, shape = np.asarray(grid.cells), "triangle"
+    elif not pair.body.startswith("squares"):
+        shape = "tetra" if solid else "triangle"
+        cells = cells[:, CUT[d]].reshape(-1, d + 1)
+    points = np.array(grid.points)
+    if pair.body.startswith("uneven"):
+        inner = ((points > 1e-9) & (points < SIZE - 1e-9)).all(axis=1)
+        moved = np.random.default_rng(0).uniform(-0.3, 0.3, points.shape)
+        points += inner[:, None] * moved * SIZE / n
+    mesh = kit.Mesh(points, cells, shape)
+    ends = points[:, 0].min(), points[:, 0].max()
+    far = pair.strain * SIZE * np.array([0.5, -0.3, 0.2][:d])
+    bent = (0.0,) * d, tuple(partial(_bend, by) for by in far)
+    sides = (kit.Region((x, *(None,) * (d - 1))) for x in ends)
+    held = tuple(kit.Support(*side) for side in zip(sides, bent, strict=True))
+    problem = kit.Problem(mesh, material, held)
+    network = _make_network(pair, problem, grid, material)
+    if pair.elements.endswith("mean J"):
+        return problem, network, _MeanVolume(network, material)
+    body = make_discretisation(points, cells, pair.elements[:2])
+    law = neo_hookean if "neo-Hookean" in pair.elements else st_venant_kirchhoff
+    return problem, network, _Solid(Solid(body, law(material), network.held, material.thickness))
+
+
+def _bend(by: float, X: kit.Array) -> kit.Array:
+    """Displacement (n,) in m of a side's points (n, d): `by` at its foot, more above."""
+    return np.asarray(by * (1 + X[:, 1] / SIZE))
+
+
+def _make_network(
+    pair: Pair, problem: kit.Problem, grid: kit.Lattice, material: kit.Isotropic
+) -> Network:
+    if pair.springs == "green":
+        own = replace(problem, domain=grid.domain) if grid.domain != problem.domain else problem
+        network = lattice_network(own, grid, (1.0,) if grid.kinds == 1 else (1.0, 1.0))
+        return replace(network, stiffness=network.stiffness * _green(material), law=GREEN)
+    if pair.body.startswith("squares"):
+        found = calibrate_material(material, grid, route="neo-Hookean")
+        k = found.constants[0]
+        constants = (k, k) if pair.twin else (1.5 * k, 0.75 * k)
+        own = replace(problem, domain=grid.domain)
+        return lattice_network(own, grid, replace(found, constants=constants))
+    edges = lattice.mesh_lattice(problem.domain, "cotangent", positive=False)
+    return lattice_network(problem, edges, calibrate_material(material, edges, route="neo-Hookean"))
+
+
+def _green(material: kit.Isotropic) -> float:
+    """Stiffness (N/m) that makes triangles of Green's springs λ = μ: 4/√3·μt."""
+    return 4 / np.sqrt(3) * material.E / (2 * (1 + material.nu)) * material.thickness
+
+
+class _Solid(NamedTuple):
+    """Elements of `reference_fem`."""
+
+    solid: Solid
+
+    def force(self, u: kit.Array) -> kit.Array:
+        """(n, d) in N."""
+        return self.solid.internal_force(u)[0]
+
+    def tangent(self, u: kit.Array) -> kit.Array:
+        """(n·d, n·d) in N/m, by points."""
+        n, d = u.shape
+        order = np.arange(n * d).reshape(d, n).T.ravel()
+        return np.asarray(self.solid.tangent(u).toarray()[np.ix_(order, order)])
+
+    def rest(self, moved: kit.Array) -> kit.Array:
+        """Equilibrium (n, d) in m under prescribed displacements (n, d)."""
+        none = np.zeros(moved.shape)
+        return deform(
+            self.solid, moved, none, tolerance=TOLERANCE, allow_locked=True
+        ).displacement
+
+
+class _MeanVolume:
+    """Bilinear squares of the neo-Hookean law with one mean J a cell, by scikit-fem and areas.
+
+    ∫ (μ/2) F:F is a Laplacian of each component; the area of a cell is the polygon's.
+    """
+
+    def __init__(self, network: Network, material: kit.Isotropic) -> None:
+        X, cells = network.points, network.resisting
+        E, nu, t = material.E, material.nu, material.thickness
+        self.X, self.cells, self.held = X, cells, network.held
+        self.mu, self.lam = E / (2 * (1 + nu)) * t, E * nu / (1 + nu) / (1 - 2 * nu) * t
+        basis = skfem.Basis(skfem.MeshQuad(X.T.copy(), cells.T.copy()), skfem.ElementQuad1())
+        A = self.mu * laplace.assemble(basis)
+        at = np.empty(len(X), dtype=int)
+        at[basis.nodal_dofs[0]] = np.arange(len(X))
+        self.K = kron(A[basis.nodal_dofs[0]][:, basis.nodal_dofs[0]], np.eye(2)).tocsr()
+
+    def _areas(self, u: kit.Array) -> tuple[kit.Array, kit.Array, kit.Array]:
+        """J (c,), its slope (c, 4, 2) and area at rest (c,)."""
+        X, x = self.X[self.cells], (self.X + u)[self.cells]
+        A0, A = (
+            ((a[:, :, 0] * np.roll(a[:, :, 1], -1, 1)) - np.roll(a[:, :, 0], -1, 1) * a[:, :, 1]).sum(1) / 2
+            for a in (X, x)
+        )
+        step = (np.roll(x, -1, 1) - np.roll(x, 1, 1)) / 2
+        return A / A0, np.stack([step[:, :, 1], -step[:, :, 0]], -1) / A0[:, None, None], A0
+
+    def force(self, u: kit.Array) -> kit.Array:
+        """(n, d) in N."""
+        J, g, A0 = self._areas(u)
+        pull = (A0 * (self.lam * np.log(J) - self.mu) / J)[:, None, None] * g
+        out = (self.K @ (self.X + u).ravel()).reshape(u.shape)
+        np.add.at(out, self.cells, pull)
+        return out
+
+    def tangent(self, u: kit.Array) -> kit.Array:
+        """(n·d, n·d) in N/m, by points; the second derivative of an area is a quarter turn."""
+        J, g, A0 = self._areas(u)
+        slope, bend = (self.lam * np.log(J) - self.mu) / J, (self.lam + self.mu - self.lam * np.log(J)) / J**2
+        c, flat = len(J), g.reshape(len(J), 8)
+        across = (np.roll(np.eye(4), 1, 1) - np.roll(np.eye(4), -1, 1)) / 2
+        turn = np.kron(across, np.array([[0.0, 1.0], [-1.0, 0.0]]))
+        block = (A0 * bend)[:, None, None] * flat[:, :, None] * flat[:, None] + slope[:, None, None] * turn
+        dof = (2 * self.cells[:, :, None] + np.arange(2)).reshape(c, 8)
+        K = self.K.toarray()
+        np.add.at(K, (dof[:, :, None], dof[:, None, :]), block)
+        return K
+
+    def rest(self, moved: kit.Array) -> kit.Array:
+        """Equilibrium (n, d) in m under prescribed displacements (n, d), by Newton's method."""
+        free, (x, y) = ~self.held.ravel(), self.X.T
+        right = np.flatnonzero(x == x.max())
+        right = right[np.argsort(y[right])]
+        on = np.stack([x / SIZE * np.interp(y, y[right], m[right]) for m in moved.T], axis=1)
+        u = 0.0 * on
+        for _ in range(PARTS):
+            u += on / PARTS
+            for _ in range(STEPS):
+                step = np.zeros(u.size)
+                K = self.tangent(u)[np.ix_(free, free)]
+                step[free] = np.linalg.solve(K, -self.force(u).ravel()[free])
+                u += step.reshape(u.shape)
+        return np.where(self.held, moved, u)
