@@ -37,6 +37,6 @@ def run(
         "stretch": partial(stretch.run, candidate, setting),
         "bending": partial(bending.run, candidate, setting),
         "rubber": rubber.run,
-        "buckling": partial(buckling.run, candidate, setting),
+        "buckling": partial(buckling.run, setting),
     }
     return kit.gather_evidence(asked, questions)
