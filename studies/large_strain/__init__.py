@@ -15,6 +15,7 @@ equilibrium. Reference: closed forms, scikit-fem finite elements, and measured r
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
@@ -32,7 +33,7 @@ def run(
 ) -> kit.Evidence:
     """All questions, or those named, for one candidate."""
     candidate = kit.check_displacements(candidate)
-    asked = {
+    asked: dict[str, Callable[[], kit.Evidence]] = {
         "twins": partial(twins.run, candidate, setting),
         "stretch": partial(stretch.run, candidate, setting),
         "bending": partial(bending.run, candidate, setting),

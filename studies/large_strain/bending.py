@@ -1,10 +1,10 @@
 """Bending: who follows a block whose ends turn, springs or linear elements?
 
-Question   Displacement and end moment of a block 4 x 1 whose ends turn as rigid plates on an arc, up
-           to 40 % strain at its outer side.
+Question   Displacement and end moment of a block 4 x 1 whose ends turn as rigid plates on an arc,
+           up to 40 % strain at its outer side.
 Candidate  Square-8 cells of linear springs, N through the height.
-Reference  Finite elements of degree 2 of the neo-Hookean law with the same moduli; beside it those of
-           St. Venant-Kirchhoff's law, of the lattice's own energy, and linear elasticity.
+Reference  Finite elements of degree 2 of the neo-Hookean law with the same moduli; beside it those
+           of St. Venant-Kirchhoff's law, of the lattice's own energy, and linear elasticity.
 Expected   Linear elements do not know that a turned end is turned; springs do, and beat them in
            displacement from strains below 1 %. Elements with the lattice's energy follow the
            springs: what is left is the spacing.
@@ -26,7 +26,12 @@ from msvalidate.network import Configuration
 from msvalidate.problem import Array
 from reference_fem.elasticity import stiffness
 from reference_fem.large_strain.equilibrium import deform
-from reference_fem.large_strain.hyperelastic import Law, NeoHookean, square_fibres, st_venant_kirchhoff
+from reference_fem.large_strain.hyperelastic import (
+    Law,
+    NeoHookean,
+    square_fibres,
+    st_venant_kirchhoff,
+)
 from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation
@@ -76,7 +81,8 @@ RULES = (
     kit.Rule(
         "refined elements: neo-Hookean moment by twice as many cells, relative", 1e-3, "1",
         "elements of degree 2 err by the corners of the clamped ends, of which a block's moment "
-        "has little", table="blocks", value=kit.Quotient("moment_finer", "moment_fem"), reference=1.0,
+        "has little", table="blocks", value=kit.Quotient("moment_finer", "moment_fem"),
+        reference=1.0,
     ),
     kit.Rule(
         "springs beside linear elasticity: displacement difference over its", 0.5, "1",
@@ -93,12 +99,13 @@ RULES = (
 )  # fmt: skip
 FIGURES = {
     "bending": kit.series(
-        "bending", title="A block whose ends turn, against neo-Hookean elements", x="strain",
-        y="difference", by="model", rows={"cells": (12, MESH[1])}, log="xy",
+        "bending", title="A block whose ends turn: difference to neo-Hookean elements",
+        size=(6.4, 4.0), x="strain", y="difference", by="model", log="xy",
+        rows={"cells": (12, MESH[1])},
         labels=("strain at the outer side (1)", "difference over largest displacement (1)"),
     ),
     "moment": kit.series(
-        "bending", title="Moment over that of the neo-Hookean block", x="strain", y="moment",
+        "bending", title="A block whose ends turn: moment", size=(6.4, 4.0), x="strain", y="moment",
         by="model", rows={"cells": (12, MESH[1])},
         labels=("strain at the outer side (1)", "moment over neo-Hookean moment (1)"),
     ),
@@ -148,8 +155,12 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
             answer, wanted = found.get(strain), neo[strain].at(points)
             far = np.linalg.norm(wanted, axis=1).max()
 
-            def off(one: Answer | None, other: Array, far: float = far, x: Array = points) -> object:
-                return NONE if one is None else np.linalg.norm(one.at(x) - other, axis=1).max() / far
+            def off(
+                one: Answer | None, other: Array, far: float = far, x: Array = points
+            ) -> object:
+                return (
+                    NONE if one is None else np.linalg.norm(one.at(x) - other, axis=1).max() / far
+                )
 
             own = others["lattice's energy"].get(strain)
             row = {"model": model, "cells": cells if model == "springs" else MESH[1]}
@@ -169,8 +180,8 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
     finding = (
         "A block bent to 10 % strain at its outer side: springs on square-8 cells are "
         f"{left['springs']:.1f} % off neo-Hookean elements, elements of St. Venant-Kirchhoff's law "
-        f"{left['St. Venant-Kirchhoff']:.1f} %, linear elasticity {left['linear elasticity']:.1f} %: "
-        "it takes a turned end for a strained one. Elements of nonlinear laws converge."
+        f"{left['St. Venant-Kirchhoff']:.1f} %, linear elasticity {left['linear elasticity']:.1f} "
+        "%: it takes a turned end for a strained one. Elements of nonlinear laws converge."
     )
     return kit.Evidence(
         {"bending": bending, "blocks": pd.DataFrame(blocks)}, tolerances=RULES,
@@ -199,7 +210,7 @@ def _component(strain: float, axis: int, points: Array) -> Array:
     return np.asarray(arc(points, strain)[:, axis])
 
 
-def _same(u: Array, points: Array) -> Array:  # noqa: ARG001  at its own points
+def _same(u: Array, points: Array) -> Array:
     return u
 
 
@@ -224,7 +235,7 @@ def _interpolated(body: Discretisation, u: Array, points: Array) -> Array:
     return np.asarray(body.interpolation(points) @ u)
 
 
-def ends(points: Array) -> Array:
+def ends(points: Array) -> kit.Mask:
     """Components (n, 2) held at both ends."""
     length = BOX.size[0]
     at = (points[:, 0] < 1e-9 * length) | (points[:, 0] > (1 - 1e-9) * length)
@@ -234,7 +245,10 @@ def ends(points: Array) -> Array:
 def bend_linear(strain: float) -> Answer:
     """What linear elements of degree 2 do, whose ends are put where the turned plates are."""
     body = box_discretisation(BOX, MESH)
-    K, held = stiffness(body, kit.Isotropic(fibres.E2, fibres.NU2)).tocsc(), ends(body.points).T.ravel()
+    K, held = (
+        stiffness(body, kit.Isotropic(fibres.E2, fibres.NU2)).tocsc(),
+        ends(body.points).T.ravel(),
+    )
     u = np.where(held, arc(body.points, strain).T.ravel(), 0.0)
     u[~held] = spsolve(K[~held][:, ~held], -K[~held] @ u)
     force, u = ((each.reshape(2, -1).T) for each in (K @ u, u))

@@ -1,7 +1,7 @@
 """Buckling: at which load does a column of springs give way, and where does it go then?
 
-Question   A column L x H on rollers, its top free to move aside under a dead load: the load at which
-           the straight state is no longer stable, and how far the top moves beyond it.
+Question   A column L x H on rollers, its top free to move aside under a dead load: the load at
+           which the straight state is no longer stable, and how far the top moves beyond it.
 Candidate  Square-8 cells of linear springs; equilibrium along a path of loads.
 Reference  Euler's load with the cells' own bending stiffness and the column's shortening, and the
            elastica in elliptic integrals.
@@ -59,7 +59,7 @@ RULES = (
 FIGURE = kit.series(
     "path", title="A column L/H = 10 of 4 cells beyond its critical load", x="load",
     y={"aside": "springs", "aside_elastica": "elastica"},
-    labels=("load over critical load (1)", "top aside over length (1)"),
+    size=(6.4, 4.0), labels=("load over critical load (1)", "top aside over length (1)"),
 )  # fmt: skip
 
 
@@ -73,8 +73,8 @@ def run(setting: kit.Setting) -> kit.Evidence:
     finding = (
         "A column of 4 cells through its height, ten times as long, gives way at "
         f"{critical:.4f} of Euler's load, and follows "
-        f"the elastica to {100 * off:.1f} % of load up to {LOADS[-1]:g} times that: a path of loads with a "
-        "side push that vanishes is enough."
+        f"the elastica to {100 * off:.1f} % of load up to {LOADS[-1]:g} times that: a path of "
+        "loads with a side push that vanishes is enough."
     )
     return kit.Evidence(
         {"buckling": table, "path": path}, tolerances=RULES, columns=kit.columns(__file__),
@@ -88,7 +88,9 @@ def column(slender: int, cells: int) -> tuple[Network, Array]:
     material = kit.Isotropic(fibres.E2, fibres.NU2)
     corner = kit.Region((0.0, 0.0))
     held = (kit.Support(box.side("bottom"), (None, 0.0)), kit.Support(corner, (0.0, None)))
-    network = lattice_network(kit.Problem(box, material, held), square(box, (cells, slender * cells)))
+    network = lattice_network(
+        kit.Problem(box, material, held), square(box, (cells, slender * cells))
+    )
     x, top = network.points[:, 0], network.points[:, 1] > slender * (1 - 1e-9)
     share = np.where(top, 1.0 / cells, 0.0)
     share[top & ((x < 1e-9) | (x > 1 - 1e-9))] /= 2

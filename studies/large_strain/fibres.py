@@ -1,21 +1,22 @@
 """Lattices of springs under a homogeneous strain, and the laws that they are held against.
 
-All have λ = μ = 1 in the plane at small strain. A lattice under F carries the nominal stress
-P = (1/V0) Σ p(s) (F r)⊗r of its springs r, p the pull at s = |F r|² [BornHuang1954]; points that are
-centres of symmetry follow F.
+All have λ = μ = 1 in the plane at small strain. Under F a lattice carries the nominal stress
+P = (1/V0) Σ p(s) (F r)⊗r of its springs r, p the pull at s = |F r|² [BornHuang1954]; points that
+are centres of symmetry follow F.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
 
 from msvalidate.network.laws.law import SpringLaw
 from msvalidate.network.laws.linear import LINEAR
-from msvalidate.problem.records import dataclass
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 
 MU = LAM = 1.0
 """N/m."""
@@ -27,7 +28,7 @@ DIRECTIONS = 720
 
 @dataclass(frozen=True, eq=False)
 class Springs:
-    """Springs r (m, 2) in m for each V0 (m²), of stiffness k (m,) in N/m, at rest without strain."""
+    """Springs r (m, 2) in m for each V0 (m²), of stiffness k (m,) in N/m, at rest unstrained."""
 
     name: str
     r: Array
@@ -105,13 +106,20 @@ def pulled(stress: Stress, loading: str, strain: float) -> tuple[float, float]:
     """
     across = 1.0
     if loading == "uniaxial":
+
         def side(m: float) -> float:
             return float(stress(np.diag([1 + strain, m]))[1, 1])
 
-        across = brentq(side, 1 - 0.9 * max(strain, 0) - 0.05, 1.6 if strain < 0 else 1.05, xtol=1e-15)
+        across = brentq(
+            side, 1 - 0.9 * max(strain, 0) - 0.05, 1.6 if strain < 0 else 1.05, xtol=1e-15
+        )
     if loading == "equibiaxial":
         across = 1 + strain
-    F = np.array([[1.0, strain], [0.0, 1.0]]) if loading == "shear" else np.diag([1 + strain, across])
+    F = (
+        np.array([[1.0, strain], [0.0, 1.0]])
+        if loading == "shear"
+        else np.diag([1 + strain, across])
+    )
     return float(stress(F)[0, 1 if loading == "shear" else 0]), across
 
 
@@ -120,12 +128,13 @@ def first_outside(stress: Stress, target: Stress, loading: str, band: float, mos
 
     `most` has the sign of the loading.
     """
+
     def beyond(strain: float) -> float:
         ours, theirs = (pulled(law, loading, strain)[0] for law in (stress, target))
         return abs(ours / theirs - 1) - band
 
     steps = most * np.linspace(0.001, 1, 120)
-    for low, high in zip(steps[:-1], steps[1:], strict=True):
+    for low, high in pairwise(steps):
         if beyond(high) > 0:
             return float(abs(brentq(beyond, low, high, xtol=1e-12)))
     return float("nan")
@@ -133,12 +142,13 @@ def first_outside(stress: Stress, target: Stress, loading: str, band: float, mos
 
 def ellipticity_lost(springs: Springs, loading: str) -> float:
     """Compression (1) at which some wave has no speed any more."""
+
     def softest(strain: float) -> float:
         across = pulled(springs.stress, loading, -strain)[1]
         return springs.softest(np.diag([1 - strain, across]))
 
     steps = np.linspace(0.01, 0.6, 60)
-    for low, high in zip(steps[:-1], steps[1:], strict=True):
+    for low, high in pairwise(steps):
         if softest(high) < 0:
             return float(brentq(softest, low, high, xtol=1e-12))
     return float("nan")
