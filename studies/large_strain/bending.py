@@ -43,6 +43,8 @@ STRAINS = (0.005, 0.02, 0.05, 0.1, 0.3, 0.4)
 """At the outer side, one after the other: each start is from the one before."""
 CELLS, QUICK = (6, 12, 24), (6, 12)
 """Of springs, through the height."""
+MOST, SMALL = 12, STRAINS[:4]
+"""Cells up to which all strains are reached from rest, and strains that are for others."""
 MESH, FINER = (32, 8), (64, 16)
 MOMENTS = {0.02: 0.008901, 0.05: 0.022008, 0.1: 0.042628, 0.3: 0.114563, 0.4: 0.149000}
 """N·m of the neo-Hookean block, by an independent program."""
@@ -150,7 +152,7 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
         points, springs = bend_springs(candidate, cells)
         models = {"springs": springs, **(others if cells == 12 else {})}
         for (model, found), strain in product(models.items(), STRAINS):
-            if strain not in neo:
+            if strain not in neo or (model == "springs" and strain not in found):
                 continue
             answer, wanted = found.get(strain), neo[strain].at(points)
             far = np.linalg.norm(wanted, axis=1).max()
@@ -195,7 +197,8 @@ def bend_springs(
     """Points (n, 2) in m of square-8 cells, and strain -> what they do."""
     material = kit.Isotropic(fibres.E2, fibres.NU2)
     found = {}
-    for strain in STRAINS:
+    # From rest in proportion, ends move along chords: beyond that, small cells at the ends fold.
+    for strain in STRAINS if cells <= MOST else SMALL:
         bent = tuple(partial(_component, strain, axis) for axis in (0, 1))
         held = tuple(kit.Support(BOX.side(side), bent) for side in ("left", "right"))
         problem = kit.Problem(BOX, material, held)
