@@ -1,4 +1,4 @@
-"""A law at large strain for each material of a mesh."""
+"""Laws at large strain of materials, and of each material of a mesh."""
 
 from __future__ import annotations
 
@@ -6,10 +6,18 @@ from collections.abc import Callable
 
 import numpy as np
 
-from msvalidate.problem import Array, Index, Material, Problem, ProblemError
-from msvalidate.problem.records import dataclass
-from reference_fem.large_strain.hyperelastic import Law, neo_hookean
-from reference_fem.materials import CellMaterials, materials_of
+from msvalidate.problem import Array, Index, Isotropic, Material, Problem, ProblemError
+from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass, replace
+from reference_fem.elasticity import elastic_tensor, full_tensor
+from reference_fem.large_strain.hyperelastic import (
+    Law,
+    NeoHookean,
+    StVenantKirchhoff,
+    stress_by_gradient,
+)
+from reference_fem.large_strain.plane_stress import PlaneStress
+from reference_fem.materials import CellMaterials, lame_constants, materials_of
 from reference_fem.mesh.discretisation import Discretisation
 
 
@@ -64,17 +72,38 @@ class CellLaws:
         return found
 
 
-def stress_by_gradient(law: Law, H: Array) -> Array:
-    """P (q, d, d) in Pa of displacement gradients (q, d, d), as exactly as the law can."""
-    exact = getattr(law, "stress_by_gradient", None)
-    if exact is not None:
-        return np.asarray(exact(H))
-    return np.asarray(law.stress(np.eye(law.dim) + H))
-
-
 def each_law(law: Law) -> tuple[Law, ...]:
     """The laws that there are in a body, of which there may be one."""
     return law.laws if isinstance(law, CellLaws) else (law,)
+
+
+def neo_hookean(material: Material) -> Law:
+    """The neo-Hookean law with the Lamé constants of an isotropic material.
+
+    Raises
+    ------
+    ProblemError
+        If the material is not isotropic, or incompressible.
+    """
+    require_type("material", material, Isotropic)
+    assert isinstance(material, Isotropic)  # noqa: S101  for the types
+    if material.state == "plane_stress":
+        solid = replace(material, state="solid", thickness=1.0)
+        return PlaneStress(neo_hookean(solid))
+    if material.nu == 0.5:
+        raise ProblemError("neo-Hookean law: nu = 0.5 is incompressible; give less, such as 0.499")
+    return NeoHookean(*lame_constants(material), material.dim)
+
+
+def st_venant_kirchhoff(material: Material) -> StVenantKirchhoff:
+    """The St Venant-Kirchhoff law with a material's stiffness, in its plane state or in space.
+
+    Raises
+    ------
+    ProblemError
+        If the material is incompressible and not in plane stress.
+    """
+    return StVenantKirchhoff(full_tensor(elastic_tensor(material)))
 
 
 def laws_of(
