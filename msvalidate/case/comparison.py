@@ -202,9 +202,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
         if name in case.quantities:
             progress(name)
             try:
-                _refuse_unstrained(case, reference)
-                if case.geometry == "nonlinear":
-                    raise ProblemError("of large displacements, these alone are")
+                _refuse_unknown(case, reference)
                 rows += make(case, answers[0], reference)
             except (ProblemError, SolverError) as error:
                 notes.append(f"{name}: not compared: {error}")
@@ -272,8 +270,11 @@ def _held_by(support: Support, springs: SpringAnswer) -> Mask:
     return np.asarray(on[:, None] & np.array(asked))
 
 
-def _refuse_unstrained(case: Case, reference: Reference) -> None:
-    """Raise `SolverError` where the body moves as one: what is left of forces is rounding."""
+def _refuse_unknown(case: Case, reference: Reference) -> None:
+    """Raise where forces are not known: `ProblemError` of large displacements, which have more to
+    them, `SolverError` where the body moves as one, so that what is left of them is rounding."""
+    if case.geometry == "nonlinear":
+        raise ProblemError("to first order alone; leave it out, or take geometry 'linear'")
     domain, law = case.problem.domain, case.problem.material
     longest = max(high - low for low, high in domain.span)
     stiff = float(np.abs(elastic_tensor(law)).max()) * domain.volume * law.thickness

@@ -1,4 +1,4 @@
-"""What displacements change by where they are large: elements of the target's law, and of springs'."""
+"""What displacements change by where they are large: elements of the target's law or springs'."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def converge_case(case: Case, points: Array, first: Discretisation | None = None
 
 
 def change_in_full(reference: Reference, law: LawOf) -> tuple[Array, float]:
-    """What a displacement (p, d) in m at a reference's points changes by, and how far it may be off.
+    """What displacements (p, d) in m at a reference's points change by, and how far it may be off.
 
     On the finest of its meshes, up to `LARGE_NODES`, that has an equilibrium: at corners that are
     pressed a finer one may have none. It may be off by what the next coarser one has other.

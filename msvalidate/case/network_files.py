@@ -59,7 +59,7 @@ class CellLists(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
-    """A spring network at rest to first order in the displacement, in SI units."""
+    """A spring network at rest, to first order in the displacement or in full, in SI units."""
 
     schema: Literal[1]
     name: str
@@ -126,7 +126,7 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
 
     Lengths in m, masses in kg, forces in N, stiffness in N/m; of cells, κ, its volume and its
     pressure -κ (V/V0 - 1): N/m, m² and N/m in the plane, Pa, m³ and Pa in space. To first order in
-    the displacement, as the answer is.
+    the displacement, or in full, as the answer is.
     """
     network, u = answer.network, answer.rest.displacement
     axes, volumes = AXES[: network.dim], network.volumes
@@ -141,25 +141,36 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     points.insert(network.dim, "mass", network.mass)
     i, j = network.springs.T
     springs = {"i": i, "j": j, "kind": answer.lattice.kind, "stiffness": network.stiffness}
-    springs |= {"rest_length": network.rest_length, "force": tension(network, u)}
+    springs |= {"rest_length": network.rest_length, "force": tension(network, u, answer.geometry)}
     tables = {"points": points, "springs": pd.DataFrame(springs)}
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
         cells |= {"kappa": volumes.stiffness, "volume": volumes.rest_volume}
-        cells["pressure"] = -volumes.stiffness * dilatation(volumes, u, linear=True)
+        cells["pressure"] = -volumes.stiffness * dilatation(
+            volumes, u, linear=answer.geometry == "linear"
+        )
         tables["cells"] = pd.DataFrame(cells)
     return {name: table.reset_index(names="id") for name, table in tables.items()}
 
 
-def tension(network: Network, displacement: Array) -> Array:
-    """Tension (m,) in N of each spring, to first order in a displacement (n, d) in m."""
+def tension(network: Network, displacement: Array, geometry: str = "linear") -> Array:
+    """Tension (m,) in N of each spring, in full or to first order in a displacement (n, d) in m."""
     i, j = network.springs.T
-    along = ((displacement[j] - displacement[i]) * network.vector).sum(axis=1) / network.distance
+    move, before = displacement[j] - displacement[i], network.distance
+    along = (move * network.vector).sum(axis=1) / before
+    if geometry == "nonlinear":  # l - l0 = w·(2y + w)/(l + l0), without loss of digits
+        after = np.linalg.norm(network.vector + move, axis=1)
+        along = (move * (2 * network.vector + move)).sum(axis=1) / (before + after)
     return np.asarray(network.stiffness * (network.beyond_rest + along))
 
 
 def _cell_stress(answer: SpringAnswer, case: Case) -> Mapping[str, Array]:
-    """Stress (c,) in Pa of each cell by component; none where springs run from cell to cell."""
+    """Stress (c,) in Pa of each cell by component, to first order.
+
+    None where springs run from cell to cell, or displacements are large.
+    """
+    if case.geometry == "nonlinear":
+        return {}
     lattice, problem = answer.lattice, case.problem
     parts = None
     if problem.zones:

@@ -322,8 +322,7 @@ def volume_change(H: Array) -> Array:
             change = change + (H[:, a, a] * H[:, b, b] - H[:, a, b] * H[:, b, a])
     if not (change > -1).all():
         raise ProblemError(
-            f"deformation gradient: det F = {1 + change.min():.3g}; this law keeps it above "
-            "zero"
+            f"deformation gradient: det F = {1 + change.min():.3g}; this law keeps it above zero"
         )
     return np.asarray(change)
 
