@@ -271,8 +271,11 @@ def _held_by(support: Support, springs: SpringAnswer) -> Mask:
 
 
 def _refuse_unknown(case: Case, reference: Reference) -> None:
-    """Raise where forces are not known: `ProblemError` of large displacements, which have more to
-    them, `SolverError` where the body moves as one, so that what is left of them is rounding."""
+    """Raise where forces are not known.
+
+    `ProblemError` of large displacements; `SolverError` where the body moves as one, so that what
+    is left of forces is rounding.
+    """
     if case.geometry == "nonlinear":
         raise ProblemError("to first order alone; leave it out, or take geometry 'linear'")
     domain, law = case.problem.domain, case.problem.material

@@ -27,6 +27,7 @@ from . import (
     controls,
     elastic,
     identities,
+    large,
     measuring,
     shapes,
     solid,
@@ -70,7 +71,7 @@ def run(
     measured = cache(partial(measuring.measure_all, candidate, setting))
     return kit.gather_evidence(
         {
-            "budget": lambda: budget.run(measured(), bodies()),
+            "budget": lambda: budget.run(measured(), bodies(), large.solve(setting)),
             "shapes": lambda: shapes.run(measured(), bodies()),
             "target": lambda: target.run(candidate, setting),
             "identities": lambda: identities.run(candidate, setting),

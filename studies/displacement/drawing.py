@@ -19,10 +19,11 @@ from .models import ISOTROPIC
 
 PART_WORDS = {
     "at_rest": "not quite at rest",
-    "geometric": "large displacements",
     "boundary": "boundary springs not weakened",
     "discretisation": "spacing",
+    "law": "springs have another law at large strain",
     "model_form": "k2 = 2 k1 is another material",
+    "linear_reference": "the target is linear",
 }
 """Parts of the error budget, and how a figure calls them."""
 PARTS = tuple(PART_WORDS)
