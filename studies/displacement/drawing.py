@@ -19,11 +19,12 @@ from .models import ISOTROPIC
 
 PART_WORDS = {
     "at_rest": "not quite at rest",
+    "linear_reference": "the target is linear",
+    "law": "springs have another law at large strain",
+    "large_spacing": "what spacing adds at large strain",
     "boundary": "boundary springs not weakened",
     "discretisation": "spacing",
-    "law": "springs have another law at large strain",
     "model_form": "k2 = 2 k1 is another material",
-    "linear_reference": "the target is linear",
 }
 """Parts of the error budget, and how a figure calls them."""
 PARTS = tuple(PART_WORDS)
@@ -121,7 +122,7 @@ def stack_parts(axis: Axes, rows: pd.DataFrame, largest: pd.Series) -> None:
     ]
     place = np.arange(len(rows))[::-1]
     right, left = np.zeros(len(rows)), np.zeros(len(rows))
-    for part, colour in zip(PARTS, kit.figures.COLOURS, strict=False):
+    for part, colour in zip(PARTS, ("grey", *kit.figures.COLOURS), strict=True):
         value = 100 * rows[part].to_numpy()
         base = np.where(value >= 0, right, left)
         label = PART_WORDS[part] + ("" if largest[part] > SEEN else ": too small to see")
