@@ -17,7 +17,7 @@ from reference_fem.large_strain.hyperelastic import (
     stress_by_gradient,
 )
 from reference_fem.large_strain.plane_stress import PlaneStress
-from reference_fem.materials import CellMaterials, lame_constants, materials_of
+from reference_fem.materials import CellMaterials, materials_of
 from reference_fem.mesh.discretisation import Discretisation
 
 
@@ -90,9 +90,8 @@ def neo_hookean(material: Material) -> Law:
     if material.state == "plane_stress":
         solid = replace(material, state="solid", thickness=1.0)
         return PlaneStress(neo_hookean(solid))
-    if material.nu == 0.5:
-        raise ProblemError("neo-Hookean law: nu = 0.5 is incompressible; give less, such as 0.499")
-    return NeoHookean(*lame_constants(material), material.dim)
+    C = elastic_tensor(material)
+    return NeoHookean(float(C[-1, -1]), float(C[0, 1]), material.dim)
 
 
 def st_venant_kirchhoff(material: Material) -> StVenantKirchhoff:

@@ -17,8 +17,8 @@ from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws, stre
 
 STEPS, LONGEST = 50, 0.5
 """Newton steps for ln s, and the longest of them."""
-FOUND = 1e-15
-"""Last step of ln s, over it (and 1e-300): quadratic convergence leaves rounding."""
+FOUND, ROUNDED = 1e-8, 1e-12
+"""Last step of ln s, over it or over the largest entry of F - I: its square is left, or less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +72,7 @@ class PlaneStress:
         """H in space (q, 3, 3), with the stretch across that has no stress."""
         whole, log = np.zeros((len(H), 3, 3)), np.zeros(len(H))
         whole[:, :2, :2] = H
+        rounded = ROUNDED * np.abs(H).max(axis=(1, 2))
         for _ in range(STEPS):
             pull = stress_by_gradient(self.law, whole)[:, 2, 2]
             slope = self.law.tangent(np.eye(3) + whole)[:, 2, 2, 2, 2] * (1 + whole[:, 2, 2]) + pull
@@ -80,6 +81,6 @@ class PlaneStress:
             step = np.clip(-pull / slope, -LONGEST, LONGEST)
             log += step
             whole[:, 2, 2] = np.expm1(log)
-            if (np.abs(step) <= np.maximum(FOUND * np.abs(log), 1e-300)).all():
+            if (np.abs(step) <= FOUND * np.abs(log) + rounded).all():
                 return whole
         raise SolverError("plane stress: no stretch across is free of stress; strain less")
