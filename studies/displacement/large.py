@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,6 +64,8 @@ def change(asked: tuple[str, Model, int]) -> Large:
     shape = load_cases.body(model.lattice, case, fineness)
     probes, pattern = np.array(list(shape.probes.values())), all_patterns()[model.lattice]()
     springs = lattice_law(pattern, model.constants, shape.spacing, THICKNESS)
+    if isinstance(shape.domain, kit.Polygon) and case != "bending":
+        springs = replace(springs, vectors=springs.vectors[:, ::-1])  # blocks have rows along y
     found = []
     meshes = [mesh(case, shape, times) for times in (1, 2)]
     for material, law in (
