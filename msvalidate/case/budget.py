@@ -11,12 +11,11 @@ import pandas as pd
 
 from msvalidate.case.case import LAWS, MESH_EDGES
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.large import BY_NAME, change_in_full, springs_law
+from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.stiffness import UNIT
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import AXES, Array, ProblemError, SolverError
-from msvalidate.problem.records import dataclass
 from reference_fem.converged import Reference
 
 PARTS = {
@@ -48,15 +47,15 @@ def budget(found: Comparison) -> pd.DataFrame:
         return float(field[at] @ along) / size + 0.0
 
     limit, large = found.limit.displacement, find_large(found)
-    linear_reference, law = _large_rows(found, large, part)
+    (change, springs, _), (linear_reference, law) = large, _large_rows(found, large, part)
     target = found.first_order
     own = target if found.homogenised is None else found.homogenised.displacement.value
     error, known = found.limit.uncertainty / size, found.reference.error
     nonlinear = found.case.geometry == "nonlinear"
     stays, full = "boundary", own
-    if nonlinear and large.target is not None:
-        stays = "boundary" if large.springs else "boundary or law"
-        full = own + (large.springs or large.target)[0]
+    if nonlinear and change is not None:
+        stays = "boundary" if springs else "boundary or law"
+        full = own + (springs or change)[0]
     rows = []
     if math.isfinite(error):
         values = {"spacing": (part(found.displacement - limit), error)}
@@ -69,7 +68,7 @@ def budget(found: Comparison) -> pd.DataFrame:
         else:
             values["boundary or material"] = (part(limit - full + own - target), error + known)
         rows = [(name, *value, PARTS[name]) for name, value in values.items()]
-        rows += [law] if nonlinear and large.springs else []
+        rows += [law] if nonlinear and springs else []
     rows.append(
         ("total", length / size, known, f"springs - elasticity, both {found.case.geometry}")
     )
@@ -93,43 +92,36 @@ def _rest(found: Comparison) -> float:
     return float(rest.error) * float(np.abs(rest.displacement).max()) / (found.size or 1.0)
 
 
-@dataclass(frozen=True, eq=False)
-class Large:
-    """What large displacements change (p, d) in m, and how far (m) that may be off.
-
-    Of elements of the target's law, and of elements of the law that the springs are; None where it
-    was not found, for the reason `why`.
-    """
-
-    target: tuple[Array, float] | None
-    springs: tuple[Array, float] | None
-    why: str
-
-
-def find_large(found: Comparison) -> Large:
-    """What large displacements change in a comparison."""
-    target, law = found.reference.large, BY_NAME[found.case.law]
+def find_large(found: Comparison) -> tuple[Change | None, Change | None, str]:
+    """What large displacements change of the target's law and of the springs'; why one is None."""
+    target = found.reference.large
     try:
         if target is None:
-            target = change_in_full(found.reference, law)
+            target = change_in_full(found.reference, BY_NAME[found.case.law])
+        if math.isinf(material_off(found)):
+            return target, None, "; not found: what material the springs are is not known"
         own = springs_law(found.case, found.springs[0])
-        return Large(target, change_in_full(found.homogenised or found.reference, own), "")
+        return target, change_in_full(found.homogenised or found.reference, own), ""
     except (ProblemError, SolverError) as error:
-        return Large(target, None, f"; not found: {error}")
+        return target, None, f"; not found: {error}"
 
 
-def _large_rows(found: Comparison, large: Large, part: Callable[[Array], float]) -> list[Row]:
+def _large_rows(
+    found: Comparison,
+    large: tuple[Change | None, Change | None, str],
+    part: Callable[[Array], float],
+) -> list[Row]:
     """Rows "linear reference" and "law"."""
-    size, changes, law = found.size or 1.0, [], LAW_WORDS[found.case.law]
-    for each in (large.target, large.springs):
-        changes.append((math.nan, math.nan) if each is None else (part(each[0]), each[1] / size))
-    (target, off), (own, own_off) = changes
-    unknown = [large.why if math.isnan(value) else "" for value in (target, own)]
+    size, (*changes, why), law = found.size or 1.0, large, LAW_WORDS[found.case.law]
+    (target, off), (own, own_off) = (
+        (math.nan, math.nan) if each is None else (part(each[0]), each[1] / size)
+        for each in changes
+    )
     said = f"elements in full - to first order, of {law} law: what linear elasticity leaves out"
     beside = f"springs' law at finite strain, homogenised, beside {law}, beyond the linear part"
     return [
-        ("linear reference", target, off, said + unknown[0]),
-        ("law", own - target, off + own_off, beside + unknown[1]),
+        ("linear reference", target, off, said + why * math.isnan(target)),
+        ("law", own - target, off + own_off, beside + why),
     ]
 
 

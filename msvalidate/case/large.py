@@ -31,6 +31,8 @@ from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.discretisation import Discretisation
 
 LawOf = Callable[[Material], Law]
+Change = tuple[Array, float]
+"""What large displacements change (p, d) in m, and how far (m) that may be off."""
 BY_NAME: dict[str, LawOf] = dict(zip(LAWS, (st_venant_kirchhoff, neo_hookean), strict=True))
 LARGE_NODES = 5_000
 """Nodes of the finest mesh on which large displacements are sought."""
@@ -59,7 +61,7 @@ def converge_case(case: Case, points: Array, first: Discretisation | None = None
     return replace(found, large=change_in_full(found, BY_NAME[case.law]))
 
 
-def change_in_full(reference: Reference, law: LawOf) -> tuple[Array, float]:
+def change_in_full(reference: Reference, law: LawOf) -> Change:
     """What displacements (p, d) in m at a reference's points change by, and how far it may be off.
 
     On the finest of its meshes, up to `LARGE_NODES`, that has an equilibrium: at corners that are

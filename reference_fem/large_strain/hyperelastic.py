@@ -74,8 +74,16 @@ def stress_by_gradient(law: Law, H: Array) -> Array:
     return np.asarray(law.stress(np.eye(law.dim) + H))
 
 
+class ByGradient:
+    """A law whose stress follows from H = F - I without loss of digits."""
+
+    def stress(self, F: Array) -> Array:
+        """P (q, d, d) in Pa."""
+        return np.asarray(self.stress_by_gradient(F - np.eye(F.shape[1])))  # type: ignore[attr-defined]
+
+
 @dataclass(frozen=True)
-class NeoHookean:
+class NeoHookean(ByGradient):
     """W = μ/2 (F:F - d - 2 ln J) + λ/2 (ln J)², with J = det F.
 
     The volumetric form is that of [SimoPister1984], in ln J: other neo-Hookean laws with the same μ
@@ -109,12 +117,8 @@ class NeoHookean:
         squares = np.einsum("qiJ,qiJ->q", F, F)
         return np.asarray(self.mu / 2 * (squares - self.dim - 2 * log) + self.lam / 2 * log**2)
 
-    def stress(self, F: Array) -> Array:
-        """P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
-
     def stress_by_gradient(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of H = F - I, with F - F⁻ᵀ = (H + Hᵀ + H Hᵀ) F⁻ᵀ."""
+        """P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ (q, d, d) in Pa, with F - F⁻ᵀ = (H + Hᵀ + H Hᵀ) F⁻ᵀ."""
         inverse = _inverse_transposed(np.eye(self.dim) + H)
         log = np.log1p(volume_change(H))[:, None, None]
         along = H + _transposed(H) + H @ _transposed(H)
@@ -130,7 +134,7 @@ class NeoHookean:
 
 
 @dataclass(frozen=True, eq=False)
-class StVenantKirchhoff:
+class StVenantKirchhoff(ByGradient):
     """W = ½ E:C:E with Green's strain E = (FᵀF - I)/2; S = C:E is the second Piola stress.
 
     It softens under compression and has no energy to stop J from going through 0: a model for large
@@ -169,12 +173,8 @@ class StVenantKirchhoff:
         E = green(F - np.eye(self.dim))
         return np.asarray(0.5 * np.einsum("qIJ,IJKL,qKL->q", E, self.C, E))
 
-    def stress(self, F: Array) -> Array:
-        """P = F S (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
-
     def stress_by_gradient(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of H = F - I."""
+        """P = F S (q, d, d) in Pa of H = F - I."""
         return np.asarray((np.eye(self.dim) + H) @ self._second(H))
 
     def tangent(self, F: Array) -> Array:
@@ -190,7 +190,7 @@ class StVenantKirchhoff:
 
 
 @dataclass(frozen=True, eq=False)
-class Fibres:
+class Fibres(ByGradient):
     """W = Σ ½ k (|F r| - |r|)² / cell: a lattice of springs that follows F as a whole.
 
     The rule of Cauchy and Born: exact where the deformation is uniform, as each point is then a
@@ -244,12 +244,11 @@ class Fibres:
             found = found + self.volume / 2 * volume_change(F - np.eye(self.dim)) ** 2
         return np.asarray(found)
 
-    def stress(self, F: Array) -> Array:
-        """P = Σ k (1 - |r|/|y|) y ⊗ r / cell with y = F r, (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
-
     def stress_by_gradient(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of H = F - I, with |y| - |r| = Hr·(2r + Hr)/(|y| + |r|)."""
+        """P = Σ k (1 - |r|/|y|) y ⊗ r / cell (q, d, d) in Pa of H = F - I, with y = F r.
+
+        And |y| - |r| = Hr·(2r + Hr)/(|y| + |r|).
+        """
         y, length, rest = self._stretched(np.eye(self.dim) + H)
         move = np.einsum("qiJ,sJ->qsi", H, self.vectors)
         longer = (move * (2 * self.vectors + move)).sum(axis=2) / (length + rest)

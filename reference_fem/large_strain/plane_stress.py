@@ -13,7 +13,12 @@ import numpy as np
 
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
-from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws, stress_by_gradient
+from reference_fem.large_strain.hyperelastic import (
+    ByGradient,
+    Law,
+    refuse_other_laws,
+    stress_by_gradient,
+)
 
 STEPS, LONGEST = 50, 0.5
 """Newton steps for ln s, and the longest of them."""
@@ -22,7 +27,7 @@ FOUND, ROUNDED = 1e-8, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneStress:
+class PlaneStress(ByGradient):
     """The plane stress of a law in space.
 
     Parameters
@@ -52,10 +57,6 @@ class PlaneStress:
     def energy(self, F: Array) -> Array:
         """W (q,) in J/m³."""
         return self.law.energy(np.eye(3) + self._thinned(F - np.eye(2)))
-
-    def stress(self, F: Array) -> Array:
-        """P (q, 2, 2) in Pa."""
-        return self.stress_by_gradient(F - np.eye(2))
 
     def stress_by_gradient(self, H: Array) -> Array:
         """P (q, 2, 2) in Pa of H = F - I."""

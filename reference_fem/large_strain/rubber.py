@@ -16,14 +16,19 @@ import numpy as np
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, finite_number
 from msvalidate.problem.records import dataclass
-from reference_fem.large_strain.hyperelastic import green, refuse_unstable, volume_change
+from reference_fem.large_strain.hyperelastic import (
+    ByGradient,
+    green,
+    refuse_unstable,
+    volume_change,
+)
 
 ALIKE = 1e-5
 """Stretches nearer to each other than this have the mean of their slopes as quotient: it is off by
 its square."""
 
 
-class _Powers:
+class _Powers(ByGradient):
     """The functions of a law of powers, from its terms (μ_p, α_p), λ and number of axes."""
 
     lam: float
@@ -47,10 +52,6 @@ class _Powers:
         (mu, alpha), log_J = self.terms.T, log.sum(axis=1)
         powers = np.expm1(alpha * log[..., None]).sum(axis=1)
         return np.asarray(powers @ (mu / alpha) - mu.sum() * log_J + self.lam / 2 * log_J**2)
-
-    def stress(self, F: Array) -> Array:
-        """P (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
 
     def stress_by_gradient(self, H: Array) -> Array:
         """P = F Σ_a (∂W/∂s_a / s_a) N_a ⊗ N_a (q, d, d) in Pa of H = F - I."""
