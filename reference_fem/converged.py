@@ -75,8 +75,7 @@ class Reference:
     seconds
         That each mesh took.
     large
-        What its being large changes of a displacement (p, d) in m, and how far (m) that may be off;
-        None of displacements to first order.
+        What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
     """
 
     problem: Problem

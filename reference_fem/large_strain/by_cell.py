@@ -78,12 +78,12 @@ def each_law(law: Law) -> tuple[Law, ...]:
 
 
 def neo_hookean(material: Material) -> Law:
-    """The neo-Hookean law with the Lamé constants of an isotropic material.
+    """The neo-Hookean law of an isotropic material.
 
     Raises
     ------
     ProblemError
-        If the material is not isotropic, or incompressible.
+        If it is not isotropic, or incompressible.
     """
     require_type("material", material, Isotropic)
     assert isinstance(material, Isotropic)  # noqa: S101  for the types

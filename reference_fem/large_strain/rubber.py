@@ -14,7 +14,7 @@ from typing import cast
 import numpy as np
 
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import finite, finite_number
+from msvalidate.problem.checks import finite
 from msvalidate.problem.records import dataclass
 from reference_fem.large_strain.hyperelastic import (
     ByGradient,
@@ -24,27 +24,21 @@ from reference_fem.large_strain.hyperelastic import (
 )
 
 ALIKE = 1e-5
-"""Stretches nearer to each other than this have the mean of their slopes as quotient: it is off by
-its square."""
+"""Stretches nearer than this have the mean of their slopes as quotient, off by its square."""
 
 
 class _Powers(ByGradient):
-    """The functions of a law of powers, from its terms (μ_p, α_p), λ and number of axes."""
+    """The functions of a law of powers, from its terms (p, 2) of μ_p (Pa) and α_p, λ and axes."""
 
+    terms: Array
     lam: float
     dim: int
 
-    @property
-    def terms(self) -> Array:
-        """(p, 2) of μ_p (Pa) and α_p."""
-        raise NotImplementedError
-
-    def _check(self) -> None:
-        finite("constants of rubber", self.terms)
-        finite_number("lam of rubber", self.lam)
-        if self.terms.ndim != 2 or not self.terms[:, 1].all():
+    def _take(self, terms: Array) -> None:
+        object.__setattr__(self, "terms", finite("constants of rubber", terms))
+        if not terms[:, 1].all():
             raise ProblemError("rubber: a term has exponent 0; give pairs of mu (Pa) and alpha")
-        refuse_unstable("rubber", float(self.terms.prod(axis=1).sum()) / 2, self.lam, self.dim)
+        refuse_unstable("rubber", float(terms.prod(axis=1).sum()) / 2, self.lam, self.dim)
 
     def energy(self, F: Array) -> Array:
         """W (q,) in J/m³."""
@@ -115,12 +109,7 @@ class Ogden(_Powers):
     def __post_init__(self) -> None:
         if not 0 < len(self.mu) == len(self.alpha):
             raise ProblemError(f"Ogden: {len(self.mu)} mu, {len(self.alpha)} alpha; give as many")
-        self._check()
-
-    @property
-    def terms(self) -> Array:
-        """(p, 2) of μ_p (Pa) and α_p."""
-        return np.column_stack([self.mu, self.alpha])
+        self._take(np.column_stack([self.mu, self.alpha]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +126,7 @@ class MooneyRivlin(_Powers):
     dim: int = 3
 
     def __post_init__(self) -> None:
-        self._check()
-
-    @property
-    def terms(self) -> Array:
-        """(2, 2) of μ_p (Pa) and α_p."""
-        return np.array([(2 * self.c1, 2.0), (-2 * self.c2, -2.0)])
+        self._take(np.array([(2 * self.c1, 2.0), (-2 * self.c2, -2.0)]))
 
 
 def _log_stretches(H: Array) -> tuple[Array, Array]:
