@@ -100,6 +100,8 @@ def budget(tables: kit.Tables) -> Figure:
         axis.set_title(f"{case}:\nalong {component[1]}, {PROBES[probe]}")
     for axis in axes[2:]:
         axis.set_xlabel("error, part of the target's\ndisplacement there (%)")
+    for axis in axes[::2]:
+        axis.set_ylabel("springs")
     figure.suptitle("What the error of springs is made of: 6 particles on a side of 1 m")
     kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure
