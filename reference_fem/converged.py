@@ -32,7 +32,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Solution, nodal_forces, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
 from reference_fem.elasticity import stiffness
@@ -74,6 +74,8 @@ class Reference:
         Asked of the displacement, over the largest at the points.
     seconds
         That each mesh took.
+    large
+        What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
     """
 
     problem: Problem
@@ -81,17 +83,21 @@ class Reference:
     solutions: tuple[Solution, ...]
     accuracy: float
     seconds: tuple[float, ...]
+    large: tuple[Array, float] | None = None
 
     @cached_property
     def displacement(self) -> Converged:
         """Displacement (p, d) in m at the points."""
         found = self._close_in(self.by_mesh)
+        if self.large is not None:
+            found = replace(found, uncertainty=found.uncertainty + self.large[1])
         return self._unlimited(found) if self.no_limit else found
 
     @cached_property
     def by_mesh(self) -> list[Array]:
         """Displacement (p, d) in m at the points on each mesh."""
-        return [solution.at(self.points) for solution in self.solutions]
+        more = 0.0 if self.large is None else self.large[0]
+        return [solution.at(self.points) + more for solution in self.solutions]
 
     @cached_property
     def error(self) -> float:

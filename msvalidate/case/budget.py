@@ -9,39 +9,34 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.case import MESH_EDGES
+from msvalidate.case.case import LAWS, MESH_EDGES
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.stiffness import UNIT
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import AXES, Array, ProblemError, SolverError, prescribed_displacements
-from msvalidate.statics.equilibrium import equilibrium
-from reference_fem.body import nodal_forces
+from msvalidate.problem import AXES, Array, ProblemError, SolverError
 from reference_fem.converged import Reference
-from reference_fem.large_strain.by_cell import laws_of
-from reference_fem.large_strain.equilibrium import deform
-from reference_fem.large_strain.hyperelastic import st_venant_kirchhoff
-from reference_fem.large_strain.solid import Solid
-
-LARGE_NODES = 5_000
-"""Nodes of the mesh on which large displacements are sought."""
 
 PARTS = {
     "spacing": "what finer lattices take away",
     "support": "that no line of the lattice runs along, as at a curve; finer lattices take it too",
     "boundary": "what stays though the material is right: springs and loads at the sides",
+    "boundary or law": "what stays; the law that the springs are at finite strain is not known",
     "material": "the material that the springs are, beside the one asked for",
     "boundary or material": "what stays; the material that the springs are is not known",
 }
 """Parts that make up the difference, in words."""
+LAW_WORDS = dict(zip(LAWS, ("St Venant and Kirchhoff's", "the neo-Hookean"), strict=True))
+Row = tuple[str, float, float, str]
 
 
 def budget(found: Comparison) -> pd.DataFrame:
     """Parts of the difference where it is largest, along it, over the largest displacement.
 
-    Columns: part, value (1), uncertainty (1), meaning. The first ones add up to the total; what
-    stands below it is no part of it: large displacements, which linear answers leave out, and how
-    far rest and reference may be off.
+    Columns: part, value (1), uncertainty (1), meaning. The first ones add up to the total, the law
+    at finite strain among them where the case is nonlinear; what stands below it is no part of it:
+    what linear answers leave out, and how far rest and reference may be off.
     """
     total = found.displacement - found.reference.displacement.value
     at = int(np.linalg.norm(total, axis=1).argmax())
@@ -51,9 +46,16 @@ def budget(found: Comparison) -> pd.DataFrame:
     def part(field: Array) -> float:
         return float(field[at] @ along) / size + 0.0
 
-    target, limit = found.reference.displacement.value, found.limit.displacement
+    limit, large = found.limit.displacement, find_large(found)
+    (change, springs, _), (linear_reference, law) = large, _large_rows(found, large, part)
+    target = found.first_order
     own = target if found.homogenised is None else found.homogenised.displacement.value
     error, known = found.limit.uncertainty / size, found.reference.error
+    nonlinear = found.case.geometry == "nonlinear"
+    stays, full = "boundary", own
+    if nonlinear and change is not None:
+        stays = "boundary" if springs else "boundary or law"
+        full = own + (springs or change)[0]
     rows = []
     if math.isfinite(error):
         values = {"spacing": (part(found.displacement - limit), error)}
@@ -61,21 +63,16 @@ def budget(found: Comparison) -> pd.DataFrame:
             values["spacing"] = (part(found.displacement - limit - found.support), error + known)
             values["support"] = (part(found.support), known)
         if math.isfinite(material_off(found)) or math.isinf(known):
-            values["boundary"] = (part(limit - own), error + known)
+            values[stays] = (part(limit - full), error + known)
             values["material"] = (part(own - target), known)
         else:
-            values["boundary or material"] = (part(limit - target), error + known)
+            values["boundary or material"] = (part(limit - full + own - target), error + known)
         rows = [(name, *value, PARTS[name]) for name, value in values.items()]
+        rows += [law] if nonlinear and springs else []
     rows.append(
-        ("total", length / size, found.reference.error, "springs - elasticity, both linear")
+        ("total", length / size, known, f"springs - elasticity, both {found.case.geometry}")
     )
-    rows.append(("large displacements", *_geometric(found, part)))
-    elements = elements_in_full(found)
-    if elements is not None:
-        said = (
-            "elements in full - to first order (St Venant and Kirchhoff's law), beside the springs'"
-        )
-        rows.append(("the same of elements", part(elements), 0.0, said))
+    rows += [linear_reference] if nonlinear else [linear_reference, law]
     rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
@@ -83,7 +80,7 @@ def budget(found: Comparison) -> pd.DataFrame:
 
 def material_off(found: Comparison) -> float:
     """How far the springs' material may take a displacement off, over the largest; or infinite."""
-    case, wanted = found.case, found.reference.displacement.value
+    case, wanted = found.case, found.first_order
     if case.lattice == MESH_EDGES or (case.constants is not None and found.homogenised is None):
         return math.inf
     own = wanted if found.homogenised is None else found.homogenised.displacement.value
@@ -95,40 +92,37 @@ def _rest(found: Comparison) -> float:
     return float(rest.error) * float(np.abs(rest.displacement).max()) / (found.size or 1.0)
 
 
-def _geometric(found: Comparison, part: Callable[[Array], float]) -> tuple[float, float, str]:
-    """Springs in full less springs to first order, at the same place and direction."""
-    springs = found.springs[0]
-    said = "springs in full - springs to first order: what linear answers leave out"
+def find_large(found: Comparison) -> tuple[Change | None, Change | None, str]:
+    """What large displacements change of the target's law and of the springs'; why one is None."""
+    target = found.reference.large
     try:
-        full = equilibrium(springs.network, "nonlinear")
+        if target is None:
+            target = change_in_full(found.reference, BY_NAME[found.case.law])
+        if math.isinf(material_off(found)):
+            return target, None, "; not found: what material the springs are is not known"
+        own = springs_law(found.case, found.springs[0])
+        return target, change_in_full(found.homogenised or found.reference, own), ""
     except (ProblemError, SolverError) as error:
-        return math.nan, math.nan, f"{said}; not found: {error}"
-    moved = SpringAnswer(
-        springs.spacing, springs.lattice, springs.network, full, springs.calibration, 0.0
+        return target, None, f"; not found: {error}"
+
+
+def _large_rows(
+    found: Comparison,
+    large: tuple[Change | None, Change | None, str],
+    part: Callable[[Array], float],
+) -> list[Row]:
+    """Rows "linear reference" and "law"."""
+    size, (*changes, why), law = found.size or 1.0, large, LAW_WORDS[found.case.law]
+    (target, off), (own, own_off) = (
+        (math.nan, math.nan) if each is None else (part(each[0]), each[1] / size)
+        for each in changes
     )
-    return part(moved.at(found.points) - found.displacement), 0.0, said
-
-
-def elements_in_full(found: Comparison) -> Array | None:
-    """What elasticity's displacement (p, d) in m at the points changes by where it is large.
-
-    On one mesh, with dead loads as the springs have; None in plane stress, where there is no such
-    law here, of nearly incompressible bodies, and where no equilibrium is found.
-    """
-    problem = found.case.problem
-    meshes = [each for each in found.reference.solutions if len(each.body.points) <= LARGE_NODES]
-    states = {getattr(law, "state", "") for law in problem.materials}
-    if not meshes or meshes[-1].pressure is not None or states - {"plane_strain", "solid"}:
-        return None
-    linear, law = meshes[-1], problem.material
-    held, moved = prescribed_displacements(problem, linear.body.points)
-    try:
-        whole = laws_of(problem, linear.body, st_venant_kirchhoff)
-        solid = Solid(linear.body, whole, held, law.thickness)
-        full = deform(solid, moved, nodal_forces(problem, linear.body))
-    except (ProblemError, SolverError):
-        return None
-    return np.asarray(full.at(found.points) - linear.at(found.points))
+    said = f"elements in full - to first order, of {law} law: what linear elasticity leaves out"
+    beside = f"springs' law at finite strain, homogenised, beside {law}, beyond the linear part"
+    return [
+        ("linear reference", target, off, said + why * math.isnan(target)),
+        ("law", own - target, off + own_off, beside + why),
+    ]
 
 
 def tables(found: Comparison) -> dict[str, pd.DataFrame]:

@@ -299,6 +299,8 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
         Case(problem, **values)  # type: ignore[arg-type]
     with source.at("reference"):
         Case(problem, accuracy=data.reference.accuracy)
+    with source.at("material"):
+        Case(problem, law=data.material.law)
     with source.at("compare"):
         return Case(
             problem,
@@ -307,6 +309,8 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
             quantities=tuple(compare.quantities),
             band=compare.band,
             accuracy=data.reference.accuracy,
+            law=data.material.law,
+            geometry=compare.geometry,  # type: ignore[arg-type]
             notes={"file": source.name, "unit of length": f"{data.body.unit}"},
         )
 

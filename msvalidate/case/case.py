@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 
@@ -48,6 +49,9 @@ LITTLE, MUCH = 1.25, 2.0
 them."""
 FITS = 4e-10
 """Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
+LAWS = ("st-venant-kirchhoff", "neo-hookean")
+"""Laws of elements at large strain; all are the material's own at small strain."""
+GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
 ACCURACY = 1e-3
 LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
@@ -82,6 +86,11 @@ class Case:
         Largest difference that agrees, over the largest displacement.
     accuracy
         Of the elements, over the largest displacement.
+    law
+        Of the elements at large strain, one of `LAWS`.
+    geometry
+        "linear": springs and elements to first order in the displacement; "nonlinear": both at
+        equilibrium however large it is. Then displacements alone are compared.
 
     Raises
     ------
@@ -100,6 +109,8 @@ class Case:
     quantities: tuple[str, ...] = QUANTITIES
     band: float = BAND
     accuracy: float = ACCURACY
+    law: str = LAWS[0]
+    geometry: Literal["linear", "nonlinear"] = "linear"
     notes: Mapping[str, str] = field(default_factory=dict)
     """What the page tells of the case beside: file, unit of length."""
 
@@ -169,6 +180,8 @@ class Case:
         for name in self.quantities:
             require_one_of("quantity", name, QUANTITIES)
         positive_number("band", self.band)
+        require_one_of("law", self.law, LAWS)
+        require_one_of("geometry", self.geometry, GEOMETRIES)
         finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
 
     @property

@@ -13,6 +13,7 @@ from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
+from msvalidate.case.large import converge_case
 from msvalidate.case.springs import (
     ROUNDING,
     SpringAnswer,
@@ -136,6 +137,12 @@ class Comparison:
         return self.springs[0].at(self.points)
 
     @property
+    def first_order(self) -> Array:
+        """Displacement (p, d) in m of elasticity to first order, at the points."""
+        large = self.reference.large
+        return self.reference.displacement.value - (0.0 if large is None else large[0])
+
+    @property
     def size(self) -> float:
         """Largest displacement (m) of elasticity at the points."""
         return max_length(self.reference.displacement.value)
@@ -176,7 +183,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     values = displacements_at(answers, points)
     answers = answers[: len(values)]
     progress("elements")
-    reference = converge(case.problem, points, case.accuracy)
+    reference = converge_case(case, points)
     if not max_length(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
     homogenised, notes = _homogenised(case, answers[0], points)
@@ -195,7 +202,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
         if name in case.quantities:
             progress(name)
             try:
-                _refuse_unstrained(case, reference)
+                _refuse_unknown(case, reference)
                 rows += make(case, answers[0], reference)
             except (ProblemError, SolverError) as error:
                 notes.append(f"{name}: not compared: {error}")
@@ -216,7 +223,7 @@ def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> 
         if other is None:
             found.append(np.zeros(body.points.shape))
         else:
-            less = replace(answer, rest=equilibrium(other)).at(body.points)
+            less = replace(answer, rest=equilibrium(other, case.geometry)).at(body.points)
             found.append(answer.at(body.points) - less)
     return found
 
@@ -263,8 +270,14 @@ def _held_by(support: Support, springs: SpringAnswer) -> Mask:
     return np.asarray(on[:, None] & np.array(asked))
 
 
-def _refuse_unstrained(case: Case, reference: Reference) -> None:
-    """Raise `SolverError` where the body moves as one: what is left of forces is rounding."""
+def _refuse_unknown(case: Case, reference: Reference) -> None:
+    """Raise where forces are not known.
+
+    `ProblemError` of large displacements; `SolverError` where the body moves as one, so that what
+    is left of forces is rounding.
+    """
+    if case.geometry == "nonlinear":
+        raise ProblemError("to first order alone; leave it out, or take geometry 'linear'")
     domain, law = case.problem.domain, case.problem.material
     longest = max(high - low for low, high in domain.span)
     stiff = float(np.abs(elastic_tensor(law)).max()) * domain.volume * law.thickness

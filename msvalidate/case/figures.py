@@ -161,7 +161,8 @@ def draw_fields(found: Comparison) -> Figure:
     springs = lattice.points + times * rest
     figure, axis = body_axes(np.concatenate([moved, springs, x]), 0.02 * size)
     order = UPWARDS if x.shape[1] == 3 else [0, 1]
-    _draw_edges(axis, moved, solution, COLOURS[1], "elements")
+    elements = "elements" if found.reference.large is None else "elements, to first order"
+    _draw_edges(axis, moved, solution, COLOURS[1], elements)
     marks = lattice.points.shape[1] == 2
     if marks:
         lines = LineCollection(

@@ -93,10 +93,11 @@ def field_files(found: Comparison) -> dict[str, bytes]:
     """elements.vtu, and compared.vtu: displacements at the compared points, and difference."""
     solution = found.reference.finest
     body = solution.body
+    first_order = "" if found.reference.large is None else "_to_first_order"
     elements = vtu_bytes(
         body.points,
         {body.element.shape: body.cells},
-        {"displacement_elements": solution.displacement},
+        {f"displacement_elements{first_order}": solution.displacement},
         {"material": material_numbers(found.case.problem, body)},
     )
     compared = compared_file(found.points, "springs", found.displacement, found)

@@ -12,6 +12,7 @@ import pandas as pd
 from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import Row
+from msvalidate.case.large import converge_case
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.linear_algebra.norms import max_length
@@ -22,7 +23,7 @@ from msvalidate_check.beside import MOST_RATIO
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
-from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference, converge, first_mesh
+from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference, first_mesh
 
 Known = Mapping[str, Callable[[float], Array]]
 RATIO_NODES = 10_000
@@ -107,7 +108,7 @@ def judge_result(
     body = first_mesh(case.problem)
     matched = match(case, result, unit, body)
     progress("elements")
-    reference = converge(case.problem, matched.places, case.accuracy, first=body)
+    reference = converge_case(case, matched.places, body)
     wanted = reference.displacement.value
     size = max_length(wanted)
     if not size:

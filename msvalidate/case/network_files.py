@@ -17,7 +17,7 @@ import pandas as pd
 from msvalidate.case.case import Case
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.zones import calibrate_zones, spring_shares
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.volumes import dilatation
 from msvalidate.output.stored import csv_bytes
 from msvalidate.output.vtu import vtu_bytes
@@ -59,7 +59,7 @@ class CellLists(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
-    """A spring network at rest to first order in the displacement, in SI units."""
+    """A spring network at rest, to first order in the displacement or in full, in SI units."""
 
     schema: Literal[1]
     name: str
@@ -126,8 +126,8 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
 
     Lengths in m, masses in kg, forces in N, stiffness in N/m; of cells, κ, its volume and its
     pressure -κ (V/V0 - 1): N/m, m² and N/m in the plane, Pa, m³ and Pa in space. Of cells under
-    pressure at rest, that pressure too, and λ for κ. To first order in the displacement, as the
-    answer is.
+    pressure at rest, that pressure too, and λ for κ. To first order in the displacement, or in
+    full, as the answer is.
     """
     network, u = answer.network, answer.rest.displacement
     axes, volumes = AXES[: network.dim], network.volumes
@@ -143,28 +143,38 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     i, j = network.springs.T
     springs = {"i": i, "j": j, "kind": answer.lattice.kind, "stiffness": network.stiffness}
     rest_length = network.rest_length * network.law.rests  # 0 of springs that rest at none
-    springs |= {"rest_length": rest_length, "force": tension(network, u)}
+    springs |= {"rest_length": rest_length, "force": tension(network, u, answer.geometry)}
     tables = {"points": points, "springs": pd.DataFrame(springs)}
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
         cells |= {"kappa": volumes.stiffness, "volume": volumes.rest_volume}
         if volumes.slope.any():
             cells["pressure_at_rest"] = -volumes.slope
-        grown = dilatation(volumes, u, linear=True)
-        cells["pressure"] = -(volumes.slope + volumes.curvature * grown)
+        linear = answer.geometry == "linear"
+        grown = dilatation(volumes, u, linear=linear)
+        change = volumes.law.change(*volumes.coefficients, grown)
+        cells["pressure"] = -(volumes.slope + (volumes.curvature * grown if linear else change))
         tables["cells"] = pd.DataFrame(cells)
     return {name: table.reset_index(names="id") for name, table in tables.items()}
 
 
-def tension(network: Network, displacement: Array) -> Array:
-    """Tension (m,) in N of each spring, to first order in a displacement (n, d) in m."""
+def tension(network: Network, displacement: Array, geometry: str = "linear") -> Array:
+    """Tension (m,) in N of each spring, in full or to first order in a displacement (n, d) in m."""
     i, j = network.springs.T
+    if geometry == "nonlinear":
+        at = Configuration(network, displacement)
+        return np.asarray(at.force_density * at.length)
     along = ((displacement[j] - displacement[i]) * network.vector).sum(axis=1) / network.distance
     return np.asarray(network.pull_at_rest * network.distance + network.axial_stiffness * along)
 
 
 def _cell_stress(answer: SpringAnswer, case: Case) -> Mapping[str, Array]:
-    """Stress (c,) in Pa of each cell by component; none where springs run from cell to cell."""
+    """Stress (c,) in Pa of each cell by component, to first order.
+
+    None where springs run from cell to cell, or displacements are large.
+    """
+    if case.geometry == "nonlinear":
+        return {}
     lattice, problem = answer.lattice, case.problem
     parts = None
     if problem.zones:

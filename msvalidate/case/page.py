@@ -235,6 +235,8 @@ def asked(case: Case) -> dict[str, str]:
     words["loads"] = "; ".join(_load(each) for each in problem.loads) or "none"
     words["springs"] = describe_spacing(case)
     words["points"] = case.points if isinstance(case.points, str) else f"{len(case.points)} places"
+    if case.geometry == "nonlinear":
+        words["displacements"] = f"large; elements of the law {case.law}"
     words["band"] = percent(case.band)
     words["elasticity asked to"] = percent(case.accuracy)
     return words | ({"density": f"{law.density:g} kg/m³"} if law else {})

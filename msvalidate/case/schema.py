@@ -47,13 +47,14 @@ class Body(Struct, forbid_unknown_fields=True):
 
 
 class Material(Struct, forbid_unknown_fields=True):
-    """Isotropic and linear elastic: E in Pa, density in kg/m³, thickness in units of length."""
+    """Isotropic: E in Pa, density in kg/m³, thickness in units of length; law at large strain."""
 
     E: float
     nu: float
     state: str | None = None
     density: float = 1000.0
     thickness: float | None = None
+    law: str = "st-venant-kirchhoff"
 
 
 class PartOfBody(Struct, forbid_unknown_fields=True):
@@ -102,11 +103,12 @@ class Springs(Struct, forbid_unknown_fields=True):
 
 
 class Compare(Struct, forbid_unknown_fields=True):
-    """At which points, by what, and how far apart still agrees."""
+    """At which points, by what, how far apart still agrees, and whether displacements are large."""
 
     points: str | list[Numbers] = "lattice"
     quantities: list[str] = msgspec.field(default_factory=lambda: list(QUANTITIES))
     band: float = 0.05
+    geometry: str = "linear"
 
 
 class Reference(Struct, forbid_unknown_fields=True):

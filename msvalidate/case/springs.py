@@ -54,7 +54,7 @@ ROUNDING = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class SpringAnswer:
-    """Springs of a case at rest on one lattice, to first order in the displacement.
+    """Springs of a case at rest on one lattice.
 
     Parameters
     ----------
@@ -66,6 +66,8 @@ class SpringAnswer:
         What the constants came from; None where they were given, or are those of a mesh's edges.
     seconds
         That it took.
+    geometry
+        "linear": at rest to first order in the displacement; "nonlinear": in full.
     """
 
     spacing: float
@@ -74,6 +76,7 @@ class SpringAnswer:
     rest: Equilibrium
     calibration: Calibration | None
     seconds: float
+    geometry: str = "linear"
 
     def at(self, places: Array) -> Array:
         """Displacement (p, d) in m at places (p, d): at its own points exactly, else interpolated.
@@ -168,10 +171,11 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     """
     began = time.perf_counter()
     lattice, network, calibration = make_network(case, spacing)
-    rest = equilibrium(network)
+    rest = equilibrium(network, case.geometry)
     if case.lattice == MESH_EDGES:
         spacing = float(np.linalg.norm(lattice.vectors, axis=1).mean())
-    return SpringAnswer(spacing, lattice, network, rest, calibration, time.perf_counter() - began)
+    seconds = time.perf_counter() - began
+    return SpringAnswer(spacing, lattice, network, rest, calibration, seconds, case.geometry)
 
 
 def make_network(case: Case, spacing: float) -> tuple[Lattice, Network, Calibration | None]:

@@ -21,6 +21,7 @@ nu = 0.3333333333333333
 state = "plane_stress"    # or "plane_strain"; leave it out in space
 thickness = 1.0           # in the unit of length; leave it out in space
 # density = 1000.0        # kg/m3, for gravity
+# law = "neo-hookean"     # of elements at large strain; st-venant-kirchhoff if left out
 
 # [[region]]              # a part of another material
 # box = {{ x = [2.0, 4.0] }} # or cells = "name in the mesh"
@@ -50,6 +51,7 @@ cells = 20                # across the narrowest side; or spacing = 0.05
 [compare]
 points = "lattice"        # or "mesh", or [[1.0, 0.5], [4.0, 0.5]]
 band = 0.05               # largest difference that agrees, over the largest displacement
+# geometry = "nonlinear"  # springs and elements at rest however large the displacement
 # quantities = ["displacement", "reactions", "strain energy", "mean stress", "point stress"]
 
 [reference]

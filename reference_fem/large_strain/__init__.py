@@ -1,16 +1,16 @@
 """Solids at large strain: laws, forces and tangent of a `Solid`, and `deform` under dead loads."""
 
-from reference_fem.large_strain.by_cell import CellLaws, laws_of
+from reference_fem.large_strain.by_cell import CellLaws, laws_of, neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import LargeStrainSolution, deform
 from reference_fem.large_strain.hyperelastic import (
     Fibres,
     Law,
     NeoHookean,
     StVenantKirchhoff,
-    neo_hookean,
     square_fibres,
-    st_venant_kirchhoff,
 )
+from reference_fem.large_strain.plane_stress import PlaneStress
+from reference_fem.large_strain.rubber import MooneyRivlin, Ogden
 from reference_fem.large_strain.solid import Solid
 
 __all__ = [
@@ -18,7 +18,10 @@ __all__ = [
     "Fibres",
     "LargeStrainSolution",
     "Law",
+    "MooneyRivlin",
     "NeoHookean",
+    "Ogden",
+    "PlaneStress",
     "Solid",
     "StVenantKirchhoff",
     "deform",

@@ -1,4 +1,4 @@
-"""A law at large strain for each material of a mesh."""
+"""Laws at large strain of materials, and of each material of a mesh."""
 
 from __future__ import annotations
 
@@ -6,9 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from msvalidate.problem import Array, Index, Material, Problem, ProblemError
-from msvalidate.problem.records import dataclass
-from reference_fem.large_strain.hyperelastic import Law, neo_hookean
+from msvalidate.problem import Array, Index, Isotropic, Material, Problem, ProblemError
+from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass, replace
+from reference_fem.elasticity import elastic_tensor, full_tensor
+from reference_fem.large_strain.hyperelastic import (
+    Law,
+    NeoHookean,
+    StVenantKirchhoff,
+    stress_by_gradient,
+)
+from reference_fem.large_strain.plane_stress import PlaneStress
 from reference_fem.materials import CellMaterials, materials_of
 from reference_fem.mesh.discretisation import Discretisation
 
@@ -64,17 +72,37 @@ class CellLaws:
         return found
 
 
-def stress_by_gradient(law: Law, H: Array) -> Array:
-    """P (q, d, d) in Pa of displacement gradients (q, d, d), as exactly as the law can."""
-    exact = getattr(law, "stress_by_gradient", None)
-    if exact is not None:
-        return np.asarray(exact(H))
-    return np.asarray(law.stress(np.eye(law.dim) + H))
-
-
 def each_law(law: Law) -> tuple[Law, ...]:
     """The laws that there are in a body, of which there may be one."""
     return law.laws if isinstance(law, CellLaws) else (law,)
+
+
+def neo_hookean(material: Material) -> Law:
+    """The neo-Hookean law of an isotropic material.
+
+    Raises
+    ------
+    ProblemError
+        If it is not isotropic, or incompressible.
+    """
+    require_type("material", material, Isotropic)
+    assert isinstance(material, Isotropic)  # noqa: S101  for the types
+    if material.state == "plane_stress":
+        solid = replace(material, state="solid", thickness=1.0)
+        return PlaneStress(neo_hookean(solid))
+    C = elastic_tensor(material)
+    return NeoHookean(float(C[-1, -1]), float(C[0, 1]), material.dim)
+
+
+def st_venant_kirchhoff(material: Material) -> StVenantKirchhoff:
+    """The St Venant-Kirchhoff law with a material's stiffness, in its plane state or in space.
+
+    Raises
+    ------
+    ProblemError
+        If the material is incompressible and not in plane stress.
+    """
+    return StVenantKirchhoff(full_tensor(elastic_tensor(material)))
 
 
 def laws_of(

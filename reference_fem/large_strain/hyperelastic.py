@@ -9,8 +9,9 @@ A law is a record with three functions of deformation gradients F = I + ∂u/∂
 A law may also have `stress_by_gradient(H)`, P by the displacement gradient H = F - I: at small
 strain F - I has lost what H still tells, and E = (H + Hᵀ + HᵀH)/2 loses nothing. All laws here do.
 
-In the plane F has d = 2 and the body does not strain across it (plane strain): no law here has a
-plane stress form. All of them have no stress at F = I and do not see a rotation: W(RF) = W(F).
+In the plane F has d = 2 and the body does not strain across it (plane strain); `PlaneStress` makes
+plane stress of a law in space. All of them have no stress at F = I and do not see a rotation:
+W(RF) = W(F).
 """
 
 from __future__ import annotations
@@ -19,17 +20,15 @@ from typing import Protocol
 
 import numpy as np
 
-from msvalidate.problem import Array, Isotropic, Material, ProblemError
+from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
     finite_number,
     format_value,
     positive_number,
-    require_type,
 )
 from msvalidate.problem.records import dataclass
-from reference_fem.elasticity import elastic_tensor, full_tensor
 
 
 class Law(Protocol):
@@ -55,8 +54,36 @@ def refuse_other_laws(law: object) -> None:
         raise ProblemError(f"law: {format_value(law)}; give a NeoHookean or another law")
 
 
+def refuse_unstable(law: str, mu: float, lam: float, dim: int) -> None:
+    """Raise a `ProblemError` unless μ > 0 and 2μ + d·λ > 0, both in Pa, with 2 or 3 axes."""
+    positive_number(f"{law} mu", mu, "Pa")
+    finite_number(f"{law} lam", lam)
+    if dim not in (2, 3):
+        raise ProblemError(f"{law} law: {dim} axes; give 2 or 3")
+    if 2 * mu + dim * lam <= 0:
+        raise ProblemError(
+            f"{law} lam: {lam} Pa with mu = {mu} Pa; a stable solid has 2 mu + {dim} lam > 0"
+        )
+
+
+def stress_by_gradient(law: Law, H: Array) -> Array:
+    """P (q, d, d) in Pa of displacement gradients (q, d, d), as exactly as the law can."""
+    exact = getattr(law, "stress_by_gradient", None)
+    if exact is not None:
+        return np.asarray(exact(H))
+    return np.asarray(law.stress(np.eye(law.dim) + H))
+
+
+class ByGradient:
+    """A law whose stress follows from H = F - I without loss of digits."""
+
+    def stress(self, F: Array) -> Array:
+        """P (q, d, d) in Pa."""
+        return np.asarray(self.stress_by_gradient(F - np.eye(F.shape[1])))  # type: ignore[attr-defined]
+
+
 @dataclass(frozen=True)
-class NeoHookean:
+class NeoHookean(ByGradient):
     """W = μ/2 (F:F - d - 2 ln J) + λ/2 (ln J)², with J = det F.
 
     The volumetric form is that of [SimoPister1984], in ln J: other neo-Hookean laws with the same μ
@@ -82,15 +109,7 @@ class NeoHookean:
     dim: int = 2
 
     def __post_init__(self) -> None:
-        positive_number("neo-Hookean mu", self.mu, "Pa")
-        lam = finite_number("neo-Hookean lam", self.lam)
-        if self.dim not in (2, 3):
-            raise ProblemError(f"neo-Hookean law: {self.dim} axes; give 2 or 3")
-        if 2 * self.mu + self.dim * lam <= 0:
-            raise ProblemError(
-                f"neo-Hookean lam: {self.lam} Pa with mu = {self.mu} Pa; a stable solid has "
-                f"2 mu + {self.dim} lam > 0"
-            )
+        refuse_unstable("neo-Hookean", self.mu, self.lam, self.dim)
 
     def energy(self, F: Array) -> Array:
         """W (q,) in J/m³."""
@@ -98,14 +117,10 @@ class NeoHookean:
         squares = np.einsum("qiJ,qiJ->q", F, F)
         return np.asarray(self.mu / 2 * (squares - self.dim - 2 * log) + self.lam / 2 * log**2)
 
-    def stress(self, F: Array) -> Array:
-        """P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
-
     def stress_by_gradient(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of H = F - I, with F - F⁻ᵀ = (H + Hᵀ + H Hᵀ) F⁻ᵀ."""
+        """P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ (q, d, d) in Pa, with F - F⁻ᵀ = (H + Hᵀ + H Hᵀ) F⁻ᵀ."""
         inverse = _inverse_transposed(np.eye(self.dim) + H)
-        log = np.log1p(_volume_change(H))[:, None, None]
+        log = np.log1p(volume_change(H))[:, None, None]
         along = H + _transposed(H) + H @ _transposed(H)
         return np.asarray(self.mu * along @ inverse + self.lam * log * inverse)
 
@@ -118,23 +133,13 @@ class NeoHookean:
         return np.asarray(self.mu * _identity(self.dim) + crossed + self.lam * along)
 
 
-def neo_hookean(material: Material) -> NeoHookean:
-    """The neo-Hookean law with the Lamé constants of an isotropic material.
-
-    Raises
-    ------
-    ProblemError
-        If the material is not isotropic, in plane stress, or incompressible.
-    """
-    return NeoHookean(*_lame(material), material.dim)
-
-
 @dataclass(frozen=True, eq=False)
-class StVenantKirchhoff:
+class StVenantKirchhoff(ByGradient):
     """W = ½ E:C:E with Green's strain E = (FᵀF - I)/2; S = C:E is the second Piola stress.
 
     It softens under compression and has no energy to stop J from going through 0: a model for large
-    rotations and moderate strains.
+    rotations and moderate strains. S33 is linear in E33: with the tensor of plane stress it is the
+    law's plane stress, at any strain and ratio.
 
     Parameters
     ----------
@@ -165,15 +170,11 @@ class StVenantKirchhoff:
 
     def energy(self, F: Array) -> Array:
         """W (q,) in J/m³."""
-        E = _green(F - np.eye(self.dim))
+        E = green(F - np.eye(self.dim))
         return np.asarray(0.5 * np.einsum("qIJ,IJKL,qKL->q", E, self.C, E))
 
-    def stress(self, F: Array) -> Array:
-        """P = F S (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
-
     def stress_by_gradient(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of H = F - I."""
+        """P = F S (q, d, d) in Pa of H = F - I."""
         return np.asarray((np.eye(self.dim) + H) @ self._second(H))
 
     def tangent(self, F: Array) -> Array:
@@ -185,25 +186,11 @@ class StVenantKirchhoff:
         )
 
     def _second(self, H: Array) -> Array:
-        return np.asarray(np.einsum("IJKL,qKL->qIJ", self.C, _green(H)))
-
-
-def st_venant_kirchhoff(material: Material) -> StVenantKirchhoff:
-    """The St Venant-Kirchhoff law with a material's stiffness: plane strain, or a solid.
-
-    Raises
-    ------
-    ProblemError
-        If the material is isotropic and in plane stress, whose section would thin, or
-        incompressible.
-    """
-    if isinstance(material, Isotropic):
-        _lame(material)
-    return StVenantKirchhoff(full_tensor(elastic_tensor(material)))
+        return np.asarray(np.einsum("IJKL,qKL->qIJ", self.C, green(H)))
 
 
 @dataclass(frozen=True, eq=False)
-class Fibres:
+class Fibres(ByGradient):
     """W = Σ ½ k (|F r| - |r|)² / cell: a lattice of springs that follows F as a whole.
 
     The rule of Cauchy and Born: exact where the deformation is uniform, as each point is then a
@@ -218,6 +205,8 @@ class Fibres:
         (s,) in N/m.
     cell
         Volume of a cell (m³); in the plane its area times the thickness.
+    volume
+        κ (Pa) of ½ κ (J - 1)², where cells resist a change of volume too; 0 where they do not.
 
     Raises
     ------
@@ -228,6 +217,7 @@ class Fibres:
     vectors: Array
     stiffness: Array
     cell: float
+    volume: float = 0.0
 
     def __post_init__(self) -> None:
         r = finite_coordinates("fibres", self.vectors, "s>0", (2, 3))
@@ -237,6 +227,7 @@ class Fibres:
         if not np.linalg.norm(r, axis=1).all():
             raise ProblemError("fibres: one has no length; give each its vector")
         positive_number("cell of fibres", self.cell, "m³")
+        finite_number("volume of fibres", self.volume)
         object.__setattr__(self, "vectors", r)
         object.__setattr__(self, "stiffness", k)
 
@@ -248,19 +239,26 @@ class Fibres:
     def energy(self, F: Array) -> Array:
         """W (q,) in J/m³."""
         _, length, rest = self._stretched(F)
-        return np.asarray((length - rest) ** 2 @ self.stiffness / (2 * self.cell))
-
-    def stress(self, F: Array) -> Array:
-        """P = Σ k (1 - |r|/|y|) y ⊗ r / cell with y = F r, (q, d, d) in Pa."""
-        return self.stress_by_gradient(F - np.eye(self.dim))
+        found = (length - rest) ** 2 @ self.stiffness / (2 * self.cell)
+        if self.volume:
+            found = found + self.volume / 2 * volume_change(F - np.eye(self.dim)) ** 2
+        return np.asarray(found)
 
     def stress_by_gradient(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of H = F - I, with |y| - |r| = Hr·(2r + Hr)/(|y| + |r|)."""
+        """P = Σ k (1 - |r|/|y|) y ⊗ r / cell (q, d, d) in Pa of H = F - I, with y = F r.
+
+        And |y| - |r| = Hr·(2r + Hr)/(|y| + |r|).
+        """
         y, length, rest = self._stretched(np.eye(self.dim) + H)
         move = np.einsum("qiJ,sJ->qsi", H, self.vectors)
         longer = (move * (2 * self.vectors + move)).sum(axis=2) / (length + rest)
         pull = self.stiffness / self.cell * longer / length
-        return np.asarray(np.einsum("qs,qsi,sJ->qiJ", pull, y, self.vectors, optimize=True))
+        found = np.einsum("qs,qsi,sJ->qiJ", pull, y, self.vectors, optimize=True)
+        if self.volume:
+            change = volume_change(H)[:, None, None]
+            inverse = _inverse_transposed(np.eye(self.dim) + H)
+            found = found + self.volume * change * (1 + change) * inverse
+        return np.asarray(found)
 
     def tangent(self, F: Array) -> Array:
         """A = Σ k/cell [(1 - |r|/|y|) δ_ik + |r| y_i y_k/|y|³] r_J r_L (q, d, d, d, d) in Pa."""
@@ -269,7 +267,14 @@ class Fibres:
         along = np.einsum("qs,qsi,qsk->qsik", weight * rest / length**3, y, y, optimize=True)
         across = (weight * (1 - rest / length))[..., None, None] * np.eye(self.dim)
         r = self.vectors
-        return np.asarray(np.einsum("qsik,sJ,sL->qiJkL", along + across, r, r, optimize=True))
+        found = np.einsum("qsik,sJ,sL->qiJkL", along + across, r, r, optimize=True)
+        if self.volume:
+            G, J = _inverse_transposed(F), np.linalg.det(F)[:, None, None]
+            found = found + self.volume * (
+                np.einsum("qiJ,qkL->qiJkL", J * (2 * J - 1) * G, G)
+                - np.einsum("qiL,qkJ->qiJkL", J * (J - 1) * G, G)
+            )
+        return np.asarray(found)
 
     def _stretched(self, F: Array) -> tuple[Array, Array, Array]:
         """Fibres as deformed (q, s, d), their lengths (q, s) and those at rest (s,), in m."""
@@ -292,20 +297,7 @@ def square_fibres(axial: float, diagonal: float, thickness: float = 1.0) -> Fibr
     return Fibres(directions, np.repeat(k, 2), positive_number("thickness", thickness, "m"))
 
 
-def _lame(material: Material) -> tuple[float, float]:
-    """μ and λ in Pa of an isotropic material that is compressible and not in plane stress."""
-    require_type("material", material, Isotropic)
-    assert isinstance(material, Isotropic)  # noqa: S101  for the types
-    if material.state == "plane_stress":
-        raise ProblemError(
-            "material: plane stress at large strain, whose section thins; take plane_strain or a "
-            "solid"
-        )
-    C = elastic_tensor(material)
-    return float(C[-1, -1]), float(C[0, 1])
-
-
-def _green(H: Array) -> Array:
+def green(H: Array) -> Array:
     """E = (FᵀF - I)/2 of H = F - I."""
     return np.asarray((H + _transposed(H) + _transposed(H) @ H) / 2)
 
@@ -317,10 +309,10 @@ def _identity(d: int) -> Array:
 
 def _log_volume(F: Array) -> Array:
     """Ln J (q,), of deformations that turn nothing inside out."""
-    return np.asarray(np.log1p(_volume_change(F - np.eye(F.shape[1]))))
+    return np.asarray(np.log1p(volume_change(F - np.eye(F.shape[1]))))
 
 
-def _volume_change(H: Array) -> Array:
+def volume_change(H: Array) -> Array:
     """J - 1 (q,) of H = F - I, the sum of H's principal minors: of deformations with J > 0."""
     det, trace = np.linalg.det(H), np.trace(H, axis1=1, axis2=2)
     change = trace + det
@@ -329,8 +321,7 @@ def _volume_change(H: Array) -> Array:
             change = change + (H[:, a, a] * H[:, b, b] - H[:, a, b] * H[:, b, a])
     if not (change > -1).all():
         raise ProblemError(
-            f"deformation gradient: det F = {1 + change.min():.3g}; a neo-Hookean body keeps it "
-            "above zero"
+            f"deformation gradient: det F = {1 + change.min():.3g}; this law keeps it above zero"
         )
     return np.asarray(change)
 

@@ -15,8 +15,8 @@ from scipy.sparse import csr_matrix
 from msvalidate.problem import VOIGT, Array, Index, Mask, ProblemError, refuse_free_motions
 from msvalidate.problem.checks import positive_number
 from msvalidate.problem.records import dataclass
-from reference_fem.large_strain.by_cell import CellLaws, each_law, stress_by_gradient
-from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
+from reference_fem.large_strain.by_cell import CellLaws, each_law
+from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws, stress_by_gradient
 from reference_fem.mesh.assembly import sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points

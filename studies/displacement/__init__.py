@@ -1,6 +1,6 @@
 """Displacement: how far are the report's load cases from elasticity, and why?
 
-A single difference from FEM mixes five causes; this study takes them apart. One question a file:
+A single difference from FEM mixes several causes; this study takes them apart. One question a file:
 
 - `budget`: every case, lattice, size and boundary rule against its target, cause by cause;
 - `shapes`: the report's Figures 4 to 7 drawn again, and its words about them put to numbers;
@@ -27,6 +27,7 @@ from . import (
     controls,
     elastic,
     identities,
+    large,
     measuring,
     shapes,
     solid,
@@ -70,7 +71,7 @@ def run(
     measured = cache(partial(measuring.measure_all, candidate, setting))
     return kit.gather_evidence(
         {
-            "budget": lambda: budget.run(measured(), bodies()),
+            "budget": lambda: budget.run(measured(), bodies(), large.solve(setting)),
             "shapes": lambda: shapes.run(measured(), bodies()),
             "target": lambda: target.run(candidate, setting),
             "identities": lambda: identities.run(candidate, setting),

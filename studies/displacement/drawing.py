@@ -19,7 +19,9 @@ from .models import ISOTROPIC
 
 PART_WORDS = {
     "at_rest": "not quite at rest",
-    "geometric": "large displacements",
+    "linear_reference": "the target is linear",
+    "law": "springs have another law at large strain",
+    "large_spacing": "what spacing adds at large strain",
     "boundary": "boundary springs not weakened",
     "discretisation": "spacing",
     "model_form": "k2 = 2 k1 is another material",
@@ -98,6 +100,8 @@ def budget(tables: kit.Tables) -> Figure:
         axis.set_title(f"{case}:\nalong {component[1]}, {PROBES[probe]}")
     for axis in axes[2:]:
         axis.set_xlabel("error, part of the target's\ndisplacement there (%)")
+    for axis in axes[::2]:
+        axis.set_ylabel("springs")
     figure.suptitle("What the error of springs is made of: 6 particles on a side of 1 m")
     kit.figures.add_shared_legend(figure, axes, columns=2)
     return figure
@@ -120,7 +124,7 @@ def stack_parts(axis: Axes, rows: pd.DataFrame, largest: pd.Series) -> None:
     ]
     place = np.arange(len(rows))[::-1]
     right, left = np.zeros(len(rows)), np.zeros(len(rows))
-    for part, colour in zip(PARTS, kit.figures.COLOURS, strict=False):
+    for part, colour in zip(PARTS, ("grey", *kit.figures.COLOURS), strict=True):
         value = 100 * rows[part].to_numpy()
         base = np.where(value >= 0, right, left)
         label = PART_WORDS[part] + ("" if largest[part] > SEEN else ": too small to see")

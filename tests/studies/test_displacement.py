@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from msvalidate.studies.displacement import budget, controls, load_cases, measuring, orders, target
 from msvalidate.studies.displacement.drawing import PARTS
+from msvalidate.studies.displacement.large import Large
 from msvalidate.studies.displacement.load_cases import CASES
 from msvalidate.studies.displacement.measuring import WEIGHTS, Block, Measurement
 from msvalidate.studies.displacement.models import ISOTROPIC, MODELS, homogenised
@@ -21,8 +22,9 @@ from msvalidate.studies import displacement
 PUBLIC = [
     *("case", "lattice", "weights", "k1", "k2", "cells_x", "cells_y", "probe", "component"),
     *("u_springs", "u_fem", "u_target", "rel_l2", "rel_max"),
-    *("at_rest", "geometric", "boundary", "discretisation", "model_form"),
-    *("total", "reference", "verdict"),
+    *("at_rest", "linear_reference", "law", "large_spacing"),
+    *("boundary", "discretisation", "model_form"),
+    *("total", "reference", "reference_large", "verdict"),
 ]
 QUICK = Setting(quick=True)
 BLOCK = Block("shear", ISOTROPIC, 5)
@@ -35,6 +37,7 @@ SHIFTS = {
     ("equal", "relaxed"): 1.71,
 }
 FEM, TARGET, DOUBT = 0.8, 0.5, 0.01
+OWN, FULL, LARGE_DOUBT = 0.07, 0.11, 0.003
 
 
 def uniform(size, like):
@@ -56,7 +59,9 @@ def rows():
         for size, uncertainty in ((FEM, DOUBT), (TARGET, 2 * DOUBT))
     ]
     moves = {key: uniform(size, points) for key, size in SHIFTS.items()}
-    found = budget.rows(BLOCK, Measurement(points, moves), {("shear", ISOTROPIC, 5): tuple(solid)})
+    change = Large(*(uniform(each / 5, probes) for each in (OWN, FULL, LARGE_DOUBT)))
+    key = ("shear", ISOTROPIC, 5)
+    found = budget.rows(BLOCK, Measurement(points, moves), {key: tuple(solid)}, {key: change})
     return pd.DataFrame(found)
 
 
@@ -68,12 +73,15 @@ def test_budget_by_hand(rows, weights, component, along):
     linear, nonlinear, relaxed = (SHIFTS[weights, answer] for answer in measuring.ANSWERS)
     steps = {
         "at_rest": relaxed - nonlinear,
-        "geometric": nonlinear - linear,
+        "linear_reference": FULL * TARGET,
+        "law": (OWN - FULL) * TARGET,
+        "large_spacing": nonlinear - linear - OWN * TARGET,
         "boundary": linear - SHIFTS["shared", "linear"],
         "discretisation": SHIFTS["shared", "linear"] - FEM,
         "model_form": FEM - TARGET,
         "total": relaxed - TARGET,
         "reference": 2 * DOUBT,
+        "reference_large": LARGE_DOUBT * TARGET,
     }
     for part, step in steps.items():
         assert row[part] == pytest.approx(along * step / TARGET, abs=1e-14), part

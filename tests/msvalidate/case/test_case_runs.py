@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -15,8 +16,9 @@ import pytest
 from msvalidate.case import figures, files
 from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
-from msvalidate.case.case import Case
+from msvalidate.case.case import LAWS, Case
 from msvalidate.case.comparison import OTHER_MATERIAL, compare_case
+from msvalidate.case.large import converge_case
 from msvalidate.case.page import sentences, shown_tables
 from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
@@ -35,6 +37,7 @@ from msvalidate.problem import (
     Weight,
     Zone,
 )
+from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.converged import converge
 from tests.table import table
 
@@ -48,15 +51,62 @@ def beam(nu=1 / 3, **options):
     return Case(Problem(BEAM, Isotropic(1e5, nu), held, loads, "beam"), **options)
 
 
-def test_large_displacements_of_both_sides_stand_beside_each_other():
-    loads = (Traction(BEAM.side("right"), (0.0, -1000.0)),)
+def pulled_down(nu=0.3, state="plane_strain", force=-1000.0, **options):
+    loads = (Traction(BEAM.side("right"), (0.0, force)),)
     held = (Support(BEAM.side("left"), (0.0, 0.0)),)
-    law = Isotropic(1e5, 0.3, "plane_strain")
-    found = compare_case(Case(Problem(BEAM, law, held, loads), cells=10))
-    parts = budget(found).set_index("part")["value"]
-    springs, elements = parts["large displacements"], parts["the same of elements"]
-    assert abs(springs) > 0.005
-    assert elements == pytest.approx(springs, rel=0.3)
+    return Case(Problem(BEAM, Isotropic(1e5, nu, state), held, loads), cells=10, **options)
+
+
+def test_a_linear_target_and_the_springs_law_make_up_large_displacements():
+    # What the springs' own nonlinear rest adds, along the difference where it is largest.
+    for state in ("plane_strain", "plane_stress"):
+        found = compare_case(pulled_down(state=state))
+        away = found.displacement - found.reference.displacement.value
+        at = np.linalg.norm(away, axis=1).argmax()
+        rest = equilibrium(found.springs[0].network, "nonlinear").displacement
+        more = replace(found.springs[0], rest=SimpleNamespace(displacement=rest)).at(found.points)
+        along = away[at] / np.linalg.norm(away[at])
+        own = (more - found.displacement)[at] @ along / found.size
+        parts = budget(found).set_index("part")["value"]
+        assert abs(parts["linear reference"]) > 0.01
+        assert parts["linear reference"] + parts["law"] == pytest.approx(own, rel=0.1)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("volume", [0.0, 4e4])
+def test_parts_of_large_displacements_add_up(law, volume):
+    constants = {"constants": (8e4, 4e4), "volume": volume}
+    found = compare_case(pulled_down(law=law, geometry="nonlinear", **constants))
+    table = budget(found).set_index("part")
+    names = list(table.index)
+    parts = table["value"].iloc[: names.index("total")]
+    assert list(parts.index) == ["spacing", "boundary", "material", "law"]
+    assert parts.sum() == pytest.approx(table.loc["total", "value"], abs=1e-14)
+    assert abs(parts["boundary"]) <= table.loc["boundary", "uncertainty"]
+    assert {row.verdict for row in found.rows[1:]} == {"not asked"}
+    assert found.notes[0].startswith("reactions: not compared: to first order alone")
+
+
+def test_laws_of_the_target_differ_where_displacements_are_large():
+    places = np.array([(2.0, 0.5), (1.0, 0.0)])
+    soft, stiff = (
+        converge_case(pulled_down(law=law, geometry="nonlinear", force=-1500.0), places)
+        for law in LAWS
+    )
+    apart = max_length(soft.displacement.value - stiff.displacement.value)
+    assert apart > 0.02 * max_length(soft.displacement.value)
+    assert apart > 20 * max(soft.displacement.uncertainty, stiff.displacement.uncertainty)
+    linear = [each.displacement.value - each.large[0] for each in (soft, stiff)]
+    assert max_length(linear[0] - linear[1]) <= 1e-12 * apart
+
+
+def test_what_a_body_of_no_known_law_has_is_said():
+    steep = pulled_down(nu=0.46, force=-100.0)
+    table = budget(compare_case(steep)).set_index("part")
+    assert np.isnan(table.loc["law", "value"])
+    assert "not found" in table.loc["law", "meaning"]
+    with pytest.raises(ProblemError, match="none of nearly incompressible bodies"):
+        compare_case(replace(steep, geometry="nonlinear"))
 
 
 def test_springs_of_another_material_are_told_from_coarse_ones():

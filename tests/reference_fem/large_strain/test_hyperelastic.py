@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import bisect
 
 from msvalidate.dielectric.actuator import slab
 from msvalidate.network import energy
@@ -13,7 +14,10 @@ from msvalidate.problem import Anisotropic, Isotropic, ProblemError
 from reference_fem.elasticity import elastic_tensor, full_tensor
 from reference_fem.large_strain import (
     Fibres,
+    MooneyRivlin,
     NeoHookean,
+    Ogden,
+    PlaneStress,
     StVenantKirchhoff,
     neo_hookean,
     square_fibres,
@@ -23,6 +27,7 @@ from tests.reference_fem.by_hand import SKEW
 from tests.table import table
 
 CUBIC = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (1, -1, 1), (1, 1, -1), (-1, 1, 1)]
+TRELOAR = Ogden((0.618, 0.00118, -0.00981), (1.3, 5.0, -2.0), 1.2)
 LAWS = {
     "neo-Hookean 2D": NeoHookean(0.8, 1.7),
     "neo-Hookean 3D": NeoHookean(0.8, 1.7, 3),
@@ -30,6 +35,11 @@ LAWS = {
     "St Venant-Kirchhoff 3D": st_venant_kirchhoff(Isotropic(2.0, 0.3, "solid")),
     "fibres 2D": square_fibres(1.0, 0.5),
     "fibres 3D": Fibres(np.array(CUBIC, dtype=float), np.arange(1.0, 8.0), 2.0),
+    "fibres and cells": Fibres(np.array(CUBIC, dtype=float), np.arange(1.0, 8.0), 2.0, 1.5),
+    "Ogden": TRELOAR,
+    "Mooney-Rivlin 2D": MooneyRivlin(0.4, 0.2, 1.1, 2),
+    "plane stress neo-Hookean": PlaneStress(NeoHookean(0.8, 1.7, 3)),
+    "plane stress Ogden": PlaneStress(TRELOAR),
 }
 each_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 
@@ -106,13 +116,49 @@ def test_no_stress_at_rest(law):
     assert np.abs(law.stress(rest)).max() == 0
 
 
-@pytest.mark.parametrize("state", ["plane_strain", "solid"])
+@pytest.mark.parametrize("state", ["plane_strain", "plane_stress", "solid"])
 @pytest.mark.parametrize("make", [neo_hookean, st_venant_kirchhoff])
 def test_small_strain_is_linear_elasticity(make, state):
     material = Isotropic(2.0, 0.3, state)
     found = make(material).tangent(np.eye(material.dim)[None])[0]
     C = full_tensor(elastic_tensor(material))
-    assert np.abs(found - C).max() <= 1e-15 * np.abs(C).max()
+    assert np.abs(found - C).max() <= 4e-16 * np.abs(C).max()
+
+
+def test_plane_stress_pulled_along_an_axis():
+    # Both stretches across are free, found here by bisection of the closed form in ln J:
+    # mu (m² - 1) + lam ln J = 0 for the two alike, mu = 1, nu = 1/3.
+    law, stretch = PlaneStress(NeoHookean(1.0, 2.0, 3)), 1.1
+    m = bisect(lambda m: m**2 - 1 + 2 * np.log(stretch * m**2), 0.9, 1.0, xtol=1e-15)
+    P = law.stress(np.diag([stretch, m])[None])[0]
+    expected = stretch - 1 / stretch + 2 * np.log(stretch * m**2) / stretch
+    assert expected == pytest.approx(0.24744967, abs=5e-9)
+    assert pytest.approx(np.diag([expected, 0.0]), abs=1e-14) == P
+
+
+def test_plane_stress_of_st_venant_kirchhoff_is_its_condensed_tensor():
+    F = strained(LAWS["plane stress Ogden"], 3)
+    own = st_venant_kirchhoff(Isotropic(2.0, 0.3, "plane_stress"))
+    thinned = PlaneStress(st_venant_kirchhoff(Isotropic(2.0, 0.3, "solid")))
+    assert np.abs(thinned.stress(F) - own.stress(F)).max() <= 1e-14
+
+
+def test_laws_of_powers_in_closed_form():
+    F = strained(TRELOAR)
+    plain, powers = NeoHookean(0.8, 1.7, 3), Ogden((0.8,), (2.0,), 1.7)
+    assert np.abs(plain.tangent(F) - powers.tangent(F)).max() <= 1e-13
+    F = F / np.linalg.det(F)[:, None, None] ** (1 / 3)
+    C = F.transpose(0, 2, 1) @ F
+    first, squares = np.trace(C, axis1=1, axis2=2), np.trace(C @ C, axis1=1, axis2=2)
+    expected = 0.4 * (first - 3) + 0.2 * ((first**2 - squares) / 2 - 3)
+    assert np.abs(MooneyRivlin(0.4, 0.2, 1.1).energy(F) - expected).max() <= 1e-13
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-9, 0.9e-5, 1.1e-5])
+def test_stretches_that_are_nearly_alike(apart):
+    F = np.diag([1.3, 1.3 + apart, 0.8])[None]
+    expected = differences(TRELOAR.stress, F)
+    assert np.abs(TRELOAR.tangent(F) - expected).max() <= 1e-8 * np.abs(expected).max()
 
 
 def test_neo_hookean_energy_at_one_stretch():
@@ -175,10 +221,17 @@ def test_square_fibres_are_the_networks_lattice_in_bulk(ratio):
         (lambda: NeoHookean(1.0, float("nan")), "neo-Hookean lam"),
         (lambda: NeoHookean(1.0, 1.0, 4), "4 axes; give 2 or 3"),
         (lambda: NeoHookean(1.0, 1.0).stress(np.diag([1.0, -1.0])[None]), "det F = -1"),
-        (lambda: neo_hookean(Isotropic(1.0, 0.3)), "plane stress"),
         (lambda: neo_hookean(Isotropic(1.0, 0.5, "solid")), "nu = 1/2"),
         (lambda: neo_hookean(Anisotropic(SKEW)), "give an Isotropic"),
-        (lambda: st_venant_kirchhoff(Isotropic(1.0, 0.3)), "plane stress"),
+        (lambda: st_venant_kirchhoff(Isotropic(1.0, 0.5, "solid")), "nu = 1/2"),
+        (lambda: Ogden((1.0,), (2.0,), -0.7), "2 mu \\+ 3 lam > 0"),
+        (lambda: Ogden((1.0,), (2.0, 1.0), 1.0), "1 mu, 2 alpha"),
+        (lambda: Ogden((1.0, 1.0), (2.0, 0.0), 1.0), "exponent 0"),
+        (lambda: Ogden((1.0,), (-2.0,), 1.0), "mu: -1.0 Pa"),
+        (lambda: MooneyRivlin(1.0, float("nan"), 1.0), "constants of rubber"),
+        (lambda: TRELOAR.stress(np.diag([1.0, 1.0, -1.0])[None]), "det F = -1"),
+        (lambda: PlaneStress(NeoHookean(1.0, 1.0)), "2 axes; give one of 3"),
+        (lambda: PlaneStress(LAWS["fibres 3D"]), "shears the law across"),
         (lambda: StVenantKirchhoff(np.eye(3)), "shape \\(3, 3\\)"),
         (lambda: StVenantKirchhoff(np.arange(16.0).reshape((2,) * 4)), "minor symmetry"),
         (lambda: Fibres(np.ones((2, 4)), np.ones(2), 1.0), "shape \\(2, 4\\)"),

@@ -1,0 +1,169 @@
+"""What displacements change by where they are large: elements of the target's law or springs'."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from msvalidate.case.case import LAWS, Case
+from msvalidate.case.springs import SpringAnswer
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.constants.zones import calibrate_zones
+from msvalidate.lattice import Constants, Pattern, PatternLattice
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.problem import (
+    Array,
+    Material,
+    Problem,
+    ProblemError,
+    SolverError,
+    prescribed_displacements,
+)
+from msvalidate.problem.records import replace
+from reference_fem.body import Solution, nodal_forces
+from reference_fem.converged import Reference, converge
+from reference_fem.large_strain.by_cell import laws_of, neo_hookean, st_venant_kirchhoff
+from reference_fem.large_strain.equilibrium import deform
+from reference_fem.large_strain.hyperelastic import Fibres, Law, NeoHookean
+from reference_fem.large_strain.solid import Solid
+from reference_fem.mesh.discretisation import Discretisation
+
+LawOf = Callable[[Material], Law]
+Change = tuple[Array, float]
+"""What large displacements change (p, d) in m, and how far (m) that may be off."""
+BY_NAME: dict[str, LawOf] = dict(zip(LAWS, (st_venant_kirchhoff, neo_hookean), strict=True))
+LARGE_NODES = 5_000
+"""Nodes of the finest mesh on which large displacements are sought."""
+SAME_TENSOR = 1e-9
+"""Of a tensor, what points that move inside a cell take away where that is rounding."""
+
+
+def converge_case(case: Case, points: Array, first: Discretisation | None = None) -> Reference:
+    """Elasticity of a case at points (p, d) in m, to first order or in full, as it asks.
+
+    Parameters
+    ----------
+    case, points
+        What is asked, and where.
+    first
+        The first mesh, if it is made already.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As `converge` and, of a case that is nonlinear, `change_in_full`.
+    """
+    found = converge(case.problem, points, case.accuracy, first=first)
+    if case.geometry == "linear":
+        return found
+    return replace(found, large=change_in_full(found, BY_NAME[case.law]))
+
+
+def change_in_full(reference: Reference, law: LawOf) -> Change:
+    """What displacements (p, d) in m at a reference's points change by, and how far it may be off.
+
+    On the finest of its meshes, up to `LARGE_NODES`, that has an equilibrium: at corners that are
+    pressed a finer one may have none. It may be off by what the next coarser one has other.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As `elements_in_full`, of the coarsest mesh.
+    """
+    meshes = [each for each in reference.solutions if len(each.body.points) <= LARGE_NODES]
+    found: list[Array] = []
+    for solution in reversed(meshes or reference.solutions[:1]):
+        try:
+            found.append(elements_in_full(reference.problem, solution, reference.points, law))
+        except SolverError:
+            if solution is reference.solutions[0] and not found:
+                raise
+            continue
+        if len(found) == 2:
+            return found[0], max_length(found[0] - found[1])
+    return found[0], math.inf
+
+
+def elements_in_full(problem: Problem, linear: Solution, points: Array, law: LawOf) -> Array:
+    """What elasticity's displacement (p, d) in m at points changes by where it is large.
+
+    Parameters
+    ----------
+    problem, linear
+        What is asked, with loads that keep size and direction as the springs' do, and its solution
+        to first order on a mesh.
+    points
+        (p, d) in m, in the body.
+    law
+        Material -> law at finite strain, whose tangent at rest is the material's.
+
+    Raises
+    ------
+    ProblemError
+        If the law is none for the material, or displacement and pressure were sought together.
+    SolverError
+        If no equilibrium is found.
+    """
+    if linear.pressure is not None:
+        raise ProblemError("large displacements: none of nearly incompressible bodies are sought")
+    body = linear.body
+    held, moved = prescribed_displacements(problem, body.points)
+    solid = Solid(body, laws_of(problem, body, law), held, problem.material.thickness)
+    full = deform(solid, moved, nodal_forces(problem, body))
+    return np.asarray(full.at(points) - linear.at(points))
+
+
+def springs_law(case: Case, springs: SpringAnswer) -> LawOf:
+    """The law that the springs of a case are at finite strain, of each of its materials.
+
+    Raises
+    ------
+    ProblemError
+        If it is not known for the lattice.
+    """
+    lattice, problem = springs.lattice, case.problem
+    if case.route == "neo-Hookean":  # what the network itself is made of, per thickness
+        t, each = problem.material.thickness, calibrate_zones(problem, lattice, route=case.route)
+        laws: list[Law] = [
+            NeoHookean(one.pressure / t, one.volume / t, problem.domain.dim) for one in each
+        ]
+    elif not isinstance(lattice, PatternLattice):
+        raise ProblemError("the law of these springs is not known")
+    else:
+        pattern, a = lattice.pattern, springs.spacing
+        constants = [(case.constants, case.volume)]
+        if case.constants is None:
+            each = calibrate_zones(problem, pattern, spacing=a, route=case.route)
+            constants = [(one.constants, one.volume) for one in each]
+        t = problem.material.thickness
+        laws = [lattice_law(pattern, k, a, t, volume) for k, volume in constants if k is not None]
+    number = {material: i for i, material in enumerate(problem.materials)}
+    return lambda material: laws[number.get(material, 0)]
+
+
+def lattice_law(
+    pattern: Pattern, k: Constants, spacing: float, thickness: float, volume: float = 0.0
+) -> Fibres:
+    """An endless lattice of linear springs at finite strain, whose points follow as a whole.
+
+    Parameters
+    ----------
+    pattern, k, spacing
+        What repeats, its constants (N/m) a kind, and the length (m) of its unit.
+    thickness
+        In m, 1 of a solid.
+    volume
+        κ of cells: N/m in the plane, Pa in space.
+
+    Raises
+    ------
+    ProblemError
+        If points move inside a cell where it is strained, so that it is no such law.
+    """
+    solid = homogenise(pattern, k, spacing)
+    if np.abs(solid.affine - solid.tensor).max() > SAME_TENSOR * np.abs(solid.affine).max():
+        raise ProblemError(f"points of {pattern.name} move inside its cells: no law is known")
+    cell = math.prod(pattern.size) * spacing ** len(pattern.size) * thickness
+    return Fibres(spacing * pattern.vectors, pattern.stiffness(k), cell, volume / thickness)
