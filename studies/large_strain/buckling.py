@@ -20,7 +20,9 @@ from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
-from msvalidate import kit, lattice_network, square
+from msvalidate import kit
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.lattice import square
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
@@ -55,6 +57,11 @@ RULES = (
         0.01, "1", "the elastica neither shortens nor shears, and its moment is linear: parts of "
         "(H/L)² = 1 %", table="path", value=kit.Quotient("load", "load_elastica"), reference=1.0,
     ),
+    kit.Rule(
+        "below the critical load one place of rest, whatever the push", 1e-9, "1",
+        "the straight column is the only equilibrium: rounding times a condition number of 1e6",
+        table="positions", rows={"load": 0.9}, value="places_apart",
+    ),
 )  # fmt: skip
 FIGURE = kit.series(
     "path", title="A column L/H = 10 of 4 cells beyond its critical load", x="load",
@@ -69,6 +76,7 @@ def run(setting: kit.Setting) -> kit.Evidence:
     table = pd.DataFrame(setting.sweep(critical_load, columns, "columns"))
     critical = table.set_index(["slender", "cells"])["critical"][10, 4]
     path = pd.DataFrame(follow(10, 4, float(critical)))
+    positions = pd.DataFrame([two_places(10, 4, load, float(critical)) for load in (0.9, LOADS[1])])
     off = (path["load"] / path["load_elastica"] - 1).abs().max()
     finding = (
         "A column of 4 cells through its height, ten times as long, gives way at "
@@ -77,7 +85,8 @@ def run(setting: kit.Setting) -> kit.Evidence:
         "loads with a side push that vanishes is enough."
     )
     return kit.Evidence(
-        {"buckling": table, "path": path}, tolerances=RULES, columns=kit.columns(__file__),
+        {"buckling": table, "path": path, "positions": positions}, tolerances=RULES,
+        columns=kit.columns(__file__),
         findings=(finding,), figures={"buckling": FIGURE},
     )  # fmt: skip
 
@@ -128,15 +137,28 @@ def follow(slender: int, cells: int, critical: float) -> list[dict[str, float]]:
     network, share = column(slender, cells)
     rows = []
     for load in LOADS:
-        P = load * critical * euler(slender)
-        loaded = replace(network, force=_load(network, share, P, 1.0)[0])
-        found = equilibrium(loaded, "nonlinear", path=partial(_load, network, share, P))
-        aside = float(found.displacement[share > 0, 0].mean() / slender)
+        aside = top_aside(network, share, load * critical * euler(slender), PUSH)
         k = brentq(lambda k, load=load: elastica(k)[0] - load, 1e-6, 0.95)
         same = brentq(lambda k, aside=aside: elastica(k)[1] - aside, 1e-6, 0.95)
         row = {"load": load, "aside": aside, "aside_elastica": elastica(k)[1]}
         rows.append(row | {"load_elastica": elastica(same)[0]})
     return rows
+
+
+def top_aside(network: Network, share: Array, P: float, push: float) -> float:
+    """Where the top comes to rest under a load (N), over the length, by way of a side push."""
+    loaded = replace(network, force=_load(network, share, P, push, 1.0)[0])
+    found = equilibrium(loaded, "nonlinear", path=partial(_load, network, share, P, push))
+    return float(found.displacement[share > 0, 0].mean() / network.size)
+
+
+def two_places(slender: int, cells: int, load: float, critical: float) -> dict[str, float]:
+    """How far apart the top comes to rest, pushed to one side and to the other."""
+    network, share = column(slender, cells)
+    right, left = (
+        top_aside(network, share, load * critical * euler(slender), push) for push in (PUSH, -PUSH)
+    )
+    return {"load": load, "places_apart": right - left}
 
 
 def elastica(k: float) -> tuple[float, float]:
@@ -148,7 +170,7 @@ def elastica(k: float) -> tuple[float, float]:
     return (2 / np.pi * K) ** 2, 2 * k / K
 
 
-def _load(network: Network, share: Array, P: float, t: float) -> tuple[Array, Array]:
+def _load(network: Network, share: Array, P: float, push: float, t: float) -> tuple[Array, Array]:
     """Force (n, 2) in N and prescribed displacement at t of the path."""
-    aside = 4 * PUSH * P * t * (1 - t)
+    aside = 4 * push * P * t * (1 - t)
     return share[:, None] * np.array([aside, -P * t]), network.displacement

@@ -18,7 +18,9 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate import kit, lattice_network, square
+from msvalidate import kit
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.lattice import square
 from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.green import GREEN
 from msvalidate.network.laws.zero_length import ZERO_LENGTH
