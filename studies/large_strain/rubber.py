@@ -80,8 +80,8 @@ FIGURES = {
     "rubber": kit.series(
         "curves", title="Vulcanised rubber [Treloar1944] and laws fitted to all tests", x="stretch",
         y={"stress_MPa": "measured"}, panel="test",
-        beside={"zero_length": "zero-length spring", "cubic": "cubic spring", "table": "table",
-                "ogden": "Ogden 1972"},
+        beside={"stress_zero_length": "zero-length spring", "stress_cubic": "cubic spring",
+                "stress_table": "table", "stress_ogden": "Ogden 1972"},
         log="xy", labels=("stretch (1)", "nominal stress (MPa)"), line="",
     ),
     "misfit": kit.series(
@@ -114,8 +114,8 @@ def run() -> kit.Evidence:
         f"Two readings of the figures are {100 * readings['apart'].max():.1f} % apart."
     )
     return kit.Evidence(
-        {"rubber": table, "readings": readings}, tolerances=RULES, columns=kit.columns(__file__),
-        findings=(all_tests, one_test), figures=FIGURES, drawn={"curves": curves},
+        {"rubber": table, "readings": readings, "curves": curves}, tolerances=RULES,
+        columns=kit.columns(__file__), findings=(all_tests, one_test), figures=FIGURES,
     )  # fmt: skip
 
 
@@ -227,13 +227,13 @@ def _curves(points: pd.DataFrame) -> pd.DataFrame:
     measured = points["stress_MPa"].to_numpy()
     table = points.copy()
     for name, basis, low in (
-        ("zero_length", LAWS["zero-length spring"], -np.inf),
-        ("cubic", LAWS["cubic spring"], -np.inf),
-        ("table", partial(_hats, points), np.r_[-np.inf, np.zeros(KNOTS - 1)]),
+        ("stress_zero_length", LAWS["zero-length spring"], -np.inf),
+        ("stress_cubic", LAWS["cubic spring"], -np.inf),
+        ("stress_table", partial(_hats, points), np.r_[-np.inf, np.zeros(KNOTS - 1)]),
     ):
         columns = stress_of_springs(points, basis)
         table[name] = columns @ _least_squares(columns / measured[:, None], low)
-    return table.assign(ogden=stress_of_ogden(points))
+    return table.assign(stress_ogden=stress_of_ogden(points))
 
 
 def _compare_readings() -> pd.DataFrame:
