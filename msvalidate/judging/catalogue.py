@@ -31,6 +31,7 @@ ORDER = (
     "displacement",
     "poisson",
     "lattices",
+    "large_strain",
     "benchmarks",
     "convergence",
     "stability",

@@ -82,7 +82,7 @@ FIGURES = {
         y={"stress_MPa": "measured"}, panel="test",
         beside={"stress_zero_length": "zero-length spring", "stress_cubic": "cubic spring",
                 "stress_table": "table", "stress_ogden": "Ogden 1972"},
-        log="xy", labels=("stretch (1)", "nominal stress (MPa)"), line="",
+        log="xy", labels=("stretch (1)", "nominal stress (MPa)"), line="", size=(2.4, 2.6),
     ),
     "misfit": kit.series(
         "rubber", title="What laws leave of rubber's three tests", x="up_to", y="misfit", by="law",
