@@ -238,7 +238,7 @@ def _put_back(*written: tuple[Array, Array]) -> None:
 
 def curvature(network: Network, displacement: Array, direction: Array) -> float:
     """Second derivative (N·m) of the stored energy along `direction` d, (n, d) in m: dᵀ K d."""
-    if not compiles(network):
+    if network.law.straight or not compiles(network):
         return Configuration(network, displacement).mode_energy(direction)
     axes = tuple(range(network.dim))
     return float(bending.curvature(axes, displacement, direction, *_laws(network)))
@@ -246,7 +246,8 @@ def curvature(network: Network, displacement: Array, direction: Array) -> float:
 
 def compiles(network: Network) -> bool:
     """Whether compiled loops have the laws of its springs and cells."""
-    return network.law.compiled and (network.volumes is None or network.volumes.law.compiled)
+    cells = network.volumes
+    return network.law.loops is not None and (cells is None or cells.law.compiled)
 
 
 def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from msvalidate.kernels import sweep
 from msvalidate.kernels.rows import aligned
-from msvalidate.kernels.sweep import Pushing
+from msvalidate.kernels.sweep import Form, Pushing
 from msvalidate.kernels.values import Small
 from msvalidate.network import Network
 from msvalidate.network.laws.volumes import Volumes
@@ -54,20 +54,21 @@ class Sweep:
             self._still[:, :d] = np.where(network.held[order], 0.0, 1 / network.mass[order, None])
         self._still[:, self._half : self._half + d] = network.force[order]
         self._mass = network.mass[order]
-        self._springs = self._springs_of()
+        self._straight = network.law.straight
+        self._springs = self._springs_of((0,) if self._straight else ())
         self._cells = self._cells_of(network.volumes)
         self.place, self.flow = _zeros(n + 1, 2 * self._half), _zeros(n + 1, 2 * self._half)
         # Where springs that fill up end: they need a length, and no point gets there.
         self.place[n, :d] = 2 * LONGEST
         self._keep, self._push = _zeros(n), _zeros(n)
 
-    def _springs_of(self) -> tuple[Index, Small, Small, Array]:
+    def _springs_of(self, form: Form) -> tuple[Index, Small, Small, Array, Form]:
         layout, wide = self.layout, 2 * self._half
         owner, other = (
             (wide * layout.owner).astype(np.uint32),
             (wide * layout.other).astype(np.uint32),
         )
-        return layout.first, owner, other, self._in_turn(layout.stiffness, layout.tension)
+        return layout.first, owner, other, self._in_turn(layout.stiffness, layout.tension), form
 
     def _in_turn(self, *laws: Array) -> Array:
         """Values of springs in the order in which `sweep` computes four of them, law by law."""
@@ -88,7 +89,7 @@ class Sweep:
     @property
     def bytes_a_step(self) -> int:
         """Bytes that pass between memory and processor in a step, where no cache holds them."""
-        lists = sum(table.nbytes for table in (*self._springs, *self._cells))
+        lists = sum(table.nbytes for table in (*self._springs[:4], *self._cells))
         # Where places are and how they flow comes and goes; the rest comes.
         return int(lists + 4 * self.flow.nbytes + self._still.nbytes + 3 * self._mass.nbytes)
 
@@ -167,7 +168,7 @@ class Sweep:
 
     @cached_property
     def _compliance(self) -> Array:
-        k = self.layout.stiffness
+        k = self.layout.stiffness * (2.0 if self._straight else 1.0)  # φ = pull²/4a where straight
         return self._in_turn(np.divide(1.0, k, out=np.zeros_like(k), where=k > 0))
 
     def force(self, u: Array, out: Array) -> float:

@@ -77,7 +77,7 @@ class _Way:
 
 def recognised(network: Network) -> Grid | None:
     """The uniform lattice that a network is, or None. Linear in points and springs."""
-    placed = None if network.volumes else _placed(network)
+    placed = None if network.volumes or network.law.straight else _placed(network)
     if placed is None:
         return None
     place, shape, order = placed

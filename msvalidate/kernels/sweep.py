@@ -21,10 +21,12 @@ from msvalidate.kernels.values import Axes, Corners, Done, Lane, Pointer, Small,
 from msvalidate.network.layout import BLOCK, TOGETHER
 from msvalidate.problem import Array, Index
 
-Springs = tuple[Index, Small, Small, Array]
+Form = tuple[()] | tuple[int]
+"""Of the law: empty where the pull is a - b/√s, one number where it is a·s - b."""
+Springs = tuple[Index, Small, Small, Array, Form]
 """First spring of each place, where its owner and its other end are in the tables, and laws."""
-Lists = tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Pointer[float] | None]
-"""Where these begin, and compliances where the energy is asked for."""
+Lists = tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Form, Pointer[float] | None]
+"""Where these begin, the laws' form, and compliances where the energy is asked for."""
 Pushing = tuple[Corners, Array, Array, Index, Array, Array, Index, Array] | tuple[()]
 """Cells: k, places at rest, displacements, where corners are in these, κ, volumes at rest, first
 cells of the blocks, and the flow that takes the forces; empty where there are none."""
@@ -62,23 +64,26 @@ _vectors = compiled(_vectors, inner=True)
 def _pull(
     axes: Axes,
     place: Pointer[float],
-    springs: tuple[Pointer[int], Pointer[int], Pointer[float], Pointer[float] | None],
+    springs: tuple[Pointer[int], Pointer[int], Pointer[float], Form, Pointer[float] | None],
     e: int,
     end: int,
     forces: Pointer[float],
 ) -> float:
     """Put the forces of springs on their owners one after the other; return twice their energy."""
-    owner, other, laws, compliance = springs
+    owner, other, laws, form, compliance = springs
     at, stored = 0, spread(0.0)
     while e < end:
         x, y, z = _vectors(axes, place, owner, other, e)
         square = x * x + y * y
         if len(axes) == 3:
             square = square + z * z
-        length, share = root_and_quotient(load(laws, 2 * e + 4), square)
-        pull = load(laws, 2 * e) - share
-        if compliance is not None:
+        if len(form):
+            force = pull = load(laws, 2 * e) * square - load(laws, 2 * e + 4)
+        else:
+            length, share = root_and_quotient(load(laws, 2 * e + 4), square)
+            pull = load(laws, 2 * e) - share
             force = pull * length
+        if compliance is not None:
             stored = stored + load(compliance, e) * (force * force)
         if len(axes) == 3:
             a, b, c, d = rows(pull * x, pull * y, pull * z, spread(0.0))
@@ -201,9 +206,11 @@ _push = compiled(_push, inner=True)
 _block = compiled(_block, fused=True, inner=True)
 
 
-def _starts(springs: Springs) -> tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float]]:
-    first, owner, other, laws = springs
-    return start(first), start(owner), start(other), start(laws)
+def _starts(
+    springs: Springs,
+) -> tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Form]:
+    first, owner, other, laws, form = springs
+    return start(first), start(owner), start(other), start(laws), form
 
 
 _starts = compiled(_starts, inner=True)

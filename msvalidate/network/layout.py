@@ -39,7 +39,7 @@ class Layout:
         (m/2,) place that two springs belong to, and (m,) place at their other end. Springs that
         fill up have no stiffness and end at place n, where nothing is.
     stiffness, tension
-        (m,) k (N/m) and k·L0 (N) of each.
+        (m,) the law's two numbers of each: k (N/m) and k·L0 (N) of Hooke's.
     cells, first_cell
         (c, k) places of the corners of cells, by their first place, and (blocks + 1,) the first
         cell of each block; the cells' numbers are `cell_order`.
@@ -100,9 +100,9 @@ def _place_numbers(order: Index, points: int) -> Index:
 
 
 def make_layout(
-    points: int, dim: int, springs: Index, stiffness: Array, rest_length: Array, cells: Index
+    points: int, dim: int, springs: Index, stiffness: Array, tension: Array, cells: Index
 ) -> Layout:
-    """Layout of springs (m, 2) and cells (c, k) among so many points.
+    """Layout of springs (m, 2), two numbers of each, and cells (c, k) among so many points.
 
     Raises nothing: the arrays are a `Network`'s.
     """
@@ -117,7 +117,7 @@ def make_layout(
     blocks = np.minimum(np.arange(-(-points // BLOCK) + 1) * BLOCK, points)
     return Layout(
         order,
-        *_group_springs(points, low, high, stiffness, stiffness * rest_length),
+        *_group_springs(points, low, high, stiffness, tension),
         cells=corners[cell_order],
         cell_order=cell_order,
         first_cell=np.searchsorted(lowest[cell_order], blocks),

@@ -237,8 +237,10 @@ class Network:
     def layout(self) -> Layout:
         """How its points and springs lie in memory for the compiled sweep."""
         n, d = self.points.shape
-        each = self.springs, self.stiffness, self.rest_length, self.resisting
-        return make_layout(n, d, *each)
+        if self.law.loops is None:
+            raise ProblemError(f"compiled loops: they have no {self.law.name} law; take path plain")
+        each = *self.law.loops(self.coefficients), self.resisting
+        return make_layout(n, d, self.springs, *each)
 
     @cached_property
     def blocks(self) -> Blocks:

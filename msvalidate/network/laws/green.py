@@ -16,4 +16,6 @@ GREEN = SpringLaw(
     change=lambda c, s0, s, grown: c[0] * (grown / c[1]),
     work=lambda c, s0, s, grown: 0.25 * c[0] / c[1] * grown**2,
     stored=lambda c, s: 0.25 * c[0] / c[1] * (s - c[1]) ** 2,
+    loops=lambda c: (c[0] / c[1], c[0]),
+    straight=True,
 )

@@ -38,8 +38,10 @@ class SpringLaw:
     rests
         Whether there is a length at which it does not pull, its rest length. Only where there is
         none may stiffness be negative: what is stable is then a sum.
-    compiled
-        Whether compiled loops have it.
+    loops
+        Coefficients -> two numbers a spring, a and b, for compiled loops; None where they lack it.
+    straight
+        Whether the pull is a·s - b there; else a - b/√s.
     """
 
     name: str
@@ -50,7 +52,8 @@ class SpringLaw:
     work: Callable[[Coefficients, Array, Array, Array], Array]
     stored: Callable[[Coefficients, Array], Array]
     rests: bool = True
-    compiled: bool = False
+    loops: Callable[[Coefficients], tuple[Array, Array]] | None = None
+    straight: bool = False
 
 
 @dataclass(frozen=True, eq=False)

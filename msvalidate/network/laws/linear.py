@@ -34,5 +34,5 @@ LINEAR = SpringLaw(
     change=_change,
     work=_work,
     stored=lambda c, s: 0.5 * c[0] * (np.sqrt(s) - c[1]) ** 2,
-    compiled=True,
+    loops=lambda c: (c[0], c[0] * c[1]),
 )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
+from msvalidate import kernels
 from msvalidate.network import Configuration, spring_network
 from msvalidate.network.laws.cubic import cubic
 from msvalidate.network.laws.green import GREEN
@@ -13,6 +14,10 @@ from msvalidate.network.laws.quadratic import QUADRATIC
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.laws.zero_length import ZERO_LENGTH
 from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.records import replace
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 LAWS = (LINEAR, ZERO_LENGTH, GREEN, cubic(0.3, 0.5, 0.2), cubic(-0.4, 0.3, 0.1))
 K, L0 = np.array([3.0, 0.7]), np.array([0.37, 1.9])
@@ -120,6 +125,45 @@ def test_forces_and_tangent_are_derivatives_of_the_energy(dim):
     np.testing.assert_allclose(change, at.force_change(w), atol=1e-5 * np.abs(change).max())
     bent = float(w.ravel() @ (at.tangent() @ w.ravel()))
     assert at.mode_energy(w) == pytest.approx(bent, rel=1e-10)
+
+
+def test_compiled_loops_have_greens_springs():
+    rng = np.random.default_rng(2)
+    points = rng.random((200, 3))
+    corners = Delaunay(points).simplices
+    springs = np.unique(np.sort(corners[:, [[0, 1], [1, 2], [2, 3]]].reshape(-1, 2)), axis=0)
+    network = spring_network(points, springs, rng.uniform(1, 2, len(springs)), law=GREEN)
+    u, force = 0.05 * rng.normal(size=points.shape), np.empty(points.shape)
+    at, motion = Configuration(network, u), kernels.Motion(network)
+    assert motion.path == "general"
+    assert motion.force_and_energy(u, force) == pytest.approx(at.energy(), rel=1e-13)
+    np.testing.assert_allclose(force, at.force(), atol=1e-13 * np.abs(force).max())
+
+
+@pytest.mark.parametrize(
+    "method", ["algorithm1", "kinetic_damping", "fire", "adaptive", "conjugate_gradients"]
+)
+@pytest.mark.parametrize("law", ["green", "zero-length"])
+def test_relaxations_come_to_the_equilibrium_by_every_law(method, law):
+    network = under_tension(2)
+    if law == "green":
+        network = replace(
+            network, law=GREEN, stiffness=np.full(len(network.springs), 20.0), volumes=None
+        )
+    load = np.where(network.held, 0.0, [0.002, -0.004])
+    network = replace(network, force=load)
+    rest = relax(network, RELAXATIONS[method], tolerance=1e-9).equilibrium.displacement
+    wanted = equilibrium(network, "nonlinear").displacement
+    np.testing.assert_allclose(rest, wanted, atol=1e-6 * np.abs(wanted).max())
+
+
+def test_compiled_paths_of_laws_that_they_lack_are_refused():
+    network = under_tension(2)
+    assert kernels.Motion(network).path == "plain"
+    with pytest.raises(
+        ProblemError, match="path: general, for laws zero-length, logarithmic; take"
+    ):
+        kernels.Motion(network, path="general")
 
 
 def test_what_no_law_allows_is_refused():

@@ -41,12 +41,12 @@ def held_by(layout):
 @examples
 @given(body=bodies())
 def test_every_spring_is_there_once_with_its_earlier_point(body):
-    n, _, springs, k, rest_length, cells = body
+    n, _, springs, k, tension, cells = body
     layout = make_layout(*body)
     assert layout.points == n
     np.testing.assert_array_equal(np.sort(layout.place), np.arange(n))
     ends = np.sort(layout.place[springs], axis=1)
-    expected = np.column_stack([ends, k, k * rest_length])
+    expected = np.column_stack([ends, k, tension])
     np.testing.assert_array_equal(held_by(layout), expected[np.lexsort(expected.T[::-1])])
     filled = layout.stiffness == 0
     assert (layout.other[filled] == n).all()
@@ -76,7 +76,7 @@ def test_cells_stand_with_the_block_of_their_first_place(body):
 @given(body=bodies(near=True), cut=st.tuples(st.integers(0, 6), st.integers(1, 7)))
 def test_a_part_is_the_layout_of_what_joins_its_places(body, cut):
     """Against one made of these points, springs and cells alone, as they are numbered."""
-    n, dim, springs, k, rest_length, cells = body
+    n, dim, springs, k, tension, cells = body
     whole = make_layout(*body)
     begin, end = BLOCK * cut[0], min(n, BLOCK * (cut[0] + cut[1]))
     inside = ((whole.place[springs] >= begin) & (whole.place[springs] < end)).all(axis=1)
@@ -84,7 +84,7 @@ def test_a_part_is_the_layout_of_what_joins_its_places(body, cut):
         return
     part = whole.part(begin, end)
     kept = ((whole.place[cells] >= begin) & (whole.place[cells] < end)).all(axis=1)
-    few = whole.place[springs[inside]] - begin, k[inside], rest_length[inside]
+    few = whole.place[springs[inside]] - begin, k[inside], tension[inside]
     alone = make_layout(end - begin, dim, *few, whole.place[cells[kept]] - begin)
     np.testing.assert_array_equal(part.order, np.argsort(whole.place)[begin:end])
     assert part.points == end - begin
