@@ -21,17 +21,16 @@ import numpy as np
 import pandas as pd
 from scipy.sparse.linalg import spsolve
 
-from msvalidate import kit, lattice_network, square
-from msvalidate.network import Configuration
+from msvalidate import kit
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.lattice import square
+from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
+from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.elasticity import stiffness
+from reference_fem.large_strain.by_cell import st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform
-from reference_fem.large_strain.hyperelastic import (
-    Law,
-    NeoHookean,
-    square_fibres,
-    st_venant_kirchhoff,
-)
+from reference_fem.large_strain.hyperelastic import Law, NeoHookean, square_fibres
 from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation
@@ -43,8 +42,12 @@ STRAINS = (0.005, 0.02, 0.05, 0.1, 0.3, 0.4)
 """At the outer side, one after the other: each start is from the one before."""
 CELLS, QUICK = (6, 12, 24), (6, 12)
 """Of springs, through the height."""
-MOST, SMALL = 12, STRAINS[:4]
-"""Cells up to which all strains are reached from rest, and strains that are for others."""
+MOST = 12
+"""Cells up to which the candidate reaches all strains from rest; others are the network's own
+equilibria along a path of turned ends: raised in proportion, ends move along chords, and fold the
+small cells beside them."""
+LEAST = 1e-9
+"""Strain for which the arc still has a radius."""
 MESH, FINER = (32, 8), (64, 16)
 MOMENTS = {0.02: 0.008901, 0.05: 0.022008, 0.1: 0.042628, 0.3: 0.114563, 0.4: 0.149000}
 """N·m of the neo-Hookean block, by an independent program."""
@@ -54,19 +57,42 @@ KNOWN = {
     "linear elasticity": {0.02: 0.01, 0.05: 0.06, 0.1: 0.23, 0.3: 1.47, 0.4: 1.84},
 }
 """Moments over that, less 1, of the same program; springs have 12 cells."""
+DIFFERENCES = {
+    "springs": {0.02: 0.0009, 0.05: 0.0053, 0.1: 0.0184, 0.3: 0.0574, 0.4: 0.0663},
+    "St. Venant-Kirchhoff": {0.02: 0.0023, 0.05: 0.0123, 0.1: 0.0388, 0.3: 0.126},
+    "linear elasticity": {0.02: 0.0144, 0.05: 0.0364, 0.1: 0.0735, 0.3: 0.210, 0.4: 0.272},
+}
+"""Largest difference of a component over the largest component, by the same program."""
 NONE = "none"
 LIKE = {"strain": tuple(MOMENTS)}
 
 
 def _moments(rows: pd.DataFrame) -> list[float]:
     """Distance of each known moment from its row's, in units of the known one's last digit."""
-    off = []
-    for model, known in KNOWN.items():
-        at = rows[(rows["model"] == model) & rows["cells"].isin((12, MESH[1]))].set_index("strain")
-        for strain, value in known.items():
-            digit = 0.01 if round(value, 2) == value and value > 0.05 else 0.001
-            off.append((float(at["moment"][strain]) - 1 - value) / digit)
-    return off
+    return _apart(rows, "moment", KNOWN, 1.0, (0.05, 0.01, 0.001))
+
+
+def _differences(rows: pd.DataFrame) -> list[float]:
+    """The same of the differences of displacements."""
+    return _apart(rows, "difference", DIFFERENCES, 0.0, (0.1, 0.001, 0.0001))
+
+
+def _apart(
+    rows: pd.DataFrame,
+    column: str,
+    known: dict[str, dict[float, float]],
+    less: float,
+    digits: tuple[float, float, float],
+) -> list[float]:
+    """Digits are: from which size on a value has the first, what it has there, and below."""
+    size, coarse, fine = digits
+    seen = rows[rows["cells"].isin((12, MESH[1]))].set_index(["model", "strain"])[column]
+    return [
+        (float(seen[model, strain]) - less - value)
+        / (coarse if value > size and round(value / coarse, 6) % 1 == 0 else fine)
+        for model, own in known.items()
+        for strain, value in own.items()
+    ]
 
 
 RULES = (
@@ -79,6 +105,11 @@ RULES = (
         "moments of springs and elements: an independent program, in its last digit", 1.0, "1",
         "its values are rounded to a tenth or a whole of one percent", table="bending",
         value=_moments,
+    ),
+    kit.Rule(
+        "differences of springs and elements: an independent program, in its last digit", 1.0, "1",
+        "its values are rounded to a hundredth or a tenth of one percent", table="bending",
+        value=_differences,
     ),
     kit.Rule(
         "refined elements: neo-Hookean moment by twice as many cells, relative", 1e-3, "1",
@@ -99,6 +130,15 @@ RULES = (
         table="bending", rows={"model": "springs", "cells": 12}, value="from_own",
     ),
 )  # fmt: skip
+
+
+def _to_first_order(problem: kit.Problem, network: Network, answer: kit.Answer) -> Array:
+    return kit.solve_springs(problem, network, "linear")
+
+
+FAULTS: dict[str, dict[str, object]] = {
+    "equilibria to first order": {"candidate": _to_first_order, "questions": ("bending",)},
+}
 FIGURES = {
     "bending": kit.series(
         "bending", title="A block whose ends turn: difference to neo-Hookean elements",
@@ -147,22 +187,21 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
         "lattice's energy": bend_elements(square_fibres(2.0, 1.0), MESH),
         "linear elasticity": {strain: bend_linear(strain) for strain in STRAINS},
     }
-    rows = []
+    rows, springs_at = [], {}
     for cells in QUICK if setting.quick else CELLS:
         points, springs = bend_springs(candidate, cells)
         models = {"springs": springs, **(others if cells == 12 else {})}
+        springs_at = springs
         for (model, found), strain in product(models.items(), STRAINS):
-            if strain not in neo or (model == "springs" and strain not in found):
+            if strain not in neo:
                 continue
             answer, wanted = found.get(strain), neo[strain].at(points)
-            far = np.linalg.norm(wanted, axis=1).max()
+            size = np.abs(wanted).max()
 
             def off(
-                one: Answer | None, other: Array, far: float = far, x: Array = points
+                one: Answer | None, other: Array, size: float = size, x: Array = points
             ) -> object:
-                return (
-                    NONE if one is None else np.linalg.norm(one.at(x) - other, axis=1).max() / far
-                )
+                return NONE if one is None else np.abs(one.at(x) - other).max() / size
 
             own = others["lattice's energy"].get(strain)
             row = {"model": model, "cells": cells if model == "springs" else MESH[1]}
@@ -179,14 +218,19 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
     bending = pd.DataFrame(rows)
     at = bending[(bending["cells"].isin((12, MESH[1]))) & (bending["strain"] == 0.1)]
     left = 100 * at.set_index("model")["difference"].astype(float)
+    rest = {"neo-Hookean": neo, **others, "springs": springs_at}
+    reach = pd.DataFrame([{"model": name, "reach": max(found)} for name, found in rest.items()])
+    far = reach.set_index("model")["reach"]
     finding = (
         "A block bent to 10 % strain at its outer side: springs on square-8 cells are "
-        f"{left['springs']:.1f} % off neo-Hookean elements, elements of St. Venant-Kirchhoff's law "
-        f"{left['St. Venant-Kirchhoff']:.1f} %, linear elasticity {left['linear elasticity']:.1f} "
-        "%: it takes a turned end for a strained one. Elements of nonlinear laws converge."
+        f"{left['springs']:.1f} % off neo-Hookean elements, elements of Saint Venant-Kirchhoff's "
+        f"law {left['St. Venant-Kirchhoff']:.1f} %, linear elasticity "
+        f"{left['linear elasticity']:.1f} %: it takes a turned end for a strained one. Elements "
+        f"of Saint Venant-Kirchhoff's law fold beyond {100 * far['St. Venant-Kirchhoff']:.0f} %, "
+        f"where neo-Hookean ones and springs come to rest, at {100 * far['springs']:.0f} % too."
     )
     return kit.Evidence(
-        {"bending": bending, "blocks": pd.DataFrame(blocks)}, tolerances=RULES,
+        {"bending": bending, "blocks": pd.DataFrame(blocks), "reach": reach}, tolerances=RULES,
         columns=kit.columns(__file__), findings=(finding,), figures=FIGURES,
     )  # fmt: skip
 
@@ -196,17 +240,26 @@ def bend_springs(
 ) -> tuple[Array, dict[float, Answer]]:
     """Points (n, 2) in m of square-8 cells, and strain -> what they do."""
     material = kit.Isotropic(fibres.E2, fibres.NU2)
-    found = {}
-    # From rest in proportion, ends move along chords: beyond that, small cells at the ends fold.
-    for strain in STRAINS if cells <= MOST else SMALL:
+    found, before, u = {}, 0.0, None
+    for strain in STRAINS:
         bent = tuple(partial(_component, strain, axis) for axis in (0, 1))
         held = tuple(kit.Support(BOX.side(side), bent) for side in ("left", "right"))
         problem = kit.Problem(BOX, material, held)
         network = lattice_network(problem, square(BOX, (4 * cells, cells)))
-        u = candidate(problem, network, "nonlinear")
+        if cells <= MOST:
+            u = candidate(problem, network, "nonlinear")
+        else:
+            turn = partial(_turned, network, before, strain)
+            u = equilibrium(network, "nonlinear", path=turn, start=u).displacement
         pull = moment(network.points, u, -Configuration(network, u).force())
-        found[strain] = Answer(partial(_same, u), pull)
+        found[strain], before = Answer(partial(_same, u), pull), strain
     return network.points, found
+
+
+def _turned(network: Network, first: float, last: float, t: float) -> tuple[Array, Array]:
+    """Force and prescribed displacement (n, 2) at t of a path from one strain to the next."""
+    onto = arc(network.points, max(first + t * (last - first), LEAST))
+    return network.force, np.where(network.held, onto, 0.0)
 
 
 def _component(strain: float, axis: int, points: Array) -> Array:

@@ -12,7 +12,9 @@ Expected   P_cr/P_E = (1 + 1.25/N²)(1 - 0.42 (H/L)²): cells N through the heig
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +22,9 @@ from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
-from msvalidate import kit, lattice_network, square
+from msvalidate import kit
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.lattice import square
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
@@ -39,6 +43,10 @@ LOADS = (1.05, 1.1, 1.2)
 """Over the critical one."""
 PUSH = 0.1
 """Largest side push, halfway along the path, over the load: it bends the column to its branch."""
+BELOW, ONE = 0.9, 1e-6
+"""A load under the critical one, over it; and how near tops are that rest at one place, over L."""
+Build = Callable[[int, int], tuple[Network, Array]]
+"""L/H and cells through the height -> a column, and the share of a top load of its points."""
 RULES = (
     kit.Rule(
         "critical load: an independent program, relative", 2e-6, "1",
@@ -49,6 +57,12 @@ RULES = (
         "critical load of 4 cells and more: Euler's with cells and shortening, relative", 5e-3, "1",
         "terms of (1/N)⁴ = 0.4 % at N = 4 are left out", table="buckling", rows={"cells": (4, 8)},
         value=kit.Quotient("critical", "formula"), reference=1.0,
+    ),
+    kit.Rule(
+        "pushed to the left and to the right: mirror images, over the length", 1e-7, "1",
+        "the column is even about its axis, and the point that holds it takes no force; left are "
+        "the errors of two equilibria, each below 1e-8", table="rests",
+        value=lambda rows: rows["pushed_right"] + rows["pushed_left"],
     ),
     kit.Rule(
         "beyond the critical load: load against the elastica's at the same displacement, relative",
@@ -63,12 +77,14 @@ FIGURE = kit.series(
 )  # fmt: skip
 
 
-def run(setting: kit.Setting) -> kit.Evidence:
-    """Critical loads, and a path beyond one."""
+def run(setting: kit.Setting, build: Build | None = None) -> kit.Evidence:
+    """Critical loads, a path beyond one, and where columns pushed to either side come to rest."""
     columns = COLUMNS if setting.quick else tuple(KNOWN)
-    table = pd.DataFrame(setting.sweep(critical_load, columns, "columns"))
-    critical = table.set_index(["slender", "cells"])["critical"][10, 4]
-    path = pd.DataFrame(follow(10, 4, float(critical)))
+    build = build or column
+    table = pd.DataFrame(setting.sweep(partial(critical_load, build), columns, "columns"))
+    critical = float(table.set_index(["slender", "cells"])["critical"][10, 4])
+    path = pd.DataFrame(follow(build, 10, 4, critical))
+    rests = pd.DataFrame(push_both_ways(build, 10, 4, critical))
     off = (path["load"] / path["load_elastica"] - 1).abs().max()
     finding = (
         "A column of 4 cells through its height, ten times as long, gives way at "
@@ -77,8 +93,8 @@ def run(setting: kit.Setting) -> kit.Evidence:
         "loads with a side push that vanishes is enough."
     )
     return kit.Evidence(
-        {"buckling": table, "path": path}, tolerances=RULES, columns=kit.columns(__file__),
-        findings=(finding,), figures={"buckling": FIGURE},
+        {"buckling": table, "path": path, "rests": rests}, tolerances=RULES,
+        columns=kit.columns(__file__), findings=(finding,), figures={"buckling": FIGURE},
     )  # fmt: skip
 
 
@@ -102,10 +118,24 @@ def euler(slender: int) -> float:
     return float(np.pi**2 * fibres.E2 / 12 / (4 * slender**2))
 
 
-def critical_load(case: tuple[int, int]) -> dict[str, float]:
+def stiffen_diagonals(slender: int, cells: int) -> tuple[Network, Array]:
+    """A column whose diagonals are .1 % too stiff."""
+    network, share = column(slender, cells)
+    stiffer = np.where(network.distance > 1.1 / cells, 1.001, 1.0)
+    return replace(network, stiffness=network.stiffness * stiffer), share
+
+
+FAULTS: dict[str, dict[str, object]] = {
+    "columns with diagonals .1 % too stiff": {
+        "build": stiffen_diagonals, "questions": ("buckling",)
+    },
+}  # fmt: skip
+
+
+def critical_load(build: Build, case: tuple[int, int]) -> dict[str, float]:
     """One row of the table: where the least stiffness of the straight state is 0."""
     slender, cells = case
-    network, _ = column(slender, cells)
+    network, _ = build(slender, cells)
     free = ~network.held.ravel()
     springs = fibres.lattices()[0]
 
@@ -123,19 +153,35 @@ def critical_load(case: tuple[int, int]) -> dict[str, float]:
     return row | {"formula": formula, "known": KNOWN[case]}
 
 
-def follow(slender: int, cells: int, critical: float) -> list[dict[str, float]]:
+def bend(build: Build, slender: int, cells: int, P: float, push: float) -> float:
+    """Where the top rests under a load P (N), pushed aside on the way, over the length."""
+    network, share = build(slender, cells)
+    loaded = replace(network, force=_load(network, share, P, push, 1.0)[0])
+    found = equilibrium(loaded, "nonlinear", path=partial(_load, network, share, P, push))
+    x, foot = found.displacement[:, 0], network.points[:, 1] == 0  # which widens, held at a corner
+    return float((x[share > 0].mean() - x[foot].mean()) / slender)
+
+
+def follow(build: Build, slender: int, cells: int, critical: float) -> list[dict[str, float]]:
     """Where the top goes at loads beyond the critical one, over Euler's."""
-    network, share = column(slender, cells)
     rows = []
     for load in LOADS:
-        P = load * critical * euler(slender)
-        loaded = replace(network, force=_load(network, share, P, 1.0)[0])
-        found = equilibrium(loaded, "nonlinear", path=partial(_load, network, share, P))
-        aside = float(found.displacement[share > 0, 0].mean() / slender)
+        aside = bend(build, slender, cells, load * critical * euler(slender), PUSH)
         k = brentq(lambda k, load=load: elastica(k)[0] - load, 1e-6, 0.95)
         same = brentq(lambda k, aside=aside: elastica(k)[1] - aside, 1e-6, 0.95)
         row = {"load": load, "aside": aside, "aside_elastica": elastica(k)[1]}
         rows.append(row | {"load_elastica": elastica(same)[0]})
+    return rows
+
+
+def push_both_ways(build: Build, slender: int, cells: int, critical: float) -> list[dict[str, Any]]:
+    """Stable positions that columns come to, below the critical load and beyond it."""
+    rows = []
+    for load in (BELOW, LOADS[-1]):
+        P = load * critical * euler(slender)
+        right, left = (bend(build, slender, cells, P, push) for push in (PUSH, -PUSH))
+        row = {"load": load, "pushed_right": right, "pushed_left": left}
+        rows.append(row | {"rests": 1 if abs(right - left) < ONE else 2})
     return rows
 
 
@@ -148,7 +194,7 @@ def elastica(k: float) -> tuple[float, float]:
     return (2 / np.pi * K) ** 2, 2 * k / K
 
 
-def _load(network: Network, share: Array, P: float, t: float) -> tuple[Array, Array]:
+def _load(network: Network, share: Array, P: float, push: float, t: float) -> tuple[Array, Array]:
     """Force (n, 2) in N and prescribed displacement at t of the path."""
-    aside = 4 * PUSH * P * t * (1 - t)
+    aside = 4 * push * P * t * (1 - t)
     return share[:, None] * np.array([aside, -P * t]), network.displacement

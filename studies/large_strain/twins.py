@@ -24,15 +24,16 @@ from matplotlib.figure import Figure
 from scipy.sparse import kron
 from skfem.models.poisson import laplace
 
-from msvalidate import kit, lattice, lattice_network
+from msvalidate import kit, lattice
 from msvalidate.bodies.calibrate import calibrate_material
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import patterns
 from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.green import GREEN
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
+from reference_fem.large_strain.by_cell import neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform
-from reference_fem.large_strain.hyperelastic import neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.discretisation import make_discretisation
 
@@ -106,7 +107,7 @@ FIGURES = {
 
 def draw_bent(tables: kit.Tables) -> Figure:
     """Springs that are elements: bodies bent to 80 % strain."""
-    figure, axes = kit.figures.new_figure(2, size=(4.2, 3.4))
+    figure, axes = kit.figures.new_figure(2, size=(4.2, 4.0))
     for axis, (body, rows) in zip(axes, tables["bent"].groupby("body", sort=False), strict=True):
         for label, kind, colour in (
             ("springs that pull", "pull", "#0072b2"),
@@ -355,7 +356,7 @@ class _MeanVolume:
         """Equilibrium (n, d) in m under prescribed displacements (n, d), by Newton's method."""
         free, (x, y) = ~self.held.ravel(), self.X.T
         right = np.flatnonzero(x == x.max())
-        right = right[np.argsort(y[right])]
+        right = right[np.argsort(y[right], kind="stable")]
         on = np.stack([x / SIZE * np.interp(y, y[right], m[right]) for m in moved.T], axis=1)
         u = 0.0 * on
         for _ in range(PARTS):
