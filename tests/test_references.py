@@ -16,10 +16,11 @@ FREE = re.compile(r"doi:|\b[A-Z][a-zé]+,? \(?(?:1[6-9]\d\d|20[0-2]\d)\b")
 
 
 def texts():
-    """Path -> text, of code, tests and documents."""
+    """Path -> text, of code, tests, data of studies and documents."""
     folders = ("msvalidate", "reference_fem", "studies", "tests", "docs")
     paths = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
     paths += [*(ROOT / "docs").rglob("*.md"), *ROOT.glob("*.md")]
+    paths += (ROOT / "studies").rglob("*.toml")
     mine = Path(__file__).resolve()
     return {
         str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")

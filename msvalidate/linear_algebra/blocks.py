@@ -91,7 +91,7 @@ def blocks_of(springs: Index, points: int, cells: Index) -> Blocks:
     place = np.empty(len(row), dtype=order.indices.dtype)
     place[order.data] = np.arange(len(row), dtype=place.dtype)
     upper, lower, diagonal = np.split(place, [len(pairs), 2 * len(pairs)])
-    of_cells = np.empty((len(cells), cells.shape[1], cells.shape[1]), dtype=place.dtype)
+    of_cells: Index = np.empty((*cells.shape, cells.shape[1]), dtype=place.dtype)
     corner = np.arange(cells.shape[1])
     of_cells[:, corner, corner] = diagonal[cells]
     coupling = pair[len(springs) :].reshape(len(cells), len(first))

@@ -25,8 +25,8 @@ from msvalidate.problem import (
 )
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.elasticity import stiffness
+from reference_fem.large_strain.by_cell import neo_hookean
 from reference_fem.large_strain.equilibrium import deform
-from reference_fem.large_strain.hyperelastic import neo_hookean
 from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.from_mesh import mesh_discretisation
 from tests.table import refused
