@@ -38,6 +38,7 @@ ORDER = (
     "cost",
     "actuator",
     "pull_in",
+    "large_strain",
     "electrostatics",
     "simulators",
     "claims",
