@@ -22,7 +22,10 @@ import pandas as pd
 from scipy.sparse.linalg import spsolve
 
 from msvalidate import kit
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import square_tensor
+from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.lattice import square
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
@@ -62,8 +65,9 @@ DIFFERENCES = {
     "St. Venant-Kirchhoff": {0.02: 0.0023, 0.05: 0.0123, 0.1: 0.0388, 0.3: 0.126},
     "linear elasticity": {0.02: 0.0144, 0.05: 0.0364, 0.1: 0.0735, 0.3: 0.210, 0.4: 0.272},
 }
-"""Largest difference of a component over the largest component, by the same program."""
-NONE = "none"
+"""Largest difference of a component to even elements over the largest, by the same program."""
+CORNER = clamped_free_exponent(square_tensor(2.0, 1.0), np.pi / 2)
+NONE, TENSION = "none", "springs of no rest length"
 LIKE = {"strain": tuple(MOMENTS)}
 
 
@@ -74,7 +78,7 @@ def _moments(rows: pd.DataFrame) -> list[float]:
 
 def _differences(rows: pd.DataFrame) -> list[float]:
     """The same of the differences of displacements."""
-    return _apart(rows, "difference", DIFFERENCES, 0.0, (0.1, 0.001, 0.0001))
+    return _apart(rows, "from_even", DIFFERENCES, 0.0, (0.1, 0.001, 0.0001))
 
 
 def _apart(
@@ -108,7 +112,8 @@ RULES = (
     ),
     kit.Rule(
         "differences of springs and elements: an independent program, in its last digit", 1.0, "1",
-        "its values are rounded to a hundredth or a tenth of one percent", table="bending",
+        "its values are rounded to a hundredth or a tenth of one percent, and are differences to "
+        "even cells, as theirs are", table="bending",
         value=_differences,
     ),
     kit.Rule(
@@ -123,6 +128,14 @@ RULES = (
         "strain on the springs' law is the smaller error", layer="agreement", table="bending",
         rows={"model": "springs", "cells": 12, **LIKE},
         value=kit.Quotient("difference", "difference_linear"),
+    ),
+    kit.Rule(
+        "springs of no rest length against neo-Hookean elements at 10 %: order in cells", 0.3, "1",
+        "the farthest point is next to a clamped corner, where bilinear elements err as "
+        "the spacing to the corner's own exponent; one pair of sizes shows it to a third (an order "
+        "of 1.6, that of points further off, was expected first)", table="bending",
+        rows={"model": TENSION, "strain": 0.1}, last=2, value="difference",
+        power_of=kit.Quotient(1, "cells"), reference=CORNER,
     ),
     kit.Rule(
         "springs against elements of their own energy, displacement", 2e-3, "1",
@@ -180,22 +193,27 @@ class Answer(NamedTuple):
 
 def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence:
     """Bend blocks of springs and of elements, from strain to strain."""
-    neo, finer = (bend_elements(NeoHookean(1.0, 1.0), mesh) for mesh in (MESH, FINER))
+    law = NeoHookean(1.0, 1.0)
+    neo, near, finer = (
+        bend_elements(law, mesh, grading)
+        for mesh, grading in ((MESH, 1.0), (MESH, 2.0), (FINER, 2.0))
+    )
     plane = kit.Isotropic(2.5, 0.25, "plane_strain")  # λ = μ = 1 Pa
     others = {
         "St. Venant-Kirchhoff": bend_elements(st_venant_kirchhoff(plane), MESH),
         "lattice's energy": bend_elements(square_fibres(2.0, 1.0), MESH),
         "linear elasticity": {strain: bend_linear(strain) for strain in STRAINS},
     }
-    rows, springs_at = [], {}
+    rows = []
     for cells in QUICK if setting.quick else CELLS:
         points, springs = bend_springs(candidate, cells)
-        models = {"springs": springs, **(others if cells == 12 else {})}
-        springs_at = springs
+        models = {"springs": springs, TENSION: bend_springs(candidate, cells, "neo-Hookean")[1]}
+        models |= others if cells == 12 else {}
         for (model, found), strain in product(models.items(), STRAINS):
-            if strain not in neo:
+            lattice = model in ("springs", TENSION)
+            if strain not in finer:
                 continue
-            answer, wanted = found.get(strain), neo[strain].at(points)
+            answer, wanted = found.get(strain), finer[strain].at(points)
             size = np.abs(wanted).max()
 
             def off(
@@ -204,8 +222,10 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
                 return NONE if one is None else np.abs(one.at(x) - other).max() / size
 
             own = others["lattice's energy"].get(strain)
-            row = {"model": model, "cells": cells if model == "springs" else MESH[1]}
+            row = {"model": model, "cells": cells if lattice else MESH[1]}
             row |= {"strain": strain, "difference": off(answer, wanted)}
+            row["from_even"] = off(answer, neo[strain].at(points))
+            row["reference"] = off(near[strain], wanted)
             row["moment"] = NONE if answer is None else answer.moment / neo[strain].moment
             row["difference_linear"] = off(others["linear elasticity"][strain], wanted)
             row["from_own"] = NONE if own is None else off(answer, own.at(points))
@@ -216,37 +236,41 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
         for strain in STRAINS if strain in neo and strain in finer
     ]  # fmt: skip
     bending = pd.DataFrame(rows)
-    at = bending[(bending["cells"].isin((12, MESH[1]))) & (bending["strain"] == 0.1)]
-    left = 100 * at.set_index("model")["difference"].astype(float)
-    laws = {"neo-Hookean": neo, **others, "springs": springs_at}
+    laws = {"neo-Hookean": neo, **others, "springs": springs}
     del laws["linear elasticity"]
     reached = pd.DataFrame({"law": list(laws), "reached": [max(found) for found in laws.values()]})
+    at = bending[(bending["cells"].isin((12, MESH[1]))) & (bending["strain"] == 0.1)]
+    left = 100 * at.set_index("model")["difference"].astype(float)
     far = reached.set_index("law")["reached"]
     finding = (
         "A block bent to 10 % strain at its outer side: springs on square-8 cells are "
-        f"{left['springs']:.1f} % off neo-Hookean elements, elements of Saint Venant-Kirchhoff's "
-        f"law {left['St. Venant-Kirchhoff']:.1f} %, linear elasticity "
-        f"{left['linear elasticity']:.1f} %: it takes a turned end for a strained one. Elements "
-        f"of Saint Venant-Kirchhoff's law fold beyond {100 * far['St. Venant-Kirchhoff']:.0f} %, "
-        f"where neo-Hookean ones and springs come to rest, at {100 * far['springs']:.0f} % too."
+        f"{left['springs']:.1f} % off neo-Hookean elements, springs of no rest length beside cells "
+        f"under pressure {left[TENSION]:.2f} %, elements of Saint Venant-Kirchhoff's law "
+        f"{left['St. Venant-Kirchhoff']:.1f} %, linear elasticity {left['linear elasticity']:.1f} "
+        "%: it takes a turned end for a strained one. Elements of Saint Venant-Kirchhoff's law "
+        f"fold beyond {100 * far['St. Venant-Kirchhoff']:.0f} %, where neo-Hookean ones and "
+        f"springs come to rest, at {100 * far['springs']:.0f} % too."
     )
     return kit.Evidence(
-        {"bending": bending, "blocks": pd.DataFrame(blocks), "reached": reached}, tolerances=RULES,
+        {"bending": bending, "blocks": pd.DataFrame(blocks), "reached": reached},
+        tolerances=RULES,
         columns=kit.columns(__file__), findings=(finding,), figures=FIGURES,
     )  # fmt: skip
 
 
 def bend_springs(
-    candidate: kit.DisplacementSolver, cells: int
+    candidate: kit.DisplacementSolver, cells: int, route: str = "springs"
 ) -> tuple[Array, dict[float, Answer]]:
     """Points (n, 2) in m of square-8 cells, and strain -> what they do."""
-    material = kit.Isotropic(fibres.E2, fibres.NU2)
-    found, before, u = {}, 0.0, None
+    material, grid = kit.Isotropic(fibres.E2, fibres.NU2), square(BOX, (4 * cells, cells))
+    made = calibrate_material(material, grid, route=route)
+    found: dict[float, Answer] = {}
+    before, u = 0.0, None
     for strain in STRAINS:
         bent = tuple(partial(_component, strain, axis) for axis in (0, 1))
         held = tuple(kit.Support(BOX.side(side), bent) for side in ("left", "right"))
         problem = kit.Problem(BOX, material, held)
-        network = lattice_network(problem, square(BOX, (4 * cells, cells)))
+        network = lattice_network(problem, grid, made)
         if cells <= MOST:
             u = candidate(problem, network, "nonlinear")
         else:
@@ -254,7 +278,7 @@ def bend_springs(
             u = equilibrium(network, "nonlinear", path=turn, start=u).displacement
         pull = moment(network.points, u, -Configuration(network, u).force())
         found[strain], before = Answer(partial(_same, u), pull), strain
-    return network.points, found
+    return grid.points, found
 
 
 def _turned(network: Network, first: float, last: float, t: float) -> tuple[Array, Array]:
@@ -271,9 +295,9 @@ def _same(u: Array, points: Array) -> Array:
     return u
 
 
-def bend_elements(law: Law, mesh: tuple[int, int]) -> dict[float, Answer]:
+def bend_elements(law: Law, mesh: tuple[int, int], grading: float = 1.0) -> dict[float, Answer]:
     """Strain -> what elements of degree 2 of a law do, up to where there is no equilibrium."""
-    body = box_discretisation(BOX, mesh)
+    body = box_discretisation(BOX, mesh, grading=grading)
     solid = Solid(body, law, ends(body.points))
     found, u, before = {}, np.zeros(body.points.shape), 0.0
     for strain in STRAINS:
