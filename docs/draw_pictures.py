@@ -65,9 +65,13 @@ def drawings(study: str) -> Iterator[tuple[str, Callable[..., Any]]]:
                 continue
             inside = path.relative_to(Path(str(package.__file__)).parent).with_suffix("").parts
             module = import_module(".".join([package.__name__, *inside]).removesuffix(".__init__"))
-            offered = node.value if isinstance(node.value, ast.Dict) else ast.Dict([], [])
+            offered = node.value
+            if not isinstance(offered, ast.Dict):
+                offered = ast.Dict([None], [offered])
             for key, value in zip(offered.keys, offered.values, strict=True):
-                if key and isinstance(value, ast.Name | ast.Attribute):
+                if not key and isinstance(value, ast.Name):  # all of a table of them
+                    yield from getattr(module, value.id, {}).items()
+                elif key and isinstance(value, ast.Name | ast.Attribute):
                     yield ast.literal_eval(key), attrgetter(ast.unparse(value))(module)
 
 

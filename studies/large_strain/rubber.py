@@ -87,9 +87,9 @@ FIGURES = {
     "rubber": kit.series(
         "curves", title="Vulcanised rubber [Treloar1944] and laws fitted to all tests", x="stretch",
         y={"stress_MPa": "measured"}, panel="test",
-        beside={"zero_length": "zero-length spring", "cubic": "cubic spring",
-                "table": "table of springs that pull", "ogden": "Ogden 1972"},
-        log="y", labels=("stretch (1)", "nominal stress (MPa)"), line="",
+        beside={"stress_zero_length": "zero-length spring", "stress_cubic": "cubic spring",
+                "stress_table": "table of springs that pull", "stress_ogden": "Ogden 1972"},
+        log="y", labels=("stretch (1)", "nominal stress (MPa)"), line="", size=(2.4, 2.6),
     ),
     "misfit": kit.series(
         "rubber", title="What laws leave of rubber's three tests", x="up_to", y="misfit", by="law",
@@ -141,8 +141,8 @@ def run(laws: dict[str, Basis] = LAWS) -> kit.Evidence:
         f"are {100 * readings['apart'].max():.1f} % apart."
     )
     return kit.Evidence(
-        {"rubber": table, "readings": readings}, tolerances=RULES, columns=kit.columns(__file__),
-        findings=(all_tests, tables, one_test), figures=FIGURES, drawn={"curves": curves},
+        {"rubber": table, "readings": readings, "curves": curves}, tolerances=RULES,
+        columns=kit.columns(__file__), findings=(all_tests, tables, one_test), figures=FIGURES,
     )  # fmt: skip
 
 
@@ -275,12 +275,12 @@ def _curves(points: pd.DataFrame) -> pd.DataFrame:
     found = {
         name: (stress_of_springs(points, LAWS[law]), low)
         for name, law, low in (
-            ("zero_length", "zero-length spring", np.full(1, -np.inf)),
-            ("cubic", "cubic spring", np.full(3, -np.inf)),
+            ("stress_zero_length", "zero-length spring", np.full(1, -np.inf)),
+            ("stress_cubic", "cubic spring", np.full(3, -np.inf)),
         )
-    } | {"table": _tables(points)[DRAWN]}
+    } | {"stress_table": _tables(points)[DRAWN]}
     table = points.assign(**{n: fit(c, measured, every, low) for n, (c, low) in found.items()})
-    return table.assign(ogden=stress_of_ogden(points))
+    return table.assign(stress_ogden=stress_of_ogden(points))
 
 
 def _compare_readings() -> pd.DataFrame:
