@@ -107,7 +107,7 @@ FIGURES = {
 
 def draw_bent(tables: kit.Tables) -> Figure:
     """Springs that are elements: bodies bent to 80 % strain."""
-    figure, axes = kit.figures.new_figure(2, size=(4.2, 4.0))
+    figure, axes = kit.figures.new_figure(2, size=(3.7, 3.2))
     for axis, (body, rows) in zip(axes, tables["bent"].groupby("body", sort=False), strict=True):
         for label, kind, colour in (
             ("springs that pull", "pull", "#0072b2"),
