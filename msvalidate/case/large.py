@@ -107,7 +107,10 @@ def elements_in_full(problem: Problem, linear: Solution, points: Array, law: Law
         If no equilibrium is found.
     """
     if linear.pressure is not None:
-        raise ProblemError("large displacements: none of nearly incompressible bodies are sought")
+        raise ProblemError(
+            "large displacements: of nearly incompressible bodies none are sought; take nu below "
+            "0.45, or geometry 'linear'"
+        )
     body = linear.body
     held, moved = prescribed_displacements(problem, body.points)
     solid = Solid(body, laws_of(problem, body, law), held, problem.material.thickness)

@@ -27,7 +27,7 @@ from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.ties import TIE
 from msvalidate.network import Configuration, Network
-from msvalidate.network.laws.volumes import Volumes, dilatation
+from msvalidate.network.laws.volumes import Volumes, dilatation, tension_virial
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite,
@@ -72,6 +72,14 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
         apart = found.displacement[j] - found.displacement[i]
         strain = (apart * vector).sum(axis=1) / network.distance**2
         pull = network.pull_at_rest + network.axial_stiffness * strain
+        if network.prestressed:  # f⊗D, D at the reference points: what turns of tension bring too
+            turn = apart[:, :, None] * vector[:, None, :]
+            turn = (turn + turn.transpose(0, 2, 1)) / 2
+            along = strain[:, None, None] * vector[:, :, None] * vector[:, None, :]
+            across = network.pull_at_rest[:, None, None] * (turn - along)
+            return np.asarray(
+                pull[:, None, None] * vector[:, :, None] * vector[:, None, :] + across
+            )
     return np.asarray(pull[:, None, None] * vector[:, :, None] * vector[:, None, :])
 
 
@@ -121,8 +129,7 @@ def cell_stress(
     virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
-    pressure = network.of_cells(_pressure_virial, lattice, found, geometry)
-    total += np.multiply.outer(pressure, np.eye(network.dim))
+    total += network.of_cells(_pressure_virial, lattice, found, geometry)
     if geometry == "nonlinear":
         volume = volume * _volume_ratio(lattice, found)
     return _voigt_components(total / volume[:, None, None])
@@ -131,17 +138,19 @@ def cell_stress(
 def _pressure_virial(
     volumes: Volumes, lattice: Lattice, found: Equilibrium, geometry: Geometry
 ) -> Array:
-    """Each axis's part (c,) in N·m of the virial of the cells' volumes: U'(J) V."""
+    """Virial (c, d, d) in N·m of the cells' volumes: U'(J) V along each axis."""
     if not np.array_equal(volumes.cells, lattice.cells):
         raise ProblemError(
             "stress: the network's volumes are not the lattice's cells; give its own"
         )
+    d = volumes.dim
     if geometry == "linear":
         grown = dilatation(volumes, found.displacement, linear=True)
-        return volumes.rest_volume * (volumes.slope * (1 + grown) + volumes.curvature * grown)
+        even = np.multiply.outer(volumes.rest_volume * volumes.curvature * grown, np.eye(d))
+        return even + tension_virial(volumes, found.displacement)
     grown = dilatation(volumes, found.displacement)
     slope = volumes.slope + volumes.law.change(*volumes.coefficients, grown)
-    return np.asarray(slope * volumes.rest_volume * (1 + grown))
+    return np.multiply.outer(slope * volumes.rest_volume * (1 + grown), np.eye(d))
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:

@@ -210,6 +210,15 @@ def rest_force(volumes: Volumes) -> Array:
     return _summed(volumes, -slope[:, None, None] * g)
 
 
+def tension_virial(volumes: Volumes, displacement: Array) -> Array:
+    """Σ U'(1) ∂V/∂x⊗X (c, d, d) in N·m over corners X, to first order in (n, d) in m."""
+    u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
+    pull = _gradient(volumes, X, X) + _gradient(volumes, u, X) + _gradient(volumes, X, u)
+    k, d = pull.shape[1:]
+    virial = volumes.slope[:, None, None] * np.einsum("cka,ckb->cab", pull, X[:, :k, :d])
+    return np.asarray((virial + virial.transpose(0, 2, 1)) / 2)
+
+
 def force(volumes: Volumes, displacement: Array) -> Array:
     """Force (n, d) in N of the cells on the points, displaced by (n, d) in m, less that at rest."""
     u, X = _checked_moves("displacement", volumes, displacement), volumes.corners

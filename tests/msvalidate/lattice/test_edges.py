@@ -24,6 +24,7 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.stress import cell_stress, cell_volume
 from reference_fem.elasticity import stiffness
 from reference_fem.large_strain.by_cell import neo_hookean
 from reference_fem.large_strain.equilibrium import deform
@@ -255,6 +256,23 @@ def test_springs_of_no_rest_length_are_elements_node_for_node(shape, nu, scale, 
     theirs = deform(solid, network.displacement, np.zeros_like(ours), allow_locked=True)
     size = np.abs(theirs.displacement).max()
     np.testing.assert_allclose(ours, theirs.displacement, atol=tol * size)
+
+
+def test_mean_stress_under_tension_and_pressure_is_that_of_the_reactions():
+    unit = grid("triangle", 4, jitter=0.3)
+    mesh = Mesh(0.37 * unit.points, unit.cells, "triangle", unit.boundaries)
+    material = Isotropic(E=3.0, nu=0.4, state="plane_strain", thickness=0.2)
+    moved = Support(mesh.side("x1"), (0.01, -0.02))
+    problem = Problem(mesh, material, (Support(mesh.side("x0"), (0.0, 0.0)), moved))
+    lattice = mesh_lattice(mesh, "cotangent", positive=False)
+    found = calibrate_material(material, lattice, route="neo-Hookean")
+    network = lattice_network(problem, lattice, found)
+    rest = equilibrium(network)
+    stress = cell_stress(network, lattice, rest, thickness=0.2)
+    mean = np.average(stress, axis=0, weights=cell_volume(lattice))
+    virial = rest.reaction.T @ mesh.points / (0.2 * mesh.volume)
+    wanted = virial[0, 0], virial[1, 1], (virial[0, 1] + virial[1, 0]) / 2
+    np.testing.assert_allclose(mean, wanted, atol=1e-12 * np.abs(virial).max())
 
 
 def test_what_no_rule_serves_is_refused():
