@@ -19,10 +19,17 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
+from msvalidate.network import Network
 
 from . import bending, buckling, rubber, stretch, twins
 
-FAULTS = {**twins.FAULTS, **stretch.FAULTS}
+FAULTS = {
+    **twins.FAULTS,
+    **stretch.FAULTS,
+    **bending.FAULTS,
+    **rubber.FAULTS,
+    **buckling.FAULTS,
+}
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
@@ -30,14 +37,16 @@ def run(
     candidate: kit.DisplacementSolver = kit.solve_springs,
     setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
+    laws: dict[str, rubber.Basis] = rubber.LAWS,
+    build: Callable[[int, int], tuple[Network, kit.Array]] = buckling.column,
 ) -> kit.Evidence:
-    """All questions, or those named, for one candidate."""
+    """All questions, or those named, for one candidate, laws of rubber and way to build columns."""
     candidate = kit.check_displacements(candidate)
     asked: dict[str, Callable[[], kit.Evidence]] = {
         "twins": partial(twins.run, candidate, setting),
         "stretch": partial(stretch.run, candidate, setting),
         "bending": partial(bending.run, candidate, setting),
-        "rubber": rubber.run,
-        "buckling": partial(buckling.run, setting),
+        "rubber": partial(rubber.run, laws),
+        "buckling": partial(buckling.run, setting, build),
     }
     return kit.gather_evidence(asked, questions)
