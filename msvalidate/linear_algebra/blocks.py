@@ -7,10 +7,10 @@ them. Where they stand depends on the springs alone: found once a network, it se
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, product
 
 import numpy as np
-from scipy.sparse import bsr_array, csc_array, csr_array
+from scipy.sparse import bsr_array, csr_array
 
 from msvalidate.problem import Array, Index
 from msvalidate.problem.records import dataclass
@@ -66,13 +66,11 @@ class Blocks:
                 data[self.lower, row, column] = coupled
         return bsr_array((data, self.column, self.row_start), shape=(n * dim, n * dim))
 
-    def add(self, data: Array, cells: slice, block: Array) -> None:
-        """Add the blocks (c, k, d, k, d) of some cells to those of a matrix, (n + 2p, d, d)."""
-        d = data.shape[1]
-        place = self.cells[cells].ravel()
-        rows = block.transpose(0, 1, 3, 2, 4).reshape(len(place), d * d)
-        shape, start = (len(data), len(place)), np.arange(len(place) + 1)
-        data += (csc_array((np.ones(len(place)), place, start), shape) @ rows).reshape(data.shape)
+    def add(self, data: Array, entry: Callable[[int, int], Array]) -> None:
+        """Add to blocks (n + 2p, d, d) those of cells, by entries (c, k, k) at a row and column."""
+        place = self.cells.ravel()
+        for a, b in product(range(data.shape[1]), repeat=2):
+            data[:, a, b] += np.bincount(place, entry(a, b).ravel(), len(data))
 
 
 def blocks_of(springs: Index, points: int, cells: Index) -> Blocks:

@@ -141,8 +141,7 @@ class Configuration:
 
         K = network.blocks.summed(network.springs, network.dim, entry)
         if network.volumes is not None:
-            for part, block in cells.tangent_blocks(network.volumes, self.displacement):
-                network.blocks.add(K.data, part, block)
+            network.blocks.add(K.data, cells.tangent_entries(network.volumes, self.displacement))
         return K
 
     def force_magnitudes(self) -> Array:

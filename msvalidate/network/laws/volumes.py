@@ -16,7 +16,7 @@ formula serves all cells. This is the plain NumPy form; `msvalidate.kernels` hol
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -39,8 +39,8 @@ _HEXAHEDRON = (
 )
 
 
-TOGETHER = 100_000
-"""Cells whose tangents are in memory at once."""
+TOGETHER = 5_000
+"""Cells that are computed at once."""
 
 
 def _around(corners: int) -> Index:
@@ -179,14 +179,18 @@ def dilatation(volumes: Volumes, displacement: Array, *, linear: bool = False) -
 
     From the moves of the corners, without the digits that V and V0 share.
     """
-    X, u = volumes.corners, _checked_moves("displacement", volumes, displacement)
-    x = X if linear else X + u
     triangles, part = volumes.surface
     p, q, r = triangles.T
-    # det(x, y, z) - det(X, Y, Z), one column moved after the other.
-    change = u[:, p] * np.cross(x[:, q], x[:, r])
-    change += X[:, p] * (np.cross(u[:, q], x[:, r]) + np.cross(X[:, q], u[:, r]))
-    return np.asarray(part * change.sum(axis=(1, 2)) / volumes.rest_volume)
+
+    def grown(X: Array, u: Array) -> Array:
+        x = X if linear else X + u
+        # det(x, y, z) - det(X, Y, Z), one column moved after the other.
+        change = u[:, p] * np.cross(x[:, q], x[:, r])
+        change += X[:, p] * (np.cross(u[:, q], x[:, r]) + np.cross(X[:, q], u[:, r]))
+        return np.asarray(part * change.sum(axis=(1, 2)))
+
+    moved = _checked_moves("displacement", volumes, displacement)
+    return _by_parts(grown, volumes.corners, moved) / volumes.rest_volume
 
 
 def energy(volumes: Volumes, displacement: Array) -> float:
@@ -279,23 +283,33 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     )
 
 
-def tangent_blocks(volumes: Volumes, displacement: Array) -> Iterator[tuple[slice, Array]]:
-    """Tangent stiffness (N/m) of cells and of their corners, (cells, k, d, k, d), some at a time.
+def tangent_entries(volumes: Volumes, displacement: Array) -> Callable[[int, int], Array]:
+    """Function of a row's and a column's axis: entries (c, k, k) of tangents (N/m) of k corners.
 
-    A cell's is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H.
+    A cell's is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H: of a
+    determinant ∂²/∂p_a∂q_b = ε_abc r_c, and so on round.
 
     Source: the energy at the head of this file, differentiated twice.
     """
     slope, curvature = _slopes(volumes, displacement)
     x = _displaced(volumes, displacement)
-    hard = (curvature / volumes.rest_volume)[:, None, None, None, None]
-    for first in range(0, len(x), TOGETHER):
-        part = slice(first, first + TOGETHER)
-        g = _gradient(volumes, x[part], x[part])
-        block = hard[part] * g[:, :, :, None, None] * g[:, None, None, :, :]
-        if slope[part].any():
-            _add_second_derivative(volumes, x[part], slope[part], block)
-        yield part, block
+    g, hard = _gradient(volumes, x, x), (curvature / volumes.rest_volume)[:, None, None]
+    triangles, part = volumes.surface
+    k, bent = volumes.cells.shape[1], bool(slope.any())
+
+    def entry(a: int, b: int) -> Array:
+        block = hard * g[:, :, a, None] * g[:, None, :, b]
+        if bent and a != b:
+            c, across = 3 - a - b, np.zeros((*x.shape[:2], x.shape[1]))
+            for p, q, r in triangles:
+                for first, second, third in ((p, q, r), (q, r, p), (r, p, q)):
+                    across[:, first, second] += x[:, third, c]
+                    across[:, second, first] -= x[:, third, c]
+            sign = part if (b - a) % 3 == 1 else -part
+            block += (sign * slope)[:, None, None] * across[:, :k, :k]
+        return np.asarray(block)
+
+    return entry
 
 
 def _checked_moves(name: str, volumes: Volumes, moves: Array) -> Array:
@@ -334,12 +348,23 @@ def _summed(volumes: Volumes, pull: Array) -> Array:
 def _gradient(volumes: Volumes, x: Array, y: Array) -> Array:
     """∂V/∂x (c, corners, d) in m or m² where y is x, corners (c, k, 3); its polar form else."""
     triangles, part = volumes.surface
-    g = np.zeros(x.shape)
-    for p, q, r in triangles:
-        g[:, p] += np.cross(x[:, q], y[:, r])
-        g[:, q] += np.cross(x[:, r], y[:, p])
-        g[:, r] += np.cross(x[:, p], y[:, q])
-    return np.asarray(part * g[:, : volumes.cells.shape[1], : volumes.dim])
+
+    def slope(x: Array, y: Array) -> Array:
+        g = np.zeros(x.shape)
+        for p, q, r in triangles:
+            g[:, p] += np.cross(x[:, q], y[:, r])
+            g[:, q] += np.cross(x[:, r], y[:, p])
+            g[:, r] += np.cross(x[:, p], y[:, q])
+        return np.asarray(part * g[:, : volumes.cells.shape[1], : volumes.dim])
+
+    return _by_parts(slope, x, y)
+
+
+def _by_parts(work: Callable[..., Array], *arrays: Array) -> Array:
+    """Work on arrays of the cells, so many at a time that what is made of them stays in a cache."""
+    starts = range(0, len(arrays[0]), TOGETHER)
+    parts = [work(*(array[i : i + TOGETHER] for array in arrays)) for i in starts]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _grown(volumes: Volumes, displacement: Array) -> Array:
@@ -359,19 +384,3 @@ def _slopes(volumes: Volumes, displacement: Array) -> tuple[Array, Array]:
     law, j = volumes.law, _grown(volumes, displacement)
     slope = volumes.slope + law.change(*volumes.coefficients, j)
     return slope, law.curvature(*volumes.coefficients, j)
-
-
-def _add_second_derivative(volumes: Volumes, x: Array, slope: Array, block: Array) -> None:
-    """Add slope (c,) times ∂²V/∂x∂x (c, k, d, k, d): ∂²det/∂p_a∂q_b = ε_abc r_c, and so round."""
-    triangles, part = volumes.surface
-    k, d = block.shape[1:3]
-    across = np.zeros((*x.shape[:2], *x.shape[1:]))
-    for p, q, r in triangles:
-        for first, second, third in ((p, q, r), (q, r, p), (r, p, q)):
-            across[:, first, second] += x[:, third]
-            across[:, second, first] -= x[:, third]
-    across = (part * slope)[:, None, None, None] * across[:, :k, :k]
-    for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        if max(a, b) < d:
-            block[:, :, a, :, b] += across[..., c]
-            block[:, :, b, :, a] -= across[..., c]

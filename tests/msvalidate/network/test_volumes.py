@@ -101,7 +101,7 @@ def test_cells_that_are_none_are_refused_where_volumes_are_asked():
         volumes.energy,
         volumes.force,
         volumes.force_magnitudes,
-        lambda v, u: list(volumes.tangent_blocks(v, u)),
+        volumes.tangent_entries,
         lambda v, u: volumes.force_change(v, u, SQUARE),
         lambda v, u: volumes.force_change(v, SQUARE, u),
         volumes.dilatation,
