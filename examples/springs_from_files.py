@@ -53,6 +53,8 @@ def solve(folder, move):
     # A cell's energy κ V0 (V/V0 - 1)²/2 is that of a spring of constant κ/V0 whose length is V.
     kinds = [(["i", "j"], springs, springs["stiffness"], springs["rest_length"])]
     for c in cells:
+        if "initial_pressure" in c.dtype.names:
+            raise SystemExit("cells.csv: cells under pressure; take route = 'volume energy'")
         kinds.append(
             ([f"p{k}" for k in range(len(c.dtype) - 4)], c, c["kappa"] / c["volume"], c["volume"])
         )

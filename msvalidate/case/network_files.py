@@ -56,6 +56,7 @@ class CellLists(msgspec.Struct, forbid_unknown_fields=True):
     kappa_N_per_m_or_Pa: list[float]
     volume_m2_or_m3: list[float]
     pressure_at_rest_N_per_m_or_Pa: list[float]
+    initial_pressure_N_per_m_or_Pa: list[float] | None = None
 
 
 class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
@@ -83,7 +84,10 @@ def network_json(answer: SpringAnswer, case: Case) -> bytes:
     springs = SpringLists(network.springs.tolist(), *_last(tables["springs"], 4))
     cells = None
     if network.volumes is not None:
-        cells = CellLists(network.resisting.tolist(), *_last(tables["cells"], 3))
+        table = tables["cells"]
+        cells = CellLists(network.resisting.tolist(), *_last(table, 3))
+        if "initial_pressure" in table:
+            cells.initial_pressure_N_per_m_or_Pa = table["initial_pressure"].tolist()
     about = NetworkFile(1, case.name, answer.lattice.name, answer.spacing, points, springs, cells)
     return msgspec.json.format(msgspec.json.encode(about), indent=0) + b"\n"
 
@@ -126,8 +130,8 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
 
     Lengths in m, masses in kg, forces in N, stiffness in N/m; of cells, κ, its volume and its
     pressure -κ (V/V0 - 1): N/m, m² and N/m in the plane, Pa, m³ and Pa in space. Of cells under
-    pressure at rest, that pressure too, and λ for κ. To first order in the displacement, or in
-    full, as the answer is.
+    pressure before they are loaded, that too, and λ for κ. To first order in the displacement, or
+    in full, as the answer is.
     """
     network, u = answer.network, answer.rest.displacement
     axes, volumes = AXES[: network.dim], network.volumes
@@ -147,9 +151,9 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     tables = {"points": points, "springs": pd.DataFrame(springs)}
     if volumes is not None:
         cells = {f"p{k}": corner for k, corner in enumerate(volumes.cells.T)}
-        cells |= {"kappa": volumes.stiffness, "volume": volumes.rest_volume}
         if volumes.slope.any():
-            cells["pressure_at_rest"] = -volumes.slope
+            cells["initial_pressure"] = -volumes.slope
+        cells |= {"kappa": volumes.stiffness, "volume": volumes.rest_volume}
         linear = answer.geometry == "linear"
         grown = dilatation(volumes, u, linear=linear)
         change = volumes.law.change(*volumes.coefficients, grown)

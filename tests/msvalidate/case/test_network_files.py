@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 
 from examples import springs_from_files
+from msvalidate.case.body_advice import advise_body, body_lines
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case, make_lattice
 from msvalidate.case.matching import match
@@ -224,3 +225,21 @@ def test_files_of_large_displacements_balance():
     assert np.abs(points["ux"]).max() > 0.05
     assert np.abs(force[free]).max() <= 1e-9 * np.abs(force[~free]).max()
     assert b"stress_xx" not in files["cells.vtu"]
+
+
+def test_springs_under_tension_say_so_in_their_files(tmp_path):
+    # A part with a hole, 5 mm thick, its cells cut in two: springs of no rest length.
+    cells = np.concatenate([HOLES.cells[:, (0, 1, 2)], HOLES.cells[:, (0, 2, 3)]])
+    body = Mesh(HOLES.points, cells, "triangle")
+    case = case_of(body, 0.45, 1e6, lattice="mesh edges", route="neo-Hookean")
+    answer = solve_springs(case, 0.0)
+    files = network_files(answer, case)
+    springs, inside = (pd.read_csv(io.BytesIO(files[f"{n}.csv"])) for n in ("springs", "cells"))
+    assert not springs["rest_length"].any()
+    mu = 70e9 / 2 / 1.45 * THICK
+    np.testing.assert_allclose(inside["initial_pressure"], mu, rtol=1e-12)
+    assert "springs of no rest length" in " ".join(body_lines(advise_body(case, answer)))
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(SystemExit, match="cells under pressure; take route"):
+        springs_from_files.solve(tmp_path, move=False)
