@@ -16,7 +16,7 @@ from msvalidate.case.advice import (
     lame_name,
     springs_words,
 )
-from msvalidate.case.case import MESH_EDGES, Case
+from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
 from msvalidate.case.identify import with_cells
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.calibration import Calibration
@@ -66,9 +66,9 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
             along="the mesh's edges",
             constant=float(k[middle]),
             length=float(network.rest_length[middle]),
-            formula=EDGE_FORMULAS[case.route is None] if own else "",
+            formula=EDGE_FORMULAS[case.route != EDGE_ROUTES[1]] if own else "",
         )
-        rule = "the rule 'area'" if case.route is None else case.route
+        rule = "the rule 'area'" if case.route != EDGE_ROUTES[1] else EDGE_ROUTES[1]
         body = (law, MESH_EDGES, answer.spacing, rule, (edges,), float(np.median(network.mass)))
         made = answer.calibration
         edge: dict[str, Any] = {"damping": damping, "undamped": why, "weights": "edges"}

@@ -38,6 +38,8 @@ from msvalidate.problem.records import dataclass, field
 
 MESH_EDGES = "mesh edges"
 """The lattice that has a spring on each edge of the body's own mesh."""
+EDGE_ROUTES = ("springs", "neo-Hookean")
+"""Of them."""
 ACROSS = {2: 20, 3: 8}
 """Cells across the narrowest side where nothing is said, by the number of axes."""
 MOST_CELLS = {2: 40_000, 3: 20_000}
@@ -128,6 +130,9 @@ class Case:
         self._check_spacing()
         if self.route is not None:
             check_route(self.route)
+            if self.lattice == MESH_EDGES and self.route not in EDGE_ROUTES:
+                routes = " or ".join(map(repr, EDGE_ROUTES))
+                raise ProblemError(f"route: {self.route!r} on {MESH_EDGES}; take {routes}")
         if self.constants is not None:
             self._check_constants(finite("constants", self.constants, "k"))
             if self.route is not None:
@@ -262,8 +267,9 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     """
     domain, pattern = case.problem.domain, _pattern(case)
     if pattern is None:
-        rule = EDGE_RULES[0] if case.route is None else "cotangent"
-        return mesh_lattice(domain, rule, positive=case.route is None)  # type: ignore[arg-type]
+        rest = case.route != EDGE_ROUTES[1]
+        rule = EDGE_RULES[0] if rest else "cotangent"
+        return mesh_lattice(domain, rule, positive=rest)  # type: ignore[arg-type]
     cells = domain.volume / spacing**domain.dim
     most = MOST_ASKED[domain.dim]
     if cells > most:

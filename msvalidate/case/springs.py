@@ -22,7 +22,14 @@ from scipy.spatial import KDTree
 
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.case.case import MESH_EDGES, Case, make_lattice, spacing_by_cells, spacing_of
+from msvalidate.case.case import (
+    EDGE_ROUTES,
+    MESH_EDGES,
+    Case,
+    make_lattice,
+    spacing_by_cells,
+    spacing_of,
+)
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
@@ -202,7 +209,7 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
         return each, each[0]
     if case.constants is not None:
         return case.constants, None
-    if case.lattice == MESH_EDGES and case.route is None:
+    if case.lattice == MESH_EDGES and case.route != EDGE_ROUTES[1]:
         return None, None
     material = case.problem.material
     if not isinstance(material, Isotropic):
@@ -212,7 +219,7 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
 
 
 def _refuse_one_for_several(case: Case) -> None:
-    if case.constants is not None or (case.lattice == MESH_EDGES and case.route is None):
+    if case.constants is not None or (case.lattice == MESH_EDGES and case.route != EDGE_ROUTES[1]):
         what = "constants" if case.constants is not None else "springs on mesh edges"
         raise ProblemError(
             f"{what}: the body is of several materials; take a route, and for a mesh's edges route "

@@ -86,10 +86,12 @@ def _shared(
 ) -> csr_array:
     """Gifts of cells as parts that sum to 1 in each row."""
     gifts = csr_array((gift, (row, cell)), shape=size)
-    total = gifts.sum(axis=1)
-    if not (total > 0).all():
+    total, covered = gifts.sum(axis=1), gifts.sum(axis=1) > 0
+    if isinstance(lattice, EdgeLattice):  # whose springs may push, or have no stiffness at all
+        covered = (total != 0) | (abs(gifts).sum(axis=1) == 0)
+    if not covered.all():
         raise ProblemError(
             f"zones: the cells of the {lattice.name} lattice do not cover its springs; take one "
             "whose cells fill the body"
         )
-    return csr_array(diags_array(1 / total) @ gifts)
+    return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)

@@ -12,6 +12,7 @@ import reference_fem
 from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import isotropic_moduli, spring_tensor
+from msvalidate.constants.zones import calibrate_zones
 from msvalidate.lattice import EDGE_RULES, fill, mesh_lattice, patterns, trapezium, triangular
 from msvalidate.network import Configuration, tangent
 from msvalidate.problem import (
@@ -22,11 +23,12 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    Zone,
 )
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.stress import cell_stress, cell_volume
 from reference_fem.elasticity import stiffness
-from reference_fem.large_strain.by_cell import neo_hookean
+from reference_fem.large_strain.by_cell import laws_of, neo_hookean
 from reference_fem.large_strain.equilibrium import deform
 from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.from_mesh import mesh_discretisation
@@ -256,6 +258,23 @@ def test_springs_of_no_rest_length_are_elements_node_for_node(shape, nu, scale, 
     theirs = deform(solid, network.displacement, np.zeros_like(ours), allow_locked=True)
     size = np.abs(theirs.displacement).max()
     np.testing.assert_allclose(ours, theirs.displacement, atol=tol * size)
+
+
+def test_springs_under_tension_of_two_materials_are_elements():
+    unit = grid("triangle", 4, jitter=0.3)
+    right = np.flatnonzero(unit.points[unit.cells].mean(axis=1)[:, 0] > 0.5)
+    mesh = Mesh(unit.points, unit.cells, "triangle", unit.boundaries, {"stiff": right})
+    soft, stiff = (Isotropic(E, nu, "plane_strain") for E, nu in ((3.0, 0.3), (30.0, 0.2)))
+    sides = (mesh.side("x0"), (0.0, 0.0)), (mesh.side("x1"), (0.2, -0.1))
+    held, zones = tuple(Support(*each) for each in sides), (Zone(mesh.zone("stiff"), stiff),)
+    problem = Problem(mesh, soft, held, zones=zones)
+    lattice = mesh_lattice(mesh, "cotangent", positive=False)
+    found = calibrate_zones(problem, lattice, route="neo-Hookean")
+    network, body = lattice_network(problem, lattice, found), mesh_discretisation(mesh)
+    solid = Solid(body, laws_of(problem, body), network.held, 1.0)
+    theirs = deform(solid, network.displacement, np.zeros(mesh.points.shape), allow_locked=True)
+    ours = equilibrium(network, "nonlinear").displacement
+    np.testing.assert_allclose(ours, theirs.displacement, atol=1e-12)
 
 
 def test_mean_stress_under_tension_and_pressure_is_that_of_the_reactions():
