@@ -212,6 +212,7 @@ def solve_problem(
         `solver.ACCEPTED`.
     """
     _refuse_other_body(problem, body)
+    problem.refuse_free_body()
     held, displacement = prescribed_displacements(problem, body.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
         force = nodal_forces(problem, body)
@@ -261,6 +262,8 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
     ProblemError
         If a point force meets no node, or a loaded part does not end at cell edges.
     """
+    if problem.contacts:
+        raise ProblemError(f"{problem.name}: contacts are no loads; solve by contact.press")
     force = np.zeros(body.points.shape)
     tolerance, thickness = problem.domain.tolerance, problem.material.thickness
     for load in problem.loads:

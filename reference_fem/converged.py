@@ -254,6 +254,7 @@ def converge(
         If there is no trustworthy answer on the first mesh.
     """
     require_type("problem", problem, Problem)
+    problem.refuse_free_body()
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed

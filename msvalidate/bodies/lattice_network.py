@@ -78,16 +78,13 @@ def lattice_network(
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
     k, kappa, pressure, density = constants_by_zone(problem, lattice, constants, volume)
-    if pressure.any() and weights != "shared":
-        raise ProblemError(
-            f"weights: {weights!r} for springs that pull against cells; they balance by 'shared'"
-        )
     require_one_of("mass", mass, ("shared", "equal"))
     weight = boundary_weights(lattice, weights)
     held, displacement = prescribed_displacements(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
         shared = density * problem.material.thickness * lattice.point_volume
         force = nodal_force(problem, lattice, shared, _applied_force)
+    volumes = _volumes(lattice, kappa, pressure)
     network = spring_network(
         lattice.points,
         lattice.springs,
@@ -96,18 +93,24 @@ def lattice_network(
         held=held,
         displacement=displacement,
         force=force,
-        volumes=_volumes(lattice, kappa, pressure),
+        volumes=volumes,
         cells=lattice.cells,
-        law=ZERO_LENGTH if pressure.any() else LINEAR,
+        law=ZERO_LENGTH if volumes is not None and volumes.law is LOGARITHMIC else LINEAR,
     )
-    moved = np.flatnonzero(network.rest_force.any(axis=1))
-    if len(moved) and pressure.any():
-        raise ProblemError(
-            f"lattice {lattice.name}: springs and cells are out of balance at point {moved[0]} at "
-            "rest, as where the body's sides cut springs; take square, triangular or cubic, or a "
-            "mesh's edges by 'cotangent'"
-        )
+    if not network.law.rests:
+        _refuse_unbalanced(network, lattice.name, weights)
     return network
+
+
+def _refuse_unbalanced(network: Network, name: str, weights: str) -> None:
+    """Raise `ProblemError` where tension and pressure leave a force on a point at rest."""
+    moved = np.flatnonzero(network.rest_force.any(axis=1))
+    if len(moved):
+        raise ProblemError(
+            f"lattice {name}, weights {weights!r}: springs and cells are out of balance at point "
+            f"{moved[0]} at rest, as where the body's sides cut springs; take weights 'shared' and "
+            "square, triangular or cubic, or a mesh's edges by 'cotangent'"
+        )
 
 
 def _volumes(lattice: Lattice, kappa: Array, pressure: Array) -> Volumes | None:
@@ -131,6 +134,8 @@ Applied = Callable[[PointForce | Traction, Kind], Array]
 
 def nodal_force(problem: Problem, lattice: Kind, mass: Array, applied: Applied[Kind]) -> Array:
     """Loads as forces (n, d) in N on the points of masses (n,) in kg; the thickness enters here."""
+    if problem.contacts:
+        raise ProblemError(f"{problem.name}: contacts are no loads; take contact_network")
     force = np.zeros(lattice.points.shape)
     thickness = problem.material.thickness
     for load in problem.loads:
@@ -154,10 +159,10 @@ def _applied_force(load: PointForce | Traction, lattice: Lattice) -> Array:
                 "choose cells that put one there"
             )
         return np.outer(at, load.force)
-    return _traction_force(load, lattice)
+    return side_force(load, lattice)
 
 
-def _traction_force(load: Traction, lattice: Lattice) -> Array:
+def side_force(load: Traction, lattice: Lattice) -> Array:
     """Forces (n, d) per thickness of a traction."""
     body = lattice.domain
     if isinstance(body, Box) and isinstance(lattice, VoronoiLattice):

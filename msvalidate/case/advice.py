@@ -44,9 +44,15 @@ FORMULAS: Mapping[str, tuple[tuple[str, str], ...]] = {
 makes the tensor of `lattice.patterns` the material's. For cubic26 others do too; here k2 = k3."""
 VOLUME = {2: "({λ} - μ)t", 3: "λ - μ"}
 """Axes -> κ of a cell, N/m in the plane or Pa in space. Source: [Golec2020]."""
+UNDER_TENSION = {
+    "square": "μt/3",
+    "triangular": "μt/√3",
+    "cubic18": "μh/5",
+    "cubic26": "μh/9",
+}
+"""Lattice -> constant of all springs by the route "neo-Hookean"."""
 UNDER_PRESSURE = {2: "{λ}t", 3: "λ"}
-"""The same of the route "neo-Hookean", whose springs have 1/(d + 2) of the formulas above, but for
-square: there k1 = k2 = μt/3."""
+"""Axes -> stiffness of its cells."""
 BOUNDARY = {
     "shared": "springs in the body's sides count 1/2{edge}, points there have their cells' part",
     "cut": "springs and points of cut cells count by the part in the body",
@@ -191,11 +197,7 @@ def advice_of(
     along, cells = FORMULAS.get(lattice, (("the axes", ""),)), VOLUME
     if found.pressure:
         cells = UNDER_PRESSURE
-        part = f"/{pattern.dim + 2}"
-        along = tuple(
-            (where, "μt/3" if lattice == "square" else formula + bool(formula) * part)
-            for where, formula in along
-        )
+        along = tuple((where, UNDER_TENSION.get(lattice, "")) for where, _ in along)
     springs = zip(along, found.constants, rest, strict=True)
     return Advice(
         material=material,

@@ -87,22 +87,20 @@ def _problem(
 ) -> Problem:
     """The problem; what is wrong with one of its parts stands at the line of that part."""
     supports, loads, zones = parts
-    whole = ProblemSupport(Region((None,) * domain.dim), (0.0,) * domain.dim)
     with source.at("name"):
-        Problem(domain, material, (whole,), (), name)
+        Problem(domain, material, (), (), name)
     for i, zone in enumerate(zones):
         with source.at("region", i):
-            Problem(domain, material, (whole,), (), name, (zone,))
+            Problem(domain, material, (), (), name, (zone,))
     for i, load in enumerate(loads):
         with source.at("load", i):
-            Problem(domain, material, (whole,), (load,), name)
+            Problem(domain, material, (), (load,), name)
     for i, given in enumerate(supports):
         with source.at("support", i):
-            for support in given:
-                Problem(domain, material, (support, whole), (), name)
+            Problem(domain, material, given, (), name)
     held = tuple(chain.from_iterable(supports))
     with source.at("support"):
-        Problem(domain, material, held, (), "all together")
+        Problem(domain, material, held, (), "all together").refuse_free_body()
     return Problem(domain, material, held, loads, name, zones)
 
 

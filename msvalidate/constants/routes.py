@@ -13,10 +13,10 @@ The first is taken where it leads to the material, or else the second:
       κ = E ((d + 1) nu - 1) / (2 (1 + nu) (1 - (d - 1) nu)).
 
 - ``neo-Hookean``, where it is asked for: springs of no rest length beside cells under pressure,
-  U(J) = -μ ln J + (λ/2) ln²J, any ratio. Of directions of second-order isotropy Σ ½k|F r|² is
-  (μ/2) F:F if k is a (d + 2)th of the springs' at rest; the rest of the neo-Hookean law is U. It
-  is that law in homogeneous strain, and in these bodies elements of it, node for node: squares
-  with k1 = k2 = μ/3 are bilinear ones with one mean J a cell, and edges of triangles and
+  U(J) = -μ ln J + (λ/2) ln²J, any ratio. Springs all alike, of directions of second-order
+  isotropy, store Σ ½k|F r|² = (μ/2) F:F if Σ k r⊗r is μ a volume; the rest of the neo-Hookean law
+  is U. It is that law in homogeneous strain, and in these bodies elements of it, node for node:
+  squares, where k = μ/3, are bilinear ones with one mean J a cell, and edges of triangles and
   tetrahedra by the rule "cotangent" are linear ones (study `large_strain`, question twins). In
   plane stress it is the two-dimensional law of the same small-strain moduli, which at a stretch of
   1.1 differs from a sheet that thins by .24 %.
@@ -29,26 +29,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from scipy.optimize import least_squares, nnls
 
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.homogenise import deforms_affinely, homogenise
+from msvalidate.constants.isotropic import isotropic_constants
 from msvalidate.constants.stiffness import (
     ALIKE,
     CAUCHY,
     UNIT,
-    Moduli,
     axes_moduli,
     edge_constants,
     is_of_material,
-    is_same_tensor,
-    isotropic_moduli,
     isotropic_tensor,
     lame,
     moduli,
     pattern_tensor,
-    square_constants,
-    triangular_constants,
 )
 from msvalidate.constants.waves import least_stable_volume
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
@@ -64,19 +59,12 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
 
-CLOSED: Mapping[str, Callable[[Isotropic], Constants]] = {
-    "square": square_constants,
-    "triangular": triangular_constants,
-}
-"""Patterns whose constants have a closed form."""
 PATTERN_OF: Mapping[str, Callable[[], Pattern]] = {
     "square": patterns.square,
     "square at 45°": patterns.square,
     "triangular": patterns.triangular,
 }
 """Lattices built without a pattern, and what repeats in them; a turn changes no isotropic solid."""
-START = 1e-3
-"""Least constant to start a search from, relative to the largest: at zero springs are gone."""
 ORDINARY = 1e100
 """Moduli times thickness beyond which, or below one over which, squares have no digits left."""
 
@@ -93,9 +81,6 @@ def calibrate_by_route(
     """
     if not isinstance(material, Isotropic):
         raise ProblemError(f"calibrate: {format_value(material)}; the material must be isotropic")
-    if isinstance(lattice, EdgeLattice) and route is not None:
-        return _along_edges(material, lattice, route)
-    pattern, unit = _repeating_cell(lattice, spacing)
     if not 1 / ORDINARY < material.E * material.thickness < ORDINARY:
         raise ProblemError(
             f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
@@ -103,6 +88,9 @@ def calibrate_by_route(
         )
     if route is not None:
         check_route(route)
+    if isinstance(lattice, EdgeLattice) and route is not None and spacing is None:
+        return _along_edges(material, lattice, route)
+    pattern, unit = _repeating_cell(lattice, spacing)
     lead = _by_first_route if route is None else ROUTES[route]
     found = lead(material, pattern, unit)
     if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
@@ -243,12 +231,16 @@ def _of_no_rest_length(material: Isotropic, pattern: Pattern, spacing: float) ->
     _refuse_moving_points(pattern)
     E, nu, _ = _compressible_moduli(material, d, pattern.name)
     lam, mu = lame(d, E, nu)
-    if pattern.name == "square":
-        constants: Constants = (mu / 3, mu / 3)  # of squares with one mean J a cell
-    else:
-        state: State = "plane_stress" if d == 2 else "solid"
-        at_rest = Isotropic(2 * mu * (1 + CAUCHY[d]), CAUCHY[d], state)
-        constants = tuple(k / (d + 2) for k in isotropic_constants(at_rest, pattern, spacing))
+    # Σ k r⊗r over the volume is the mean of the tensor's last two indices.
+    alike = (1.0,) * pattern.kinds
+    moment = pattern_tensor(pattern, alike, spacing)[:, :d].sum(axis=1)
+    even = np.arange(len(moment)) < d
+    if np.abs(moment - moment[0] * even).max() > ALIKE * moment[0]:
+        raise ProblemError(
+            f"{pattern.name} lattice: springs all alike are stiffer along one axis than along "
+            "another; take a lattice with the symmetry of squares, cubes or triangles"
+        )
+    constants = tuple(mu / moment[0] * k for k in alike)
     tensor = isotropic_tensor(d, E, nu)
     found = calibration_of(material, pattern, spacing, constants, lam, "neo-Hookean", tensor)
     return replace(found, pressure=mu)
@@ -256,7 +248,6 @@ def _of_no_rest_length(material: Isotropic, pattern: Pattern, spacing: float) ->
 
 def _along_edges(material: Isotropic, lattice: EdgeLattice, route: str) -> Calibration:
     """The same along a mesh's edges."""
-    check_route(route)
     if route != "neo-Hookean" or lattice.rule != "cotangent":
         raise ProblemError(
             f"route: {route!r} for edges of a mesh by the rule {lattice.rule!r}; take "
@@ -359,114 +350,3 @@ def _refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> 
         f"its cells, unstable from {least:.6g} down, for its points are not all corners of cells: "
         f"take a ratio along its axes above {ratio / ((d - 1) * ratio + 2):.6g}"
     )
-
-
-def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
-    """Spring constants (N/m), one a kind, that make a pattern a material by springs alone.
-
-    By closed form where there is one, by the pattern's own rules where one leaves the material's
-    ratio, or by search: linear where points follow a uniform strain, on the relaxed tensor
-    elsewhere.
-
-    Parameters
-    ----------
-    material, pattern
-        What is to be, and what repeats.
-    spacing
-        Length (m) of the pattern's unit.
-
-    Raises
-    ------
-    ProblemError
-        With the reason and the nearest that there is, if there are none.
-    """
-    E, nu = axes_moduli(material, pattern.dim, f"{pattern.name} lattice")
-    if pattern.name in CLOSED:
-        return CLOSED[pattern.name](material)
-    for rule in pattern.rules.values():
-        solid = _isotropic_moduli(pattern, rule, spacing)
-        if solid is not None and abs(nu - solid.nu) <= ALIKE:
-            return tuple(k * E / solid.E for k in rule)
-    if deforms_affinely(pattern):
-        return _affine_constants(pattern, spacing, E, nu)
-    return _relaxed_constants(pattern, spacing, E, nu)
-
-
-def _isotropic_moduli(pattern: Pattern, constants: Constants, spacing: float) -> Moduli | None:
-    """Moduli of an isotropic solid; None of any other."""
-    try:
-        found = moduli(homogenise(pattern, constants, spacing).tensor)
-    except ProblemError:
-        return None
-    return found if abs(found.zener - 1) <= ALIKE else None
-
-
-def _affine_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> Constants:
-    """Non-negative least squares: the tensor is linear in the constants, one column a kind."""
-    d, cauchy = pattern.dim, CAUCHY[pattern.dim]
-    target = isotropic_tensor(d, E, cauchy)
-    kinds = np.eye(pattern.kinds)
-    columns = [pattern_tensor(pattern, tuple(k), spacing).ravel() for k in kinds]
-    constants, _ = nnls(np.column_stack(columns), target.ravel())
-    tensor = (np.column_stack(columns) @ constants).reshape(target.shape)
-    if not is_same_tensor(target, tensor):
-        raise ProblemError(
-            f"{pattern.name} lattice: no spring constants make it isotropic, the nearest leave "
-            f"{_describe_tensor(tensor)}; take another lattice, or give the constants"
-        )
-    if abs(nu - cauchy) > ALIKE:
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {nu:.6g}; central springs make it isotropic at "
-            f"{cauchy:.6g} only (λ = μ): take that ratio or a volume energy, or give "
-            "the constants"
-        )
-    return tuple(constants.tolist())
-
-
-def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> Constants:
-    """Least squares on the tensor with the points at rest, from each of the pattern's rules."""
-    if nu >= 1 / (pattern.dim - 1):
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {nu:.6g}; nothing is compressible, which takes an "
-            "infinite constant: take a lower ratio"
-        )
-    target = isotropic_tensor(pattern.dim, E, nu)
-    largest = float(np.abs(target).max())
-
-    def misfit(constants: Array) -> Array:
-        tensor = homogenise(pattern, tuple(constants), spacing).tensor
-        return np.asarray((tensor - target).ravel() / largest)
-
-    unit = largest * spacing ** (pattern.dim - 2)
-    limits = {"ftol": None, "xtol": 1e-15, "gtol": 1e-15}
-    tries = []
-    for rule in pattern.rules.values():
-        start = np.maximum(np.array(rule) / max(rule), START) * unit
-        tries.append(least_squares(misfit, start, "3-point", (0, np.inf), x_scale=unit, **limits))
-    # Of constants that are exact but for rounding, those of the first rule.
-    exact = [found for found in tries if np.abs(found.fun).max() <= ALIKE]
-    best = exact[0] if exact else min(tries, key=lambda found: float(found.cost))
-    solid = homogenise(pattern, tuple(best.x), spacing)
-    if np.abs(best.fun).max() > ALIKE:
-        raise ProblemError(
-            f"{pattern.name} lattice: no spring constants make it isotropic at nu = {nu:.6g}; the "
-            f"nearest found, {', '.join(f'{k:.3g}' for k in best.x)} N/m, leave "
-            f"{_describe_tensor(solid.tensor)}: take a ratio nearer to those of its rules, or give "
-            f"the "
-            "constants"
-        )
-    if solid.floppy:
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {nu:.6g}; the constants that it takes leave points "
-            "loose: take another ratio, or give the constants"
-        )
-    return tuple(best.x.tolist())
-
-
-def _describe_tensor(tensor: Array) -> str:
-    """What a tensor is, in words."""
-    try:
-        mean = isotropic_moduli(tensor)
-    except ProblemError:
-        return "some strain without energy"
-    return f"nu = {mean.nu:.6g} and a Zener ratio of {mean.zener:.6g}"

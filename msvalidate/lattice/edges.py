@@ -100,17 +100,7 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
         or less where that is not to be.
     """
     require_type("mesh", mesh, Mesh)
-    require_one_of("stiffness of a mesh's edges", rule, EDGE_RULES)
-    if mesh.kind.degree != 1:
-        raise ProblemError(
-            f"mesh lattice: {mesh.shape} cells have mid-sides; give a mesh of straight cells"
-        )
-    simplex = mesh.shape == "triangle" or (mesh.shape, rule) == ("tetra", "cotangent")
-    if rule != "area" and not simplex:
-        able = "triangles and tetrahedra" if rule == "cotangent" else "triangles"
-        raise ProblemError(
-            f"mesh lattice: rule {rule!r} is for {able}, the cells are {mesh.shape}; take 'area'"
-        )
+    _refuse_other_cells(mesh, rule)
     cells = mesh.cells
     volume = corner_volumes(mesh.points, cells)
     ends, weights = _edges(mesh.shape, cells.shape[1])
@@ -143,6 +133,21 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
         gifts=gifts,
         of=which.reshape(gifts.shape),
     )
+
+
+def _refuse_other_cells(mesh: Mesh, rule: str) -> None:
+    """Raise `ProblemError` where a rule is not for a mesh's cells."""
+    require_one_of("stiffness of a mesh's edges", rule, EDGE_RULES)
+    if mesh.kind.degree != 1:
+        raise ProblemError(
+            f"mesh lattice: {mesh.shape} cells have mid-sides; give a mesh of straight cells"
+        )
+    simplex = mesh.shape == "triangle" or (mesh.shape, rule) == ("tetra", "cotangent")
+    if rule != "area" and not simplex:
+        able = "triangles and tetrahedra" if rule == "cotangent" else "triangles"
+        raise ProblemError(
+            f"mesh lattice: rule {rule!r} is for {able}, the cells are {mesh.shape}; take 'area'"
+        )
 
 
 def _edges(shape: str, corners: int) -> tuple[Index, Array]:

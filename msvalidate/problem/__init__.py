@@ -18,6 +18,7 @@ from msvalidate.problem.arrays import (
     Index,
     Mask,
 )
+from msvalidate.problem.contact import OBSTACLES, Contact, Obstacle
 from msvalidate.problem.domain import (
     MOST_VERTICES,
     SIDES,
@@ -58,6 +59,7 @@ __all__ = [
     "LONGEST",
     "MOST_POINTS",
     "MOST_VERTICES",
+    "OBSTACLES",
     "PLACEMENT",
     "SHAPES",
     "SIDES",
@@ -69,6 +71,7 @@ __all__ = [
     "Boundary",
     "Box",
     "CellSet",
+    "Contact",
     "Domain",
     "Field",
     "Index",
@@ -77,6 +80,7 @@ __all__ = [
     "Mask",
     "Material",
     "Mesh",
+    "Obstacle",
     "Part",
     "PointForce",
     "Polygon",

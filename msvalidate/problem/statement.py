@@ -1,4 +1,4 @@
-"""Problem: a body, what it is made of, how it is held and what acts on it."""
+"""Problem: a body, what it is made of, how it is held, what acts on it and what it may touch."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from msvalidate.problem.checks import (
     format_value,
     require_type,
 )
+from msvalidate.problem.contact import Contact
 from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import (
@@ -84,12 +85,13 @@ class Problem:
         What messages call it.
     zones
         Parts of another material; of several that hold a place the last one counts.
+    contacts
+        What it may touch.
 
     Raises
     ------
     ProblemError
-        If the parts do not fit together, or the supports leave the body a rigid motion; the
-        message names each free motion.
+        If the parts do not fit together. A body may be free to move: `refuse_free_body`.
     """
 
     domain: Domain
@@ -98,6 +100,7 @@ class Problem:
     loads: tuple[Load, ...] = ()
     name: str = field(default="problem")
     zones: tuple[Zone, ...] = ()
+    contacts: tuple[Contact, ...] = ()
 
     def __post_init__(self) -> None:
         check_name("problem name", self.name)
@@ -105,6 +108,7 @@ class Problem:
             ("supports", self.supports, Support),
             ("loads", self.loads, Load),
             ("zones", self.zones, Zone),
+            ("contacts", self.contacts, Contact),
         ):
             if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
                 raise ProblemError(
@@ -128,9 +132,10 @@ class Problem:
             corners = corners_of(load.region, self.domain)
             if isinstance(load, Traction):
                 _refuse_off_side("traction", load.region, self.domain, corners)
-        corners, held = self._held_corners()
-        refuse_free_motions(self.name, corners, held)
-        self._refuse_free_pieces()
+        for contact in self.contacts:
+            corners = corners_of(contact.region, self.domain)
+            _refuse_off_side("contact", contact.region, self.domain, corners)
+        self._held_corners()
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -153,8 +158,12 @@ class Problem:
         d = self.domain.dim
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
 
-    def _refuse_free_pieces(self) -> None:
-        """Refuse a mesh of several pieces of which one is not held by itself."""
+    def refuse_free_body(self) -> None:
+        """Raise `ProblemError` if the supports leave the body, or a piece of it, a rigid motion.
+
+        The message names each. What solves for rest asks it before it meshes.
+        """
+        refuse_free_motions(self.name, *self._held_corners())
         mesh = self.domain
         if not isinstance(mesh, Mesh) or not mesh.pieces.any():
             return

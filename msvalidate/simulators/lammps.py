@@ -16,6 +16,7 @@ from msvalidate.dynamics.damping import quickest_damping
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
 from msvalidate.network.configuration import frequency_bound, tangent
+from msvalidate.network.laws.linear import LINEAR
 from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.statics.equilibrium import Equilibrium
 
@@ -90,8 +91,11 @@ def lammps_files(network: Network, found: Equilibrium, said: str) -> dict[str, b
     Raises
     ------
     ProblemError
-        If LAMMPS's positions, in double precision, have no digits of the displacement.
+        If LAMMPS's positions, in double precision, have no digits of the displacement, or the
+        springs are not Hooke's: its harmonic bonds are.
     """
+    if network.law is not LINEAR:
+        raise ProblemError(f"lammps: springs of the {network.law.name} law; take linear ones")
     u = found.displacement
     damping, dt = quickest_damping(network), PART_OF_LIMIT * 2 / frequency_bound(network)
     rows = abs(tangent(network, network.points)).sum(axis=1).reshape(u.shape).max(axis=1)

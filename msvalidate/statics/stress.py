@@ -45,7 +45,7 @@ Geometry = Literal["linear", "nonlinear"]
 def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
     """Virial (m, d, d) in N·m of each spring: its pull times its vector, f d⊗d/|d|.
 
-    "linear": the pull to first order in the displacement, along the reference vector.
+    "linear": the force to first order in the displacement times the reference vector, f⊗D.
     "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
 
     Source: [Clausius1870], [BornHuang1954].
@@ -66,21 +66,22 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
     # Elongations come from displacements: positions have few digits of small ones, or none.
     if geometry == "nonlinear":
         at = Configuration(network, found.displacement)
-        pull, vector = at.force_density, at.vector
-    else:
-        vector, (i, j) = network.vector, network.springs.T
-        apart = found.displacement[j] - found.displacement[i]
-        strain = (apart * vector).sum(axis=1) / network.distance**2
-        pull = network.pull_at_rest + network.axial_stiffness * strain
-        if network.prestressed:  # f⊗D, D at the reference points: what turns of tension bring too
-            turn = apart[:, :, None] * vector[:, None, :]
-            turn = (turn + turn.transpose(0, 2, 1)) / 2
-            along = strain[:, None, None] * vector[:, :, None] * vector[:, None, :]
-            across = network.pull_at_rest[:, None, None] * (turn - along)
-            return np.asarray(
-                pull[:, None, None] * vector[:, :, None] * vector[:, None, :] + across
-            )
-    return np.asarray(pull[:, None, None] * vector[:, :, None] * vector[:, None, :])
+        return np.asarray(at.force_density[:, None, None] * _dyads(at.vector, at.vector))
+    vector, (i, j) = network.vector, network.springs.T
+    apart = found.displacement[j] - found.displacement[i]
+    strain = (apart * vector).sum(axis=1) / network.distance**2
+    tension = network.pull_at_rest
+    pull = tension + (network.axial_stiffness - tension) * strain
+    virial = pull[:, None, None] * _dyads(vector, vector)
+    if network.prestressed:  # what its turn and its growth bring
+        turn = tension[:, None, None] * _dyads(apart, vector)
+        virial = virial + (turn + turn.transpose(0, 2, 1)) / 2
+    return np.asarray(virial)
+
+
+def _dyads(a: Array, b: Array) -> Array:
+    """a⊗b (m, d, d) of vectors (m, d)."""
+    return np.asarray(a[:, :, None] * b[:, None, :])
 
 
 def cell_stress(

@@ -112,6 +112,8 @@ class Volumes:
         for name, value in given.items():
             object.__setattr__(self, name, value)
             value.setflags(write=False)
+        if pressure.any() and not self.slope.any():
+            raise ProblemError(f"pressure of volumes: the {self.law.name} law has none; leave it")
         small = self.rest_volume <= 1e-12 * np.ptp(points[cells], axis=1).max(axis=1) ** d
         if small.any():
             cell = int(np.flatnonzero(small)[0])

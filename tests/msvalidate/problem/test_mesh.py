@@ -150,7 +150,8 @@ def test_problem_on_a_mesh(box_mesh):
     with refused("support on boundary 'left': the discretised body has points from y = 0 to 0.5"):
         prescribed_displacements(problem, mesh.points[mesh.points[:, 1] < 0.7])
     with refused("supports leave the body free: translation along y"):
-        Problem(mesh, problem.material, (Support(mesh.side("left"), (0.0, None)),))
+        roller = Support(mesh.side("left"), (0.0, None))
+        Problem(mesh, problem.material, (roller,)).refuse_free_body()
 
 
 def test_each_piece_of_a_mesh_is_held_by_itself(box_mesh):
@@ -164,10 +165,10 @@ def test_each_piece_of_a_mesh_is_held_by_itself(box_mesh):
     np.testing.assert_array_equal(both.pieces, np.repeat([0, 1], n))
     ends = [Support(Region((x, None)), (0.0, 0.0)) for x in (0.0, 3.0)]
     law = Isotropic(1e6, 0.3)
-    Problem(both, law, tuple(ends))
+    Problem(both, law, tuple(ends)).refuse_free_body()
     for held, where in ((ends[0], "(4, 0.5)"), (ends[1], "(1, 0.5)")):
         with refused(f"the mesh is in 2 pieces, and of that around {where} m: the supports leave"):
-            Problem(both, law, (held,))
+            Problem(both, law, (held,)).refuse_free_body()
 
 
 def test_boundary_of_another_body_is_refused(box_mesh):

@@ -114,7 +114,7 @@ def test_rigid_motions_change_no_distance(d):
 )
 def test_a_body_left_free_is_refused_with_each_motion(supports, names):
     with refused("problem: the supports leave the body free: ") as caught:
-        plate(supports=supports)
+        plate(supports=supports).refuse_free_body()
     assert str(caught.value).endswith("Hold one more component against each")
     for name in names:
         assert name in str(caught.value)

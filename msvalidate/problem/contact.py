@@ -1,0 +1,163 @@
+"""Contact: a rigid obstacle that part of a body's surface may touch, and may not enter.
+
+A contact is no support: it pushes and never pulls, and what solves for rest asks supports to hold
+every rigid motion beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from msvalidate.problem.arrays import Array
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    finite_number,
+    format_value,
+    positive_number,
+    require_one_of,
+    require_type,
+)
+from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.loads import check_region
+from msvalidate.problem.records import dataclass
+from msvalidate.problem.region import Part
+
+OBSTACLES: Mapping[str, tuple[int, ...]] = {
+    "half_space": (2, 3),
+    "disc": (2,),
+    "ball": (3,),
+    "parabola": (2,),
+    "paraboloid": (3,),
+}
+"""Shape -> axes of the bodies that it meets. Parabolas are what Hertz wrote for discs: their gap
+and their force run along the axis."""
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A rigid body that does not deform and does not turn.
+
+    Parameters
+    ----------
+    shape
+        One of `OBSTACLES`.
+    at
+        Its foremost point (m): where it first touches a plane across its way.
+    towards
+        The way in which it is lowered into the body, of any length.
+    radius
+        Of curvature at the foremost point (m); None of half-spaces.
+    """
+
+    shape: str
+    at: tuple[float, ...]
+    towards: tuple[float, ...]
+    radius: float | None = None
+
+    def __post_init__(self) -> None:
+        require_one_of("obstacle", self.shape, OBSTACLES)
+        at = finite_coordinates(f"{self.shape}: at", self.at)
+        towards = finite(f"{self.shape}: towards", self.towards)
+        axes = OBSTACLES[self.shape]
+        for name, given in (("at", at), ("towards", towards)):
+            if given.ndim != 1 or len(given) not in axes or len(given) != len(at):
+                wanted = " or ".join(str(d) for d in axes)
+                raise ProblemError(
+                    f"{self.shape}: {name} {format_value(getattr(self, name))}; give {wanted} "
+                    "numbers, as many as the body has axes"
+                )
+        if not towards.any():
+            raise ProblemError(f"{self.shape}: towards has no length; give the way into the body")
+        if (self.shape == "half_space") != (self.radius is None):
+            need = "leave it out" if self.radius is not None else "give one in m"
+            raise ProblemError(f"{self.shape}: radius {format_value(self.radius)}; {need}")
+        if self.radius is not None:
+            positive_number(f"{self.shape}: radius", self.radius, "m")
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return len(self.at)
+
+    @property
+    def axis(self) -> Array:
+        """Unit vector (d,) of the way in which it is lowered: its normal at the foremost point."""
+        towards = np.array(self.towards, dtype=float)
+        return np.asarray(towards / np.linalg.norm(towards))
+
+    @property
+    def is_round(self) -> bool:
+        """Whether its normal changes along its surface."""
+        return self.shape in {"disc", "ball"}
+
+    def gap(self, points: Array, depth: float = 0.0) -> Array:
+        """Distance (n,) in m of points (n, d) from it, below 0 inside, lowered by `depth` (m).
+
+        Of a parabola the distance along its axis.
+        """
+        from_top = points - np.array(self.at) - depth * self.axis
+        along = from_top @ self.axis
+        if self.radius is None:
+            return np.asarray(along)
+        square = (from_top**2).sum(axis=1)
+        if not self.is_round:
+            return np.asarray(along + (square - along**2) / (2 * self.radius))
+        # |x - c| - R without the cancellation: x - c is R·axis more than x from the top.
+        out = np.linalg.norm(from_top + self.radius * self.axis, axis=1)
+        return np.asarray((square + 2 * self.radius * along) / (out + self.radius))
+
+    def normal(self, points: Array, depth: float = 0.0) -> Array:
+        """Unit vectors (n, d) out of it at points (n, d): along them it pushes."""
+        if not self.is_round or self.radius is None:
+            return np.tile(self.axis, (len(points), 1))
+        from_centre = points - np.array(self.at) + (self.radius - depth) * self.axis
+        return np.asarray(from_centre / np.linalg.norm(from_centre, axis=1)[:, None])
+
+    def centre(self, depth: float = 0.0) -> Array:
+        """Centre (1, d) in m of a disc or ball lowered by `depth` (m)."""
+        return np.atleast_2d(np.array(self.at) + (depth - (self.radius or 0.0)) * self.axis)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where a body may touch an obstacle, how deep that is lowered or how hard it is pressed.
+
+    Parameters
+    ----------
+    region
+        Part of the body's surface, as a load's.
+    obstacle
+        What it may touch.
+    depth
+        How far (m) it is lowered from where it was placed.
+    force
+        With which it is pressed along its way instead (N, over the whole thickness), or None.
+    friction
+        Coefficient of friction (1), of motions; bodies at rest touch without.
+    """
+
+    region: Part
+    obstacle: Obstacle
+    depth: float = 0.0
+    force: float | None = None
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_region("contact", self.region)
+        name = f"contact on {self.region}"
+        require_type(f"{name}: obstacle", self.obstacle, Obstacle)
+        if not self.region.is_facet:
+            raise ProblemError(f"{name}: no part of a side; give one, such as box.side('top')")
+        if self.region.dim != self.obstacle.dim:
+            raise ProblemError(
+                f"{name}: an obstacle in {self.obstacle.dim}D for a body in {self.region.dim}D"
+            )
+        depth = finite_number(f"{name}: depth", self.depth)
+        if self.force is not None:
+            positive_number(f"{name}: force", self.force, "N")
+            if depth:
+                raise ProblemError(f"{name}: depth and force both; give one, the other follows")
+        finite_number(f"{name}: friction", self.friction, least=0)

@@ -1,0 +1,452 @@
+"""A network at rest against rigid obstacles, without friction.
+
+Contact forces are external forces. With candidate points i, gap g_i to the obstacle, its normal n_i
+and the force f_i along it,
+
+    g_i >= 0,    f_i >= 0,    f_i g_i = 0,
+
+which to first order is the minimum of ½ f·C f + f·g0 over f >= 0, C_ij what a unit force at j along
+n_j moves i by along n_i. It is found by conjugate gradients that are restarted whenever the set of
+touching points changes ([PolonskyKeer1999]), of an obstacle pressed by a force P with Σ f_i n_i·a =
+P beside, a its way. The network's own equilibrium under these forces then says what gaps are left;
+from these, and normals where the points are now, the next round begins. Linear networks take one
+round where their tangent is factorised, and some where it is solved for by multigrid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from msvalidate.network import Configuration, Network
+from msvalidate.problem import (
+    Array,
+    Index,
+    Mask,
+    Obstacle,
+    ProblemError,
+    SolverError,
+    refuse_free_motions,
+)
+from msvalidate.problem.checks import require_one_of
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium, equilibrium_at
+from msvalidate.statics.tangents import Tangent, tangent_at
+from msvalidate.tangent.inverse import Solver
+
+CLOSED = 1e-10
+"""Of the depth: gap or penetration at which the rounds stop."""
+ACCEPTED = 1e-7
+"""Of the depth, what may be left where rounding or rounds allow no less."""
+ROUNDS = 40
+"""Linear networks take 1 to 4, others 5 to 15."""
+APPLICATIONS = 2000
+"""Of C in a round; 30 to 60 are usual."""
+IN_A_ROUND = 1e-4
+"""Part of the violation that a round leaves where its tangent is not the last one."""
+SMALLEST_PART = 2.0**-6
+"""Of an obstacle's way, that is not halved any more."""
+HELD = 1e-9
+"""Part of a normal along what is not held, below which a candidate cannot give way."""
+SECOND_MOMENT = {2: 4.0, 3: 2.5}
+"""a² over the mean of the squares of distances from the middle, of pressures √(a² - x²)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Touching:
+    """Points of a network that an obstacle may touch.
+
+    Parameters
+    ----------
+    points
+        (c,) numbers.
+    share
+        (c,) force (N) on each by a unit pressure (1 Pa) on the surface: area, or length times
+        thickness.
+    obstacle, depth, force, friction
+        As in `problem.Contact`.
+    """
+
+    points: Index
+    share: Array
+    obstacle: Obstacle
+    depth: float = 0.0
+    force: float | None = None
+    friction: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """An obstacle's contact with a network at rest.
+
+    Parameters
+    ----------
+    points, share
+        Candidates (c,), as in `Touching`.
+    force, gap
+        (c,) in N along the obstacle's normals, and in m.
+    depth
+        How far (m) the obstacle was lowered.
+    total
+        Force (N) along its way.
+    half_width
+        Half-width (m) or radius of the patch from the forces' second moment; see `half_width`.
+        0 where nothing touches.
+    """
+
+    points: Index
+    share: Array
+    force: Array
+    gap: Array
+    depth: float
+    total: float
+    half_width: float
+
+    @property
+    def pressure(self) -> Array:
+        """Pressure (c,) in Pa: force by share."""
+        return np.asarray(self.force / self.share)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactEquilibrium:
+    """A network at rest against obstacles.
+
+    Parameters
+    ----------
+    equilibrium
+        Under its loads and the contact forces, with its own error.
+    contacts
+        One for each obstacle.
+    complementarity
+        Largest penetration, or gap under a force, over the largest depth of an obstacle in the body
+        as it was: how far the answer is from exact unilateral contact.
+    rounds, applications
+        That it took: small problems, and solves with the tangent in them.
+    """
+
+    equilibrium: Equilibrium
+    contacts: tuple[Pressed, ...]
+    complementarity: float
+    rounds: int
+    applications: int
+
+
+def press(
+    network: Network,
+    touching: Touching | Sequence[Touching],
+    geometry: Literal["linear", "nonlinear"] = "linear",
+    *,
+    solver: str = "auto",
+) -> ContactEquilibrium:
+    """Static equilibrium of a network that obstacles are pressed on.
+
+    Parameters
+    ----------
+    network
+        Supports must hold every rigid motion; its loads act too.
+    touching
+        What may touch, such as `bodies.contact_network` gives it.
+    geometry
+        "linear": gaps and springs to first order in the displacement. "nonlinear": the obstacle
+        meets points where they are. What is too deep at once is lowered in parts.
+    solver
+        As for `equilibrium`.
+
+    Raises
+    ------
+    ProblemError
+        If a contact cannot be: nothing is reached, two claim one point, friction at rest, a
+        parabola in nonlinear geometry; or as `equilibrium`.
+    SolverError
+        If no equilibrium is found, or gaps do not close.
+    """
+    require_one_of("geometry", geometry, ("linear", "nonlinear"))
+    each = (touching,) if isinstance(touching, Touching) else tuple(touching)
+    _refuse_other(network, each, geometry)
+    refuse_free_motions("network", network.points, network.held)
+    way = _Way(network, each, geometry, solver)
+    part, done = 1.0, 0.0
+    while done < 1:
+        try:
+            way.lower(min(1.0, done + part))
+        except SolverError as error:
+            if geometry == "linear" or part <= SMALLEST_PART:
+                raise SolverError(
+                    f"contact: no equilibrium beyond {done:.4g} of the obstacle's way; {error}"
+                ) from error
+            part /= 2
+            continue
+        done = min(1.0, done + part)
+    return way.result()
+
+
+def _refuse_other(network: Network, each: Sequence[Touching], geometry: str) -> None:
+    """Raise `ProblemError` for contacts that are none."""
+    if not each:
+        raise ProblemError("contact: none; give one, or take equilibrium")
+    numbers, times = np.unique(np.concatenate([one.points for one in each]), return_counts=True)
+    if (times > 1).any():
+        point = int(numbers[times > 1][0])
+        raise ProblemError(
+            f"contact: two contacts claim point {point} at {network.points[point].tolist()} m; "
+            "give each its own part of the surface"
+        )
+    for one in each:
+        shape = one.obstacle.shape
+        if one.friction:
+            raise ProblemError(
+                f"contact with a {shape}: friction {one.friction:g} at rest depends on the way "
+                "there; take `motion`, or friction 0"
+            )
+        if geometry == "nonlinear" and shape.startswith("parabol"):
+            raise ProblemError(
+                f"contact with a {shape}: its gap runs along its axis, which is so to first order "
+                "only; take a disc or ball, or geometry 'linear'"
+            )
+
+
+class _Way:
+    """Obstacles on their way into a network, and where it has led to.
+
+    Attributes
+    ----------
+    points, which
+        Candidates (c,) of all obstacles, and the obstacle of each.
+    wanted, depths
+        Force (N) of each obstacle, NaN where its depth is given; and its depth (m) now.
+    found, force, load
+        The equilibrium there, forces (c,) in N along the normals, and what they are (n, d).
+    """
+
+    def __init__(
+        self, network: Network, each: tuple[Touching, ...], geometry: str, solver: str
+    ) -> None:
+        self.network, self.each, self.solver = network, each, solver
+        self.nonlinear = geometry == "nonlinear"
+        self.points = np.concatenate([one.points for one in each])
+        self.which = np.repeat(np.arange(len(each)), [len(one.points) for one in each])
+        self.wanted = np.array([np.nan if one.force is None else one.force for one in each])
+        self.depths = np.array([one.depth for one in each])
+        self.axes = np.array([one.obstacle.axis for one in each])
+        self.force = np.zeros(len(self.points))
+        self.load = np.zeros(network.points.shape)
+        self.rounds = self.applications = 0
+        self.left = np.inf
+        bare = network.rest_force.any() or network.force.any() or network.displacement.any()
+        still = np.zeros(network.points.shape)
+        self.found = self._rest(None) if bare else equilibrium_at(network, still, 0, error=0.0)
+        self._inverse = Solver(network, solver)
+        self._tangent: Tangent | None = None
+        self.reach = self._reach()
+
+    def _rest(self, start: Equilibrium | None) -> Equilibrium:
+        """The network's own equilibrium under its loads and the contact forces."""
+        loaded = replace(self.network, force=self.network.force + self.load)
+        if not self.nonlinear:
+            return equilibrium(loaded, solver=self.solver)
+        return equilibrium(loaded, "nonlinear", start=start, solver=self.solver)
+
+    def _gaps(self) -> tuple[Array, Array]:
+        """Gaps (c,) in m and normals (c, d): to first order in the displacement, or there."""
+        u = self.found.displacement[self.points]
+        x = self.network.points[self.points] + (u if self.nonlinear else 0.0)
+        gap, normal = np.empty(len(x)), np.empty(x.shape)
+        for k, one in enumerate(self.each):
+            own = self.which == k
+            gap[own] = one.obstacle.gap(x[own], self.depths[k])
+            normal[own] = one.obstacle.normal(x[own], self.depths[k])
+        if not self.nonlinear:
+            gap = gap + (normal * u).sum(axis=1)
+        return gap, normal
+
+    def _reach(self) -> Array:
+        """How far (m) each obstacle of a given depth would be in the body as it is; 0 of others."""
+        gap, normal = self._gaps()
+        still = (np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD
+        if (gap[still] < 0).any():
+            point = int(self.points[still][gap[still].argmin()])
+            raise ProblemError(
+                f"contact: point {point} at {self.network.points[point].tolist()} m is held inside "
+                "the obstacle; give a part of the surface that may move"
+            )
+        reach = np.zeros(len(self.each))
+        for k in np.flatnonzero(np.isnan(self.wanted)):
+            reach[k] = -float(gap[self.which == k].min())
+            if reach[k] <= 0:
+                raise ProblemError(
+                    f"contact with a {self.each[k].obstacle.shape}: no point of the region can be "
+                    f"reached, the nearest is {-reach[k]:.4g} m away; lower it by more than that"
+                )
+        return reach
+
+    def lower(self, part: float) -> None:
+        """Go on to a part of the way; where that is not found, all is as it was."""
+        before = dict(vars(self))
+        given = np.array([one.depth for one in self.each]) - (1 - part) * self.reach
+        self.depths = np.where(np.isnan(self.wanted), given, self.depths)
+        best = np.inf
+        for _ in range(ROUNDS):
+            try:
+                self._round(part * self.wanted)
+            except SolverError:
+                vars(self).update(before)
+                raise
+            if self.left <= CLOSED or (self.left >= best / 2 and best <= ACCEPTED):
+                return
+            best = min(best, self.left)
+        left = self.left
+        vars(self).update(before)
+        raise SolverError(f"gaps of {left:.1g} of the depth are left after {ROUNDS} rounds")
+
+    def _round(self, wanted: Array) -> None:
+        """Forces that close the gaps to first order, and the equilibrium under them."""
+        gap, normal = self._gaps()
+        if self.nonlinear or self._tangent is None:
+            u = self.found.displacement if self.nonlinear else None
+            self._tangent = tangent_at(Configuration(self.network, u), self._inverse)
+        exact = self._inverse.is_direct and not self.nonlinear
+        small = _SmallProblem(self, gap, normal, wanted, 0.0 if exact else IN_A_ROUND)
+        self.force, raised = small.solve(self.force)
+        self.depths = self.depths + raised
+        self.load = small.spread(self.force)
+        self.rounds += 1
+        self.found = self._rest(self.found)
+        gap, _ = self._gaps()
+        touched = np.where(self.force > 0, np.abs(gap), np.maximum(-gap, 0.0))
+        self.left = float(touched.max()) / small.depth
+
+    def moved(self, load: Array, normal: Array) -> Array:
+        """What forces (n, d) in N move the candidates by (c,) along normals, to first order."""
+        self.applications += 1
+        assert self._tangent is not None  # noqa: S101
+        u = self._tangent.move(load, np.zeros_like(load))
+        return np.asarray((normal * u[self.points]).sum(axis=1))
+
+    def result(self) -> ContactEquilibrium:
+        """What the way has led to."""
+        gap, normal = self._gaps()
+        x = self.network.points[self.points] + (
+            self.found.displacement[self.points] if self.nonlinear else 0.0
+        )
+        contacts = []
+        for k, one in enumerate(self.each):
+            own, axis = self.which == k, self.axes[k]
+            force = self.force[own]
+            contacts.append(
+                Pressed(
+                    points=one.points,
+                    share=one.share,
+                    force=force,
+                    gap=gap[own],
+                    depth=float(self.depths[k]),
+                    total=float(force @ (normal[own] @ axis)),
+                    half_width=half_width(x[own], force, one.obstacle),
+                )
+            )
+        return ContactEquilibrium(
+            self.found, tuple(contacts), self.left, self.rounds, self.applications
+        )
+
+
+def half_width(points: Array, force: Array, obstacle: Obstacle) -> float:
+    """Half-width or radius (m) of a patch from its forces (c,) at points (c, d), as of Hertz's.
+
+    a² = 4 Σ f x²/Σ f in the plane, 5/2 Σ f r²/Σ f in space, about the line on which the obstacle's
+    foremost point is lowered: second moments of pressures √(a² - x²).
+    """
+    total = float(force.sum())
+    if not total:
+        return 0.0
+    off, axis = points - np.array(obstacle.at), obstacle.axis
+    off = off - np.outer(off @ axis, axis)
+    return float(np.sqrt(SECOND_MOMENT[points.shape[1]] * (force @ (off**2).sum(axis=1)) / total))
+
+
+class _SmallProblem:
+    """Minimum of ½ f·C f + f·g0 over f >= 0, by conjugate gradients [PolonskyKeer1999].
+
+    `gap` (c,) is there at the way's present forces, so that rounding and an inverse that is not
+    exact count by how far the forces change. `within` is the part of the first violation at which
+    it may stop.
+    """
+
+    def __init__(self, way: _Way, gap: Array, normal: Array, wanted: Array, within: float) -> None:
+        self._way, self._gap, self._normal, self._wanted = way, gap, normal, wanted
+        self._along = (normal * way.axes[way.which]).sum(axis=1)
+        self._within = within
+        self.depth = 0.0
+        """Largest depth (m) of an obstacle in the body with no forces on it."""
+
+    def spread(self, force: Array) -> Array:
+        """Forces (n, d) in N of forces (c,) along the normals."""
+        out = np.zeros(self._way.network.points.shape)
+        out[self._way.points] = force[:, None] * self._normal
+        return out
+
+    def _gap_at(self, force: Array) -> Array:
+        """Gaps (c,) in m under forces (c,) in N."""
+        load = self.spread(force) - self._way.load
+        return self._gap + (self._way.moved(load, self._normal) if load.any() else 0.0)
+
+    def solve(self, force: Array) -> tuple[Array, Array]:
+        """Forces (c,) in N, and how much deeper (m) each obstacle that is pressed goes."""
+        free = self._gap_at(np.zeros_like(force))
+        force = self._begin(force, free)
+        full, t, square, keep = self._gap_at(force), np.zeros_like(force), 1.0, False
+        first = None
+        for _ in range(APPLICATIONS):
+            on = force > 0
+            raised = self._mean(full, on)
+            deeper = raised[self._way.which] * self._along
+            gap = full - deeper
+            self.depth = float((deeper - free).max())
+            left = max(float(-gap.min()), float(gap[on].max(initial=0.0)))
+            first = left if first is None else first
+            if left <= max(CLOSED / 10 * self.depth, self._within * first):
+                return force, raised
+            new = float(gap[on] @ gap[on])
+            t = gap + new / square * t if keep else gap
+            # What is pressed keeps its force.
+            t = np.where(on, t - self._mean(t, on)[self._way.which] * self._along, 0.0)
+            square = new
+            follows = self._way.moved(self.spread(t), self._normal)
+            step = float(gap @ t) / float(t @ follows)
+            moved = force - step * t
+            out, entering = moved < 0, (moved <= 0) & (gap < 0)
+            moved[out] = 0.0
+            moved[entering] = -step * gap[entering]
+            keep = not entering.any()
+            if out.any() or entering.any():
+                force = self._pressed(moved)
+                full = self._gap_at(force)
+            else:
+                force, full = moved, full - step * follows
+        raise SolverError(f"gaps of {left:.1g} m left after {APPLICATIONS} steps")
+
+    def _begin(self, force: Array, free: Array) -> Array:
+        """Forces (c,) to begin with: those there are, or the best in proportion to the depth."""
+        guess = np.where(np.isnan(self._wanted)[self._way.which], np.maximum(-free, 0.0), 1.0)
+        if not force.any():
+            met = guess @ self._way.moved(self.spread(guess), self._normal)
+            force = guess * (guess @ np.maximum(-free, 0.0) / met or 1.0)
+        return self._pressed(force)
+
+    def _pressed(self, force: Array) -> Array:
+        """Forces (c,) that have the force of each obstacle that is pressed."""
+        for k in np.flatnonzero(~np.isnan(self._wanted)):
+            own = self._way.which == k
+            if not (total := float(force[own] @ self._along[own])) > 0:
+                force, total = np.where(own, 1.0, force), float(self._along[own].sum())
+            force = np.where(own, force * (self._wanted[k] / total), force)
+        return force
+
+    def _mean(self, values: Array, on: Mask) -> Array:
+        """Mean of values (c,) where each obstacle touches, weighted by its way; 0 by depth."""
+        mean = np.zeros(len(self._wanted))
+        for k in np.flatnonzero(~np.isnan(self._wanted)):
+            own = on & (self._way.which == k)
+            mean[k] = float(self._along[own] @ values[own]) / float((self._along[own] ** 2).sum())
+        return mean
