@@ -276,7 +276,7 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
                 )
             force[at] += load.force
         elif isinstance(load, Traction):
-            facets = _loaded_sides(problem.domain, load, body)
+            facets = loaded_sides(problem.domain, load, body)
             x = facets.places
             field = vectors_at(f"traction on {load.region}", load.traction, x.reshape(-1, body.dim))
             force += thickness * facets.integrated(field.reshape(x.shape))
@@ -300,7 +300,7 @@ def _mass_shares(problem: Problem, body: Discretisation) -> Array:
     return share
 
 
-def _loaded_sides(domain: Domain, load: Traction, body: Discretisation) -> Facets:
+def loaded_sides(domain: Domain, load: Traction, body: Discretisation) -> Facets:
     """The sides of cells that a traction acts on: all of their nodes lie on the loaded part.
 
     So does their middle: all corners of a side may belong to others that meet there.

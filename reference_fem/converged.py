@@ -306,7 +306,11 @@ def _raised(linear: Discretisation) -> Discretisation:
 def kept_places(problem: Problem) -> Array:
     """Places (k, d) in m that must be nodes: ends of parts and zones, point forces."""
     span = problem.domain.span
-    parts = [*problem.supports, *(load for load in problem.loads if hasattr(load, "region"))]
+    parts = [
+        *problem.supports,
+        *problem.contacts,
+        *(load for load in problem.loads if hasattr(load, "region")),
+    ]
     found = [
         part.region.corners(span) for part in parts if isinstance(part.region, Region | Segment)
     ]

@@ -15,6 +15,7 @@ from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network, frequency_bound
+from msvalidate.network.ground import Ground
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
 
@@ -49,6 +50,8 @@ class Stepping:
         Time step (s) and how many there are.
     rate
         Damping (n,) in 1/s.
+    ground
+        Ground springs, if there are any.
     """
 
     network: Network
@@ -56,6 +59,11 @@ class Stepping:
     dt: float
     steps: int
     rate: Array
+    ground: Ground | None = None
+
+    def highest(self, omega: float) -> float:
+        """Bound (rad/s) of frequencies with the ground springs, `omega` that without."""
+        return math.hypot(omega, self.ground.frequency) if self.ground else omega
 
 
 def warn_beyond_limit(run: Stepping) -> None:
@@ -63,7 +71,7 @@ def warn_beyond_limit(run: Stepping) -> None:
 
     Nothing is said of a mechanism under a scheme whose limit depends on the lowest frequency.
     """
-    bound, scheme = frequency_bound(run.network), run.scheme
+    bound, scheme = run.highest(frequency_bound(run.network)), run.scheme
     if not (bound > 0 and math.isfinite(bound)):
         return
     try:
@@ -95,7 +103,8 @@ def _limit(run: Stepping) -> float | None:
         return 0.0
     try:
         if _has_one_end(scheme):
-            highest = lowest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
+            highest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
+            highest = lowest = run.highest(highest)
         else:
             lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
         return stability_limit(scheme, lowest, highest, run.rate)

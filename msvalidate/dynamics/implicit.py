@@ -20,6 +20,7 @@ from msvalidate.dynamics.scheme import Acceleration
 from msvalidate.linear_algebra.factor import Factor, factorise
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
+from msvalidate.network.ground import Ground
 from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 from msvalidate.tangent.inverse import elimination_order
@@ -83,8 +84,8 @@ class NetworkAcceleration:
 
     linear = False
 
-    def __init__(self, network: Network) -> None:
-        self.network = network
+    def __init__(self, network: Network, ground: Ground | None = None) -> None:
+        self.network, self.ground = network, ground
         self.free = ~network.held
         self._factor: tuple[Factor, float] | None = None
 
@@ -92,7 +93,10 @@ class NetworkAcceleration:
         """Acceleration (n, d) in m/s² at a displacement; zero where the network is held."""
         if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
             raise SolverError(f"motion: positions beyond {LONGEST:g} m; take smaller steps")
-        pull = out_of_balance_force(self.network, x) / self.network.mass[:, None]
+        force = out_of_balance_force(self.network, x)
+        if self.ground is not None:
+            force[self.ground.points] += self.ground.push(x[self.ground.points])
+        pull = force / self.network.mass[:, None]
         return np.where(self.free, pull, 0)
 
     def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:

@@ -24,10 +24,11 @@ from msvalidate.dynamics.hidden import is_at_rest, refuse_lost_digits
 from msvalidate.dynamics.implicit import NetworkAcceleration
 from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
 from msvalidate.dynamics.scheme import Integrator, MotionState
-from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
 from msvalidate.network.folds import count_folded
+from msvalidate.network.ground import Ground
 from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
@@ -70,6 +71,7 @@ def motion(
     watch: Callable[[int, State], None] | None = None,
     *,
     warn: bool = True,
+    ground: Ground | None = None,
 ) -> State:
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
@@ -88,6 +90,9 @@ def motion(
     warn
         Whether to warn, before the first step, that steps are beyond the stability limit at the
         reference positions (`StabilityWarning`).
+    ground
+        Ground springs of an obstacle, by schemes with one velocity a step; their friction
+        remembers, so that each motion begins with its own.
 
     Raises
     ------
@@ -102,10 +107,15 @@ def motion(
             f"watch: {format_value(watch)}; give a function of step and state, or None"
         )
     rate = _check_arguments(network, state, dt, steps, damping)
-    run = Stepping(network, integrator, dt, steps, rate)
+    if ground is not None and integrator.factors is None:
+        raise ProblemError(
+            f"{integrator.name}: takes no ground springs, for it looks at forces more than once a "
+            "step or solves for them; take euler_cromer or leapfrog"
+        )
+    run = Stepping(network, integrator, dt, steps, rate, ground)
     if warn:
         warn_beyond_limit(run)
-    free, acceleration = ~network.held, NetworkAcceleration(network)
+    free, acceleration = ~network.held, NetworkAcceleration(network, ground)
     x = np.array(state.position, dtype=float) - network.points
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
@@ -147,10 +157,11 @@ def recommended_time_step(
     *,
     safety: float = 0.9,
     damping: ArrayLike = 0.0,
+    ground: Ground | None = None,
 ) -> float:
     """Time step (s): `safety` times the stability limit of a network at its reference positions.
 
-    Source: `stability_limit` at the highest frequency.
+    Source: `stability_limit` at the highest frequency; with ground springs at their bound.
 
     Raises
     ------
@@ -173,7 +184,10 @@ def recommended_time_step(
             f"{integrator.name}: stable at any step, so that no step is recommended; choose it by "
             "accuracy, as a twentieth of the shortest period that matters"
         )
-    lowest, highest = extreme_frequencies(network)
+    if ground is None:
+        lowest, highest = extreme_frequencies(network)
+    else:  # the body may be free
+        highest = lowest = math.hypot(highest_frequency(network), ground.frequency)
     limit = stability_limit(integrator, lowest, highest, rate)
     if limit == 0:
         raise ProblemError(
@@ -194,6 +208,7 @@ def euler_cromer(
     warn: bool = True,
     threads: int = 1,
     path: kernels.Path = "auto",
+    ground: Ground | None = None,
 ) -> State:
     """State after `steps` Euler-Cromer steps of `dt` (s); held components do not move.
 
@@ -212,7 +227,7 @@ def euler_cromer(
         is the rate c/m.
     compiled
         False runs the plain NumPy form, the oracle of the compiled one.
-    warn
+    warn, ground
         As in `motion`.
     threads, path
         As in `kernels.Motion`, of the compiled form.
@@ -226,16 +241,16 @@ def euler_cromer(
         hides it (`hidden`).
     """
     if not compiled:
-        return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn)
+        return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn, ground=ground)
     rate = _check_arguments(network, state, dt, steps, damping)
-    run = Stepping(network, EULER_CROMER, dt, steps, rate)
+    run = Stepping(network, EULER_CROMER, dt, steps, rate, ground)
     if warn:
         warn_beyond_limit(run)
     u = np.array(state.position, dtype=float) - network.points
     v = np.where(network.held, 0.0, state.velocity)
     force = np.empty_like(u)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
-        moving = kernels.Motion(network, path=path, threads=threads)
+        moving = kernels.Motion(network, path=path, threads=threads, ground=ground)
         moving.force_and_energy(u, force)
         pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
         start = MotionState(u.copy(), v.copy(), pushed)

@@ -21,6 +21,7 @@ from msvalidate.kernels import bending, stencil
 from msvalidate.kernels.general import MOST_WAVES, Sweep, Threads
 from msvalidate.kernels.grid import recognised
 from msvalidate.network import Configuration, Network
+from msvalidate.network.ground import Ground
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type, whole_number
 
@@ -45,6 +46,9 @@ class Motion:
     waves
         Steps that may follow each other through the caches on the general path; with 1 memory is
         passed over once a step. They change no bit either.
+    ground
+        Ground springs that `advance` steps by too. It takes the general path then, one step after
+        the other in one thread; `force_and_energy` is without them.
 
     Raises
     ------
@@ -59,6 +63,7 @@ class Motion:
         path: Path = "auto",
         threads: int = 1,
         waves: int = MOST_WAVES,
+        ground: Ground | None = None,
     ) -> None:
         require_type("network", network, Network)
         require_one_of("path", path, PATHS)
@@ -68,13 +73,15 @@ class Motion:
         if not (self._plain or compiles(network)):
             laws = [network.law.name] + ([network.volumes.law.name] if network.volumes else [])
             raise ProblemError(f"path: {path}, for laws {', '.join(laws)}; take path auto or plain")
-        lattice = path == "lattice" or (path, threads) == ("auto", 1)
+        lattice = path == "lattice" or (path, threads, ground) == ("auto", 1, None)
+        if ground is not None and (path == "lattice" or threads > 1):
+            raise ProblemError("ground springs: on path lattice or in threads; leave both out")
         grid = recognised(network) if lattice and not self._plain else None
         if path == "lattice" and (grid is None or threads > 1):
             why = "more than one thread" if grid else "a network that is no uniform lattice"
             raise ProblemError(f"path: lattice, for {why}; take path auto or general")
         self._network, self._grid, self._threads = network, grid, threads
-        self._waves = waves
+        self._waves, self._ground = waves, ground
         self._sweep: Sweep | None = None
         self._shared: Threads | None = None
         self._held = np.flatnonzero(network.held)
@@ -174,6 +181,8 @@ class Motion:
             return self._advance_plainly(*moving, dt, steps, kinetic, to_peak)
         if self._grid is not None:
             return stencil.advance(self._grid, *moving, dt, steps, kinetic, to_peak)
+        if self._ground is not None:
+            return self._general.advance_on(self._ground, *moving, dt, steps, kinetic, to_peak)
         if self._threads == 1 or to_peak:
             return self._general.advance(*moving, dt, steps, kinetic, to_peak)
         if self._shared is None:
@@ -194,6 +203,8 @@ class Motion:
         network, held = self._network, self._held
         for step in range(1, steps + 1):
             force = Configuration(network, u).force() + network.force
+            if self._ground is not None:
+                force[self._ground.points] += self._ground.push(u[self._ground.points])
             v *= keep[:, None]
             v += (push / network.mass)[:, None] * force
             v.ravel()[held] = 0.0

@@ -13,6 +13,7 @@ from msvalidate.kernels.rows import aligned
 from msvalidate.kernels.sweep import Form, Pushing
 from msvalidate.kernels.values import Small
 from msvalidate.network import Network
+from msvalidate.network.ground import Ground
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.layout import BLOCK, TOGETHER, Layout
 from msvalidate.problem import LONGEST, Array, Index, ProblemError
@@ -165,6 +166,30 @@ class Sweep:
         ended = self.run(dt, steps, kinetic, to_peak)
         self.leave(u, v)
         return ended
+
+    def advance_on(
+        self,
+        ground: Ground,
+        u: Array,
+        v: Array,
+        keep: Array,
+        push: Array,
+        dt: float,
+        steps: int,
+        kinetic: float = 0.0,
+        to_peak: bool = False,
+    ) -> tuple[int, float, bool]:
+        """As `advance`, with ground springs, whose forces are loads of each step."""
+        self.enter(u, v, keep, push)
+        at, half, axes = np.argsort(self._order)[ground.points], self._half, len(self._axes)
+        load, done, fell = self._still[at, half : half + axes], 0, False
+        while done < steps and not fell:
+            force = ground.push(self.place[at, half : half + axes])
+            self.flow[at, :axes] = load + force
+            _, kinetic, fell = self.run(dt, 1, kinetic, to_peak)
+            done += 1
+        self.leave(u, v)
+        return done, kinetic, fell
 
     @cached_property
     def _compliance(self) -> Array:

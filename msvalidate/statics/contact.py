@@ -38,6 +38,8 @@ from msvalidate.tangent.inverse import Solver
 
 CLOSED = 1e-10
 """Of the depth: gap or penetration at which the rounds stop."""
+EXACT, MORE = 1e-14, 6
+"""Of the depth, where a small problem with a factor stops, or how many steps after `CLOSED`."""
 ACCEPTED = 1e-7
 """Of the depth, what may be left where rounding or rounds allow no less."""
 ROUNDS = 40
@@ -396,7 +398,7 @@ class _SmallProblem:
         free = self._gap_at(np.zeros_like(force))
         force = self._begin(force, free)
         full, t, square, keep = self._gap_at(force), np.zeros_like(force), 1.0, False
-        first = None
+        first, closed = None, 0
         for _ in range(APPLICATIONS):
             on = force > 0
             raised = self._mean(full, on)
@@ -405,7 +407,8 @@ class _SmallProblem:
             self.depth = float((deeper - free).max())
             left = max(float(-gap.min()), float(gap[on].max(initial=0.0)))
             first = left if first is None else first
-            if left <= max(CLOSED / 10 * self.depth, self._within * first):
+            closed += left <= CLOSED / 10 * self.depth
+            if left <= max(EXACT * self.depth, self._within * first) or closed > MORE:
                 return force, raised
             new = float(gap[on] @ gap[on])
             t = gap + new / square * t if keep else gap

@@ -196,6 +196,11 @@ class Solver:
             enough = ROUGH_ENOUGH if rough else FIRST
             return refine_solution(self._force, inverse, u, load, share, enough=enough)
 
+    @property
+    def inverse(self) -> Vectors:
+        """Displacements (d·n,) in m of forces (d·n,) in N by the factor, not refined."""
+        return self._directly[0]
+
     @cached_property
     def _directly(self) -> tuple[Vectors, float]:
         """Displacements (d·n,) of forces by the factor, and what that leaves of an error."""

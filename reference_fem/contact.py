@@ -1,0 +1,218 @@
+"""Elements against rigid obstacles, without friction, to first order in the displacement.
+
+A pressure Σ p_j φ_j on the facets that may touch, φ_j the elements' own functions, acts along the
+obstacle's normals n_j. With B_j the nodal forces of p_j = 1, the gaps in the mean are
+
+    G = q + D p >= 0,    p >= 0,    p·G = 0,    D = Bᵀ K⁻¹ B,    q = Bᵀ u0 + ∫ φ g0,
+
+u0 what other loads move. That is the least squares problem |Lᵀp + L⁻¹q| over p >= 0 with D = L Lᵀ,
+which `scipy.optimize.nnls` ends at the exact set of nodes ([LawsonHanson1995]).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
+from scipy.spatial.distance import cdist
+
+from msvalidate.problem import (
+    Array,
+    Box,
+    Contact,
+    Index,
+    Problem,
+    ProblemError,
+    SolverError,
+    Traction,
+    prescribed_displacements,
+)
+from msvalidate.problem.records import ReadOnly, dataclass, replace
+from reference_fem.body import Solution, loaded_sides, nodal_forces
+from reference_fem.converged import first_mesh
+from reference_fem.elasticity import make_solver
+from reference_fem.materials import materials_of
+from reference_fem.mesh.boxes import lines_discretisation
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.facets import Facets
+from reference_fem.mesh.subdivide import subdivide
+
+GROWTH = 1.25
+"""Of a cell over its neighbour nearer to the patch."""
+ROOM = 1.5
+"""Half-widths to which cells are of one size."""
+TURNS = 60
+"""Of the active set of an obstacle that is pressed, or of a mesh that follows the half-width."""
+CLOSE = 0.1
+"""Change of the half-width at which its mesh is good for it."""
+SECOND_MOMENT = {2: 4.0, 3: 2.5}
+"""a² over the mean square of distances, of pressures √(a² - x²)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElementContact(ReadOnly):
+    """A body of elements at rest against one obstacle.
+
+    Parameters
+    ----------
+    solution
+        Displacements.
+    points, pressure
+        Nodes (c, d) in m that may touch, and the pressure (c,) in Pa there.
+    depth, total
+        How far (m) the obstacle was lowered, and its force (N) along its way.
+    half_width
+        Half-width (m) or radius of the patch, from the pressure's second moment as of Hertz's.
+    complementarity
+        Largest penetration in the mean, or gap under pressure, over the largest in the body as it
+        was.
+    """
+
+    solution: Solution
+    points: Array
+    pressure: Array
+    depth: float
+    total: float
+    half_width: float
+    complementarity: float
+
+
+def press(problem: Problem, body: Discretisation, *, solver: str = "auto") -> ElementContact:
+    """Solve a problem with one contact on a discretisation of its domain.
+
+    Raises
+    ------
+    ProblemError
+        If there is not one contact, or it reaches nothing; or as `solve_problem`.
+    SolverError
+        As `solve_problem`.
+    """
+    if len(problem.contacts) != 1:
+        raise ProblemError(f"{problem.name}: {len(problem.contacts)} contacts; elements take one")
+    problem.refuse_free_body()
+    (contact,), bare = problem.contacts, replace(problem, contacts=())
+    if contact.friction:
+        raise ProblemError(f"contact: friction {contact.friction:g} of elements; take 0")
+    held, given = prescribed_displacements(bare, body.points)
+    law = materials_of(bare, body)
+    ready = make_solver(body, law, held, solver)
+    force = nodal_forces(bare, body)
+    begun, _ = ready.solve(given, force)
+    nodes, mass = _mass(contact, problem, body)
+    x, thickness = body.points[nodes], problem.material.thickness
+    normal = contact.obstacle.normal(x, contact.depth)
+    loads = np.zeros((len(nodes), *body.points.shape))
+    loads[:, nodes] = thickness * mass[:, :, None] * normal[:, None, :]
+    follows = np.array([ready.inverse(each.T.ravel()) for each in loads])
+    D = loads.transpose(0, 2, 1).reshape(len(nodes), -1) @ follows.T
+    gap = thickness * mass @ contact.obstacle.gap(x, contact.depth)
+    q = np.einsum("cnd,nd->c", loads, begun) + gap
+    # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
+    w = thickness * mass @ (normal @ contact.obstacle.axis)
+    if contact.force is None and (q >= 0).all():
+        raise ProblemError("contact: no point of the region can be reached; lower the obstacle")
+    p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
+    found, solved = ready.solve(given, force + np.einsum("c,cnd->nd", p, loads))
+    left = q + D @ p - deeper * w
+    wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
+    nodal = thickness * mass @ p
+    off = x - np.array(contact.obstacle.at)
+    off = off - np.outer(off @ contact.obstacle.axis, contact.obstacle.axis)
+    square = float(nodal @ (off**2).sum(axis=1)) / float(nodal.sum())
+    return ElementContact(
+        Solution(body, found, law, solved=solved),
+        x,
+        p,
+        contact.depth + deeper,
+        float(w @ p),
+        float(np.sqrt(SECOND_MOMENT[body.dim] * square)),
+        float(wrong / np.abs(q - deeper * w).max()),
+    )
+
+
+def _mass(contact: Contact, problem: Problem, body: Discretisation) -> tuple[Index, Array]:
+    """Nodes (c,) of the facets that may touch, and ∫ φ_i φ_j over them (c, c)."""
+    traction = Traction(contact.region, (1.0,) * body.dim)
+    facets: Facets = loaded_sides(problem.domain, traction, body)
+    nodes, at = np.unique(facets.nodes, return_inverse=True)
+    at = at.reshape(facets.nodes.shape)
+    each = np.einsum("kq,fq,lq->fkl", facets.values, facets.measure, facets.values)
+    mass = np.zeros((len(nodes), len(nodes)))
+    np.add.at(mass, (at[:, :, None], at[:, None, :]), each)
+    return np.asarray(nodes), mass
+
+
+def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Array, float]:
+    """Pressures (c,) in Pa, and by how much (m) an obstacle pressed by a force goes deeper."""
+    L = cholesky(D, lower=True)
+
+    def at(deeper: float) -> Array:
+        right = solve_triangular(L, q - deeper * w, lower=True)
+        return np.asarray(nnls(L.T, -right)[0])
+
+    if total is None:
+        return at(0.0), 0.0
+    on = q / w == (q / w).min()
+    for _ in range(TURNS):  # of the nodes that touch, as if they were all: Newton's method
+        alone = np.linalg.solve(D[np.ix_(on, on)], np.column_stack([-q[on], w[on]]))
+        deeper = float((total - w[on] @ alone[:, 0]) / (w[on] @ alone[:, 1]))
+        p = at(deeper)
+        if abs(w @ p - total) <= 1e-10 * total:
+            return p, deeper
+        on = p > 0
+    raise SolverError(f"contact: no depth found for {total:g} N after {TURNS} turns")
+
+
+def contact_mesh(problem: Problem, half_width: float, cells: int) -> Discretisation:
+    """Quadratic cells of a box, so many in a half-width (m) at the contact, larger elsewhere."""
+    obstacle, domain = problem.contacts[0].obstacle, problem.domain
+    lines = [
+        _lines(low, high, at, half_width / cells, 0.0 if abs(way) > 0.5 else ROOM * half_width)
+        for (low, high), at, way in zip(domain.span, obstacle.at, obstacle.axis, strict=True)
+    ]
+    return lines_discretisation(lines, "Q2" if domain.dim == 2 else "H2")
+
+
+def _lines(low: float, high: float, at: float, h: float, even: float) -> Array:
+    """Coordinates (m) from low to high, h apart within `even` of a place, then growing."""
+
+    def side(length: float) -> Array:
+        steps = np.full(max(1, round(min(even, length) / h)) if even else 1, h)
+        while steps.sum() < length:
+            steps = np.append(steps, steps[-1] * GROWTH)
+        return np.asarray(np.cumsum(steps) * (length / steps.sum()))
+
+    at = min(max(at, low), high)
+    up, down = high - at, at - low
+    parts = [at - side(down)[::-1]] if down > 0 else []
+    parts += [np.array([at])] + ([at + side(up)] if up > 0 else [])
+    return np.concatenate(parts)
+
+
+def press_closely(
+    problem: Problem, cells: tuple[int, int] = (8, 16)
+) -> tuple[ElementContact, float]:
+    """Solve on two meshes; the finer answer, and the relative error of what it says of the patch.
+
+    Cells of boxes are so many in a half-width, where the obstacle is round; else the first mesh of
+    the domain is cut. The error is the larger of what changes from mesh to mesh and the square of
+    the nodes' distance over the half-width: where between two nodes the patch ends, no mesh tells.
+    """
+    if isinstance(problem.domain, Box) and problem.contacts[0].obstacle.radius is not None:
+        a = min(problem.domain.size) / 4
+        for _ in range(TURNS):
+            before, a = a, press(problem, contact_mesh(problem, a, 3)).half_width
+            if abs(a / before - 1) < CLOSE:
+                break
+        bodies = [contact_mesh(problem, a, many) for many in cells]
+    else:
+        bodies = [subdivide(first_mesh(problem), times) for times in (1, 2)]
+    coarse, fine = (press(problem, body) for body in bodies)
+    values = [
+        np.array([one.half_width, one.pressure.max(), one.depth, one.total])
+        for one in (coarse, fine)
+    ]
+    change = float(np.abs(values[0] / values[1] - 1).max())
+    touched = fine.points[fine.pressure > 0]
+    apart = np.sort(cdist(touched, touched), axis=1)[:, 1].max() if len(touched) > 1 else np.inf
+    return fine, max(change, (float(apart) / fine.half_width) ** 2)
