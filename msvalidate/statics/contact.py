@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+from scipy.sparse import bsr_array
 
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import (
@@ -34,7 +35,7 @@ from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium, equilibrium_at
 from msvalidate.statics.tangents import Tangent, tangent_at
-from msvalidate.tangent.inverse import Solver
+from msvalidate.tangent.inverse import Choice, Regular, Solver
 
 CLOSED = 1e-10
 """Of the depth: gap or penetration at which the rounds stop."""
@@ -46,10 +47,11 @@ ROUNDS = 40
 """Linear networks take 1 to 4, others 5 to 15."""
 APPLICATIONS = 2000
 """Of C in a round; 30 to 60 are usual."""
-IN_A_ROUND = 1e-4
+IN_A_ROUND = 1e-3
 """Part of the violation that a round leaves where its tangent is not the last one."""
 SMALLEST_PART = 2.0**-6
 """Of an obstacle's way, that is not halved any more."""
+TINY = float(np.finfo(float).tiny)
 HELD = 1e-9
 """Part of a normal along what is not held, below which a candidate cannot give way."""
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
@@ -124,7 +126,8 @@ class ContactEquilibrium:
         One for each obstacle.
     complementarity
         Largest penetration, or gap under a force, over the largest depth of an obstacle in the body
-        as it was: how far the answer is from exact unilateral contact.
+        as it was, or part of a force that is not along the normal: how far the answer is from exact
+        unilateral contact.
     rounds, applications
         That it took: small problems, and solves with the tangent in them.
     """
@@ -239,8 +242,8 @@ class _Way:
         self.left = np.inf
         bare = network.rest_force.any() or network.force.any() or network.displacement.any()
         still = np.zeros(network.points.shape)
+        self._inverse = Solver(network, solver) if self.nonlinear else _Once(network, solver)
         self.found = self._rest(None) if bare else equilibrium_at(network, still, 0, error=0.0)
-        self._inverse = Solver(network, solver)
         self._tangent: Tangent | None = None
         self.reach = self._reach()
 
@@ -248,7 +251,7 @@ class _Way:
         """The network's own equilibrium under its loads and the contact forces."""
         loaded = replace(self.network, force=self.network.force + self.load)
         if not self.nonlinear:
-            return equilibrium(loaded, solver=self.solver)
+            return equilibrium(loaded, solver=self._inverse)
         return equilibrium(loaded, "nonlinear", start=start, solver=self.solver)
 
     def _gaps(self) -> tuple[Array, Array]:
@@ -316,9 +319,12 @@ class _Way:
         self.load = small.spread(self.force)
         self.rounds += 1
         self.found = self._rest(self.found)
-        gap, _ = self._gaps()
+        gap, now = self._gaps()
         touched = np.where(self.force > 0, np.abs(gap), np.maximum(-gap, 0.0))
-        self.left = float(touched.max()) / small.depth
+        turned = self.force * np.abs(now - normal).max(axis=1)
+        self.left = max(
+            float(touched.max()) / small.depth, float(turned.max() / self.force.max(initial=TINY))
+        )
 
     def moved(self, load: Array, normal: Array) -> Array:
         """What forces (n, d) in N move the candidates by (c,) along normals, to first order."""
@@ -365,6 +371,21 @@ def half_width(points: Array, force: Array, obstacle: Obstacle) -> float:
     off, axis = points - np.array(obstacle.at), obstacle.axis
     off = off - np.outer(off @ axis, axis)
     return float(np.sqrt(SECOND_MOMENT[points.shape[1]] * (force @ (off**2).sum(axis=1)) / total))
+
+
+class _Once(Solver):
+    """A solver that inverts the tangent at the reference points once, whatever the loads."""
+
+    def __init__(self, network: Network, wanted: str) -> None:
+        super().__init__(network, wanted)
+        self._first: tuple[Choice, Regular] | None = None
+
+    def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
+        """As `Solver.regular`, of the first configuration that was asked about."""
+        if self._first is None or self._first[0] is not self.choice:
+            found = super().regular(at, K)
+            self._first = self.choice, found
+        return self._first[1]
 
 
 class _SmallProblem:

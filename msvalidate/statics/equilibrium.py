@@ -73,7 +73,7 @@ def equilibrium(
     path: Path | None = None,
     start: Equilibrium | Array | None = None,
     allow_folded: bool = False,
-    solver: str = "auto",
+    solver: str | Solver = "auto",
 ) -> Equilibrium:
     """Static equilibrium of a network.
 
@@ -103,7 +103,8 @@ def equilibrium(
         Of linear systems: "direct", a factor in nested dissection, whose pivots tell for certain
         whether a network is stable; "multigrid", conjugate gradients, which take work and memory
         in proportion to the points, and tell it but for a chance of one in 12,500; "auto", a factor
-        of plane, slender and small bodies, where multigrid would take longer, and where it fails.
+        of plane, slender and small bodies, where multigrid would take longer, and where it fails;
+        or a solver of this network that is there already.
 
     Raises
     ------
@@ -188,8 +189,8 @@ def equilibrium_at(
     )
 
 
-def _solve_linear(network: Network, wanted: str) -> Equilibrium:
-    solver = Solver(network, wanted)
+def _solve_linear(network: Network, wanted: str | Solver) -> Equilibrium:
+    solver = wanted if isinstance(wanted, Solver) else Solver(network, wanted)
     while True:
         try:
             found = refine_linear(network, solver)
@@ -215,10 +216,11 @@ def _solve_linear(network: Network, wanted: str) -> Equilibrium:
 
 
 def _solve_nonlinear(
-    network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str
+    network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str | Solver
 ) -> Equilibrium:
     """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
-    begun, solver = start_displacement(network, start), Solver(network, wanted)
+    begun = start_displacement(network, start)
+    solver = wanted if isinstance(wanted, Solver) else Solver(network, wanted)
     while True:
         try:
             found = _follow_path(network, solver, path, begun)

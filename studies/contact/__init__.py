@@ -1,0 +1,41 @@
+"""What do springs say when a body is pressed, dropped and dragged?
+
+The report would have springs examined for contact too. One question a file:
+
+- `resting`: pressure and half-width under a round obstacle, and a block pressed deep by a disc;
+- `moving`: a bar against a wall, and friction that sticks and slides.
+
+Candidate: networks at rest against obstacles, and ground springs in motion. Reference: values of
+independent programs for the same blocks, finite elements, closed forms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from msvalidate import kit
+from msvalidate.statics.contact import press
+
+from . import moving, resting
+
+FAULTS = {**resting.FAULTS, **moving.FAULTS}
+"""Negative controls: arguments of `run` under which a tolerance must fail."""
+
+
+def run(
+    press: resting.Press = press,
+    setting: kit.Setting = kit.FULL,
+    questions: tuple[str, ...] | None = None,
+    width: resting.Width = resting.second_moment,
+    block: tuple[float, float] = resting.BLOCK,
+    ground: type[moving.Pulled] = moving.Pulled,
+) -> kit.Evidence:
+    """All questions, or those named, for one way to press, and one kind of ground springs."""
+    asked: dict[str, Callable[[], kit.Evidence]] = {
+        "small": partial(resting.run_small, press),
+        "line": partial(resting.run_line, press, setting, width, block),
+        "deep": partial(resting.run_deep, press),
+        "moving": partial(moving.run, setting, ground),
+    }
+    return kit.gather_evidence(asked, questions)
