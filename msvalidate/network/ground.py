@@ -69,6 +69,8 @@ class Ground:
         if (self.stiffness <= 0).any():
             raise ProblemError(f"ground: stiffness {self.stiffness.min():g} N/m; raise it above 0")
         self._rest, self._mass = network.points[self.points], network.mass[self.points]
+        self._gap = obstacle.gap(self._rest, self.depth)
+        self._normal = obstacle.normal(self._rest, self.depth)
         self.anchor = np.zeros_like(self._rest)
         self.touches = np.zeros(len(self.points), dtype=bool)
         self.force = np.zeros_like(self._rest)
@@ -84,10 +86,13 @@ class Ground:
 
     def push(self, displacement: Array) -> Array:
         """Forces (c, d) in N on the points at their displacements (c, d) in m; anchors move."""
-        x = self._rest + displacement
-        deep = np.maximum(-self.obstacle.gap(x, self.depth), 0.0)
+        if self.obstacle.radius is None:  # a plane's gap has all digits of the displacement
+            gap, normal = self._gap + displacement @ self._normal[0], self._normal
+        else:
+            x = self._rest + displacement
+            gap, normal = self.obstacle.gap(x, self.depth), self.obstacle.normal(x, self.depth)
+        deep = np.maximum(-gap, 0.0)
         touches = deep > 0
-        normal = self.obstacle.normal(x, self.depth)
         self.force = (self.stiffness * deep)[:, None] * normal
         self.stored = 0.5 * float(self.stiffness @ deep**2)
         if self.friction:
@@ -98,18 +103,22 @@ class Ground:
     def _stick(self, u: Array, normal: Array, deep: Array, touches: Mask) -> None:
         """Add what springs across pull, and let anchors slide."""
         first = touches & ~self.touches
-        self.anchor[first] = u[first]
+        if first.any():
+            self.anchor[first] = u[first]
         across = u - self.anchor
-        across = across - (across * normal).sum(axis=1)[:, None] * normal
-        far = np.linalg.norm(across, axis=1)
+        across -= np.einsum("ca,ca->c", across, normal)[:, None] * normal
+        far = np.sqrt(np.einsum("ca,ca->c", across, across))
         kept = np.minimum(far, self.friction * deep)  # μ k p over k: as stiff as the normal one
         slid = touches & (far > kept)
-        self.dissipated += float((self.stiffness * kept * (far - kept))[slid].sum())
+        if slid.any():
+            self.dissipated += float((self.stiffness * kept * (far - kept))[slid].sum())
         part = np.where(touches, kept / np.where(far > 0, far, 1.0), 0.0)
         pull = part[:, None] * across
         self.anchor[slid] = (u - pull)[slid]
         self.force = self.force - self.stiffness[:, None] * pull
-        self.stored += 0.5 * float(self.stiffness @ (pull**2).sum(axis=1))
+        self.stored += 0.5 * float(
+            self.stiffness @ np.where(touches, np.minimum(far, kept), 0.0) ** 2
+        )
 
 
 def _mean_stiffness(network: Network) -> float:
