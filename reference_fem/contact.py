@@ -11,6 +11,8 @@ which `scipy.optimize.nnls` ends at the exact set of nodes ([LawsonHanson1995]).
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
@@ -27,9 +29,10 @@ from msvalidate.problem import (
     Traction,
     prescribed_displacements,
 )
+from msvalidate.problem.checks import finite_coordinates
 from msvalidate.problem.records import ReadOnly, dataclass, replace
 from reference_fem.body import Solution, loaded_sides, nodal_forces
-from reference_fem.converged import first_mesh
+from reference_fem.converged import Reference, first_mesh
 from reference_fem.elasticity import make_solver
 from reference_fem.materials import materials_of
 from reference_fem.mesh.boxes import lines_discretisation
@@ -43,6 +46,8 @@ ROOM = 1.5
 """Half-widths to which cells are of one size."""
 TURNS = 60
 """Of the active set of an obstacle that is pressed, or of a mesh that follows the half-width."""
+CELLS = {2: (4, 8, 16), 3: (1, 2, 3)}
+"""In a half-width, by the number of axes: in space patches of 16 would have 2,000 nodes."""
 CLOSE = 0.1
 """Change of the half-width at which its mesh is good for it."""
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
@@ -190,13 +195,13 @@ def _lines(low: float, high: float, at: float, h: float, even: float) -> Array:
 
 
 def press_closely(
-    problem: Problem, cells: tuple[int, int] = (8, 16)
-) -> tuple[ElementContact, float]:
-    """Solve on two meshes; the finer answer, and the relative error of what it says of the patch.
+    problem: Problem, cells: tuple[int, ...] = (4, 8, 16)
+) -> tuple[tuple[ElementContact, ...], float]:
+    """Solve on finer and finer meshes; and the relative error of what the last says of the patch.
 
     Cells of boxes are so many in a half-width, where the obstacle is round; else the first mesh of
-    the domain is cut. The error is the larger of what changes from mesh to mesh and the square of
-    the nodes' distance over the half-width: where between two nodes the patch ends, no mesh tells.
+    the domain is cut. The error is the larger of what changed last and the square of the nodes'
+    distance over the half-width: where between two nodes the patch ends, no mesh tells.
     """
     if isinstance(problem.domain, Box) and problem.contacts[0].obstacle.radius is not None:
         a = min(problem.domain.size) / 4
@@ -206,13 +211,24 @@ def press_closely(
                 break
         bodies = [contact_mesh(problem, a, many) for many in cells]
     else:
-        bodies = [subdivide(first_mesh(problem), times) for times in (1, 2)]
-    coarse, fine = (press(problem, body) for body in bodies)
+        body = first_mesh(problem)
+        bodies = [subdivide(body, times) if times else body for times in range(len(cells))]
+    found = tuple(press(problem, body) for body in bodies)
     values = [
-        np.array([one.half_width, one.pressure.max(), one.depth, one.total])
-        for one in (coarse, fine)
+        np.array([one.half_width, one.pressure.max(), one.depth, one.total]) for one in found[-2:]
     ]
     change = float(np.abs(values[0] / values[1] - 1).max())
-    touched = fine.points[fine.pressure > 0]
+    touched = found[-1].points[found[-1].pressure > 0]
     apart = np.sort(cdist(touched, touched), axis=1)[:, 1].max() if len(touched) > 1 else np.inf
-    return fine, max(change, (float(apart) / fine.half_width) ** 2)
+    return found, max(change, (float(apart) / found[-1].half_width) ** 2)
+
+
+def converge_contact(problem: Problem, points: Array, accuracy: float) -> Reference:
+    """What elasticity says of a problem with an obstacle, as `converge` does of others."""
+    began = time.perf_counter()
+    x = finite_coordinates("points", points, "p", problem.domain.dim)
+    found, error = press_closely(problem, CELLS[problem.domain.dim])
+    each = (time.perf_counter() - began) / len(found)
+    solutions = tuple(one.solution for one in found)
+    seconds = (each,) * len(found)
+    return Reference(problem, x, solutions, accuracy, seconds, contact=(found[-1], error))

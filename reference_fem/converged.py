@@ -10,6 +10,7 @@ import time
 from functools import cached_property
 from itertools import pairwise
 from math import prod
+from typing import Any
 
 import numpy as np
 
@@ -76,6 +77,8 @@ class Reference:
         That each mesh took.
     large
         What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
+    contact
+        `contact.ElementContact` of an obstacle on the finest mesh, and its relative error, or None.
     """
 
     problem: Problem
@@ -84,6 +87,7 @@ class Reference:
     accuracy: float
     seconds: tuple[float, ...]
     large: tuple[Array, float] | None = None
+    contact: Any = None
 
     @cached_property
     def displacement(self) -> Converged:

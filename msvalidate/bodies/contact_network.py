@@ -30,13 +30,18 @@ def contact_network(
         As `lattice_network`, or if the points of the lattice are not where the surface is, or none
         is on the part that may touch, or the centre of a disc or ball is in the body.
     """
+    touching = touching_points(problem, lattice)
+    return lattice_network(replace(problem, contacts=()), lattice, *given, **named), touching
+
+
+def touching_points(problem: Problem, lattice: Lattice) -> tuple[Touching, ...]:
+    """For each contact of a problem the lattice's points that may touch; errors as above."""
     if isinstance(lattice, CutLattice | VoronoiLattice):
         raise ProblemError(
             f"contact: points of the {lattice.name} lattice are not where the surface is; take a "
             "lattice that fills a box, or the edges of a mesh"
         )
-    network = lattice_network(replace(problem, contacts=()), lattice, *given, **named)
-    return network, tuple(_touching(problem, lattice, contact) for contact in problem.contacts)
+    return tuple(_touching(problem, lattice, contact) for contact in problem.contacts)
 
 
 def _touching(problem: Problem, lattice: Lattice, contact: Contact) -> Touching:

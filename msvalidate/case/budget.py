@@ -135,7 +135,19 @@ def tables(found: Comparison) -> dict[str, pd.DataFrame]:
         "lattices": _lattice_table(found),
         "meshes": pd.DataFrame(mesh_rows(found)),
         "compared": point_table(found.points, found.displacement, found.reference),
-    }
+    } | contact_table(found)
+
+
+def contact_table(found: Comparison) -> dict[str, pd.DataFrame]:
+    """Places that may touch (m), force (N), gap (m) and pressure (Pa) of springs, if any may."""
+    answer = found.springs[0]
+    if answer.contact is None:
+        return {}
+    (one,) = answer.contact.contacts
+    at = answer.lattice.points[one.points]
+    columns = dict(zip(AXES, at.T, strict=False))
+    columns |= {"force": one.force, "gap": one.gap, "pressure": one.pressure}
+    return {"contact": pd.DataFrame(columns)}
 
 
 def _constant_table(found: Comparison) -> pd.DataFrame:
@@ -227,6 +239,9 @@ COLUMNS = {
     "constant": "stiffness of a spring inside the body, or of a cell",
     "length": "of a spring at rest (m)",
     "formula": "in μ, λ (λ′ in plane stress), the thickness t and the spacing h",
+    "force": "of the obstacle on a point (N)",
+    "gap": "between point and obstacle (m)",
+    "pressure": "of the obstacle on the springs, force by share of the surface (Pa)",
     "name": "of the cause",
     "said": "what the field would be",
     "left": "largest difference that it leaves, over elasticity's largest displacement (1)",

@@ -15,15 +15,17 @@ from msvalidate.case.places import (
     unit_in_metres,
 )
 from msvalidate.case.reading import CaseError, Source, read_source
-from msvalidate.case.schema import Load, PartOfBody, Place, Support
+from msvalidate.case.schema import Contact, Load, PartOfBody, Place, Support
 from msvalidate.problem import (
     AXES,
+    OBSTACLES,
     Ball,
     Box,
     CellSet,
     Domain,
     Isotropic,
     Mesh,
+    Obstacle,
     Part,
     PointForce,
     Polygon,
@@ -34,6 +36,7 @@ from msvalidate.problem import (
     Weight,
     Zone,
 )
+from msvalidate.problem import Contact as ProblemContact
 from msvalidate.problem import Load as ProblemLoad
 from msvalidate.problem import Support as ProblemSupport
 from msvalidate.problem.checks import (
@@ -73,7 +76,8 @@ def build_case(source: Source) -> Case:
         raise source.error(("support",), "none; hold the body with at least one [[support]]")
     loads = tuple(_load(source, i, each, domain) for i, each in enumerate(data.load))
     name = data.name if data.name is not None else Path(source.name).stem
-    parts = (supports, loads, zones)
+    contacts = tuple(_contact(source, i, each, domain) for i, each in enumerate(data.contact))
+    parts = (supports, loads, zones, contacts)
     problem = _problem(source, name, domain, material, parts)
     return _case(source, problem, unit)
 
@@ -83,10 +87,15 @@ def _problem(
     name: str,
     domain: Domain,
     material: Isotropic,
-    parts: tuple[list[tuple[ProblemSupport, ...]], tuple[ProblemLoad, ...], tuple[Zone, ...]],
+    parts: tuple[
+        list[tuple[ProblemSupport, ...]],
+        tuple[ProblemLoad, ...],
+        tuple[Zone, ...],
+        tuple[ProblemContact, ...],
+    ],
 ) -> Problem:
     """The problem; what is wrong with one of its parts stands at the line of that part."""
-    supports, loads, zones = parts
+    supports, loads, zones, contacts = parts
     with source.at("name"):
         Problem(domain, material, (), (), name)
     for i, zone in enumerate(zones):
@@ -95,13 +104,18 @@ def _problem(
     for i, load in enumerate(loads):
         with source.at("load", i):
             Problem(domain, material, (), (load,), name)
+    for i, contact in enumerate(contacts):
+        with source.at("contact", i):
+            Problem(domain, material, (), (), name, contacts=(contact,))
+            if i:
+                raise ProblemError("a second one; elements meet one obstacle, leave the others out")
     for i, given in enumerate(supports):
         with source.at("support", i):
             Problem(domain, material, given, (), name)
     held = tuple(chain.from_iterable(supports))
     with source.at("support"):
         Problem(domain, material, held, (), "all together").refuse_free_body()
-    return Problem(domain, material, held, loads, name, zones)
+    return Problem(domain, material, held, loads, name, zones, contacts)
 
 
 def _domain(source: Source, unit: float) -> Domain:
@@ -274,6 +288,35 @@ def _point(
         return tuple(float(x) for x in place)  # type: ignore[arg-type]
     unit = unit_in_metres("unit", source.data.body.unit)
     return tuple(unit * x for x in given.point or ())
+
+
+def _contact(source: Source, number: int, given: Contact, domain: Domain) -> ProblemContact:
+    """An obstacle at a side; lengths are in the unit of the body's."""
+    path, unit = ("contact", number), unit_in_metres("unit", source.data.body.unit)
+    shapes = [name for name in OBSTACLES if getattr(given, name) is not None]
+    if len(shapes) != 1:
+        said = " and ".join(shapes) or "no obstacle"
+        raise source.error(path, f"{said}; give one of {', '.join(OBSTACLES)}")
+    if given.depth is None and given.force is None:
+        raise source.error(path, "neither depth nor force; give one of them")
+    region = named_part(source, path, given, domain)
+    told = getattr(given, shapes[0])
+    with source.at(*path, shapes[0]):
+        towards = told.towards
+        if towards is None:
+            axis = next(iter(region.normal_axes), None) if isinstance(region, Region) else None
+            if axis is None:
+                raise ProblemError("towards: missing; give the way into the body")
+            low, high = domain.span[axis]
+            end = float(region.extent[axis])  # type: ignore[union-attr,arg-type]
+            towards = [(-1.0 if 2 * end > low + high else 1.0) * (a == axis)
+                       for a in range(domain.dim)]  # fmt: skip
+        radius = None if told.radius is None else unit * told.radius
+        at = tuple(unit * x for x in told.at)
+        obstacle = Obstacle(shapes[0], at, tuple(towards), radius)
+    with source.at(*path):
+        depth = unit * (given.depth or 0.0)
+        return ProblemContact(region, obstacle, depth, given.force, given.friction)
 
 
 # The rest -----------------------------------------------------------------------------------------

@@ -187,6 +187,11 @@ class Case:
         positive_number("band", self.band)
         require_one_of("law", self.law, LAWS)
         require_one_of("geometry", self.geometry, GEOMETRIES)
+        if self.problem.contacts and self.geometry == "nonlinear":
+            raise ProblemError(
+                "geometry 'nonlinear': elements meet obstacles to first order; take 'linear', or "
+                "`statics.contact.press` for springs alone"
+            )
         finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
 
     @property

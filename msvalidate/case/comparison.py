@@ -192,6 +192,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     rows = []
     if "displacement" in case.quantities:
         rows.append(_displacement(case, answers[0], reference))
+    if reference.contact is not None:
+        rows += _contact(case, answers[0], reference)
     makers = {
         "reactions": _reactions,
         "strain energy": _energy,
@@ -236,6 +238,27 @@ def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Ro
     return Row("displacement", "m", max_length(found), size, difference, reference.error, verdict)
 
 
+def _contact(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+    """What was not given of depth and force, the half-width and the largest pressure."""
+    assert springs.contact is not None  # noqa: S101  the reference has one
+    (found,), (wanted, error) = springs.contact.contacts, reference.contact
+    given = case.problem.contacts[0].force
+    sizes = {
+        "contact half-width": ("m", found.half_width, wanted.half_width),
+        "largest pressure": ("Pa", found.pressure.max(), wanted.pressure.max()),
+    }
+    if given is None:
+        sizes = {"contact force": ("N", found.total, wanted.total)} | sizes
+    else:
+        sizes = {"contact depth": ("m", found.depth, wanted.depth)} | sizes
+    rows = []
+    for name, (unit, own, theirs) in sizes.items():
+        off = abs(own / theirs - 1)
+        word = _word(case, off, error)
+        rows.append(Row(name, unit, float(own), float(theirs), float(off), error, word))
+    return rows
+
+
 def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
     """A row a support, over the largest of all."""
     wanted = reference.reactions
@@ -278,6 +301,8 @@ def _refuse_unknown(case: Case, reference: Reference) -> None:
     """
     if case.geometry == "nonlinear":
         raise ProblemError("to first order alone; leave it out, or take geometry 'linear'")
+    if case.problem.contacts:
+        raise ProblemError("not beside an obstacle; leave it out")
     domain, law = case.problem.domain, case.problem.material
     longest = max(high - low for low, high in domain.span)
     stiff = float(np.abs(elastic_tensor(law)).max()) * domain.volume * law.thickness
@@ -391,6 +416,8 @@ def _homogenised(
     """Elasticity of the material that given constants make, and why there is none."""
     if case.constants is None:
         return None, []
+    if case.problem.contacts:
+        return None, ["material of the springs: not sought beside an obstacle"]
     lattice, law = springs.lattice, case.problem.material
     if not isinstance(lattice, PatternLattice):
         return None, ["material of the springs: not known for this lattice"]

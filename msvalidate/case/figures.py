@@ -30,7 +30,13 @@ def figures(
     found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame
 ) -> dict[str, tuple[str, Callable[[], Figure]]]:
     """Name of each picture -> its caption, and what draws it."""
-    return {
+    pressed = {}
+    if found.reference.contact is not None:
+        pressed["pressure"] = (
+            "Pressure of the obstacle on springs and elements",
+            lambda: draw_pressure(found),
+        )
+    return pressed | {
         "body": ("The body, its supports and its loads", lambda: draw_body(found)),
         "field": (
             "Springs over elements, displacements enlarged",
@@ -94,6 +100,35 @@ def draw_matching(found: Judgement) -> Figure:
     axis.legend(
         loc="upper center", bbox_to_anchor=(0.5, 0.02 if len(order) == 3 else -0.16), ncols=3
     )
+    return figure
+
+
+def draw_pressure(found: Comparison) -> Figure:
+    """Pressure against the place along the surface, in space against the distance from the way."""
+    answer, obstacle = found.springs[0], found.case.problem.contacts[0].obstacle
+    assert answer.contact is not None  # noqa: S101  the reference has one
+    one, (elements, _) = answer.contact.contacts[0], found.reference.contact
+
+    def along(points: Array) -> Array:
+        off = points - np.array(obstacle.at)
+        off = off - np.outer(off @ obstacle.axis, obstacle.axis)
+        far = np.linalg.norm(off, axis=1)
+        if points.shape[1] == 3:
+            return np.asarray(far)
+        return np.asarray(off @ np.array([-obstacle.axis[1], obstacle.axis[0]]))
+
+    figure, (axis,) = new_figure(size=(5.6, 3.8))
+    reach, where = 2 * elements.half_width, along(elements.points)
+    order = np.argsort(where)
+    order = order[np.abs(where[order]) <= reach]
+    style = "." if elements.points.shape[1] == 3 else "-"
+    axis.plot(where[order], elements.pressure[order], style, color=COLOURS[1], label="elements")
+    own = along(answer.lattice.points[one.points])
+    near = np.abs(own) <= reach
+    axis.plot(own[near], one.pressure[near], "o", ms=4, color=COLOURS[0], label="springs")
+    side = "distance from its way" if elements.points.shape[1] == 3 else "place along the surface"
+    axis.set(xlabel=f"{side} (m)", ylabel="pressure (Pa)")
+    axis.legend()
     return figure
 
 

@@ -23,6 +23,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.records import replace
 from reference_fem.body import Solution, nodal_forces
+from reference_fem.contact import converge_contact
 from reference_fem.converged import Reference, converge
 from reference_fem.large_strain.by_cell import laws_of, neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform
@@ -55,6 +56,8 @@ def converge_case(case: Case, points: Array, first: Discretisation | None = None
     ProblemError, SolverError
         As `converge` and, of a case that is nonlinear, `change_in_full`.
     """
+    if case.problem.contacts:
+        return converge_contact(case.problem, points, case.accuracy)
     found = converge(case.problem, points, case.accuracy, first=first)
     if case.geometry == "linear":
         return found

@@ -111,6 +111,10 @@ def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:
     points, network = answer.lattice.points, answer.network
     tables = network_tables(answer)
     moved = {"displacement": answer.rest.displacement}
+    if answer.contact is not None:
+        moved["contact_pressure"] = np.zeros(len(points))
+        for one in answer.contact.contacts:
+            moved["contact_pressure"][one.points] = one.pressure
     springs = {name: tables["springs"][name].to_numpy() for name in ("kind", "stiffness", "force")}
     springs["length"] = network.distance
     files = {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}

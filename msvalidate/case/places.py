@@ -7,7 +7,7 @@ import difflib
 import numpy as np
 
 from msvalidate.case.reading import Source
-from msvalidate.case.schema import Interval, Load, Place, Support
+from msvalidate.case.schema import Contact, Interval, Load, Place, Support
 from msvalidate.case.units import LENGTH as UNITS
 from msvalidate.problem import (
     AXES,
@@ -105,7 +105,7 @@ def _edge(name: str, domain: Polygon) -> Segment:
 
 
 def named_part(
-    source: Source, path: tuple[str | int, ...], given: Support | Load, domain: Domain
+    source: Source, path: tuple[str | int, ...], given: Support | Load | Contact, domain: Domain
 ) -> Part:
     """The part that `on` or `at` names."""
     if (given.on is None) == (given.at is None):

@@ -91,6 +91,29 @@ class Load(Struct, forbid_unknown_fields=True):
     gravity: Numbers | None = None
 
 
+class Obstacle(Struct, forbid_unknown_fields=True):
+    """Its foremost point, radius, and way into the body; by default across the side it meets."""
+
+    at: Numbers
+    radius: float | None = None
+    towards: Numbers | None = None
+
+
+class Contact(Struct, forbid_unknown_fields=True):
+    """A rigid obstacle at a side, lowered by a depth or pressed by a force (N)."""
+
+    on: str | None = None
+    at: Place | None = None
+    half_space: Obstacle | None = None
+    disc: Obstacle | None = None
+    ball: Obstacle | None = None
+    parabola: Obstacle | None = None
+    paraboloid: Obstacle | None = None
+    depth: float | None = None
+    force: float | None = None
+    friction: float = 0.0
+
+
 class Springs(Struct, forbid_unknown_fields=True):
     """The spring network: its lattice, and one of spacing and cells across the narrowest side."""
 
@@ -126,6 +149,7 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     support: list[Support]
     name: str | None = None
     load: list[Load] = msgspec.field(default_factory=list)
+    contact: list[Contact] = msgspec.field(default_factory=list)
     region: list[PartOfBody] = msgspec.field(default_factory=list)
     springs: Springs = msgspec.field(default_factory=Springs)
     compare: Compare = msgspec.field(default_factory=Compare)

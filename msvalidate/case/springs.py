@@ -20,6 +20,7 @@ from contextlib import suppress
 import numpy as np
 from scipy.spatial import KDTree
 
+from msvalidate.bodies.contact_network import touching_points
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.case.case import (
@@ -38,6 +39,7 @@ from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.contact import ContactEquilibrium, press
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
 
@@ -75,6 +77,8 @@ class SpringAnswer:
         That it took.
     geometry
         "linear": at rest to first order in the displacement; "nonlinear": in full.
+    contact
+        With an obstacle, if there is one; its forces are among the network's loads.
     """
 
     spacing: float
@@ -84,6 +88,7 @@ class SpringAnswer:
     calibration: Calibration | None
     seconds: float
     geometry: str = "linear"
+    contact: ContactEquilibrium | None = None
 
     def at(self, places: Array) -> Array:
         """Displacement (p, d) in m at places (p, d): at its own points exactly, else interpolated.
@@ -177,12 +182,19 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
         If there is no trustworthy answer.
     """
     began = time.perf_counter()
-    lattice, network, calibration = make_network(case, spacing)
-    rest = equilibrium(network, case.geometry)
+    contacts = case.problem.contacts
+    bare = replace(case, problem=replace(case.problem, contacts=())) if contacts else case
+    lattice, network, calibration = make_network(bare, spacing)
+    contact = None
+    if contacts:
+        contact = press(network, touching_points(case.problem, lattice))
+        network = replace(network, force=network.force + contact.load)
+    rest = contact.equilibrium if contact else equilibrium(network, case.geometry)
     if case.lattice == MESH_EDGES:
         spacing = float(np.linalg.norm(lattice.vectors, axis=1).mean())
     seconds = time.perf_counter() - began
-    return SpringAnswer(spacing, lattice, network, rest, calibration, seconds, case.geometry)
+    answer = SpringAnswer(spacing, lattice, network, rest, calibration, seconds, case.geometry)
+    return replace(answer, contact=contact)
 
 
 def make_network(case: Case, spacing: float) -> tuple[Lattice, Network, Calibration | None]:

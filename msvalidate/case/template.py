@@ -43,6 +43,11 @@ traction = [0.0, -10.0]   # Pa; or pressure = 10.0 (positive inwards)
 # [[load]]
 # gravity = [0.0, -9.81]  # m/s2
 
+# [[contact]]             # a rigid obstacle that may touch and not be entered
+# on = "top"
+# disc = {{ at = [2.0, 1.0], radius = 2.0 }} # its foremost point; or half_space, ball, parabola
+# depth = 0.01            # lowered by; or force = 1.0 in N
+
 [springs]
 # lattice = "square"      # square in the plane, cubic18 in space; or "mesh edges"
 cells = 20                # across the narrowest side; or spacing = 0.05

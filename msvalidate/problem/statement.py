@@ -135,6 +135,7 @@ class Problem:
         for contact in self.contacts:
             corners = corners_of(contact.region, self.domain)
             _refuse_off_side("contact", contact.region, self.domain, corners)
+            _refuse_centre_inside(contact, self.domain)
         self._held_corners()
 
     @property
@@ -253,6 +254,20 @@ def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None
                 f"{AXES[axis]} = {reached[0]:g} to {reached[1]:g} m there, not at its ends; "
                 "choose cells that put one at each"
             )
+
+
+def _refuse_centre_inside(contact: Contact, domain: Domain) -> None:
+    """Refuse a disc or ball so deep that it has no normal in the body."""
+    if not contact.obstacle.is_round:
+        return
+    centre = contact.obstacle.centre(contact.depth)
+    low, high = np.array(domain.span).T
+    inside = ((centre > low) & (centre < high)).all()
+    if inside and (isinstance(domain, Box) or domain.contains(centre).all()):
+        raise ProblemError(
+            f"contact on {contact.region}: the centre of the {contact.obstacle.shape}, "
+            f"{format_point(centre[0])} m, is in the body; lower it less, or place it outside"
+        )
 
 
 def _is_inner_face(region: Part, domain: Domain) -> bool:

@@ -122,6 +122,8 @@ class ContactEquilibrium:
     ----------
     equilibrium
         Under its loads and the contact forces, with its own error.
+    load
+        Contact forces (n, d) in N on the points.
     contacts
         One for each obstacle.
     complementarity
@@ -133,6 +135,7 @@ class ContactEquilibrium:
     """
 
     equilibrium: Equilibrium
+    load: Array
     contacts: tuple[Pressed, ...]
     complementarity: float
     rounds: int
@@ -355,7 +358,7 @@ class _Way:
                 )
             )
         return ContactEquilibrium(
-            self.found, tuple(contacts), self.left, self.rounds, self.applications
+            self.found, self.load, tuple(contacts), self.left, self.rounds, self.applications
         )
 
 

@@ -344,7 +344,7 @@ def _press_densely(
     left = gap - found.displacement[one.points, 1]
     open_by = float(np.abs(left[force > 0]).max() / -gap.min())
     pressed = Pressed(one.points, one.share, force, left, one.depth, float(force.sum()), np.nan)
-    return ContactEquilibrium(found, (pressed,), open_by, 1, 0)
+    return ContactEquilibrium(found, load, (pressed,), open_by, 1, 0)
 
 
 FAULTS: dict[str, dict[str, object]] = {
