@@ -47,7 +47,9 @@ ROOM = 1.5
 TURNS = 60
 """Of the active set of an obstacle that is pressed, or of a mesh that follows the half-width."""
 CELLS = {2: (4, 8, 16), 3: (1, 2, 3)}
-"""In a half-width, by the number of axes: in space patches of 16 would have 2,000 nodes."""
+"""In a half-width, by the number of axes: in space 4 would be 30,000 nodes."""
+NEAR = 1e-4
+"""Part of its depth that a round obstacle may go deeper from where its normals were taken."""
 CLOSE = 0.1
 """Change of the half-width at which its mesh is good for it."""
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
@@ -82,8 +84,25 @@ class ElementContact(ReadOnly):
     complementarity: float
 
 
-def press(problem: Problem, body: Discretisation, *, solver: str = "auto") -> ElementContact:
+def press(
+    problem: Problem,
+    body: Discretisation,
+    *,
+    within: float | None = None,
+    lowered: float | None = None,
+    solver: str = "auto",
+) -> ElementContact:
     """Solve a problem with one contact on a discretisation of its domain.
+
+    Parameters
+    ----------
+    problem, body, solver
+        As for `solve_problem`.
+    within
+        Distance (m) from the way of the obstacle's foremost point up to which nodes may touch,
+        where that is known; all of the region otherwise, and where it turns out too small.
+    lowered
+        Depth (m) of an obstacle that is pressed where its gaps and normals are taken first.
 
     Raises
     ------
@@ -96,6 +115,7 @@ def press(problem: Problem, body: Discretisation, *, solver: str = "auto") -> El
         raise ProblemError(f"{problem.name}: {len(problem.contacts)} contacts; elements take one")
     problem.refuse_free_body()
     (contact,), bare = problem.contacts, replace(problem, contacts=())
+    obstacle, depth = contact.obstacle, lowered or contact.depth
     if contact.friction:
         raise ProblemError(f"contact: friction {contact.friction:g} of elements; take 0")
     held, given = prescribed_displacements(bare, body.points)
@@ -104,34 +124,51 @@ def press(problem: Problem, body: Discretisation, *, solver: str = "auto") -> El
     force = nodal_forces(bare, body)
     begun, _ = ready.solve(given, force)
     nodes, mass = _mass(contact, problem, body)
-    x, thickness = body.points[nodes], problem.material.thickness
-    normal = contact.obstacle.normal(x, contact.depth)
-    loads = np.zeros((len(nodes), *body.points.shape))
-    loads[:, nodes] = thickness * mass[:, :, None] * normal[:, None, :]
-    follows = np.array([ready.inverse(each.T.ravel()) for each in loads])
-    D = loads.transpose(0, 2, 1).reshape(len(nodes), -1) @ follows.T
-    gap = thickness * mass @ contact.obstacle.gap(x, contact.depth)
-    q = np.einsum("cnd,nd->c", loads, begun) + gap
+    x = body.points[nodes]
+    off = x - np.array(obstacle.at)
+    square = ((off - np.outer(off @ obstacle.axis, obstacle.axis)) ** 2).sum(axis=1)
+    may = np.ones(len(x), dtype=bool) if within is None else square <= within**2
+    mass = problem.material.thickness * mass
+    normal = obstacle.normal(x, depth)
+    loads = mass[may][:, :, None] * normal[may][:, None, :]
+    follows = np.empty(loads.shape)
+    for each, moved in zip(loads, follows, strict=True):
+        pushed = np.zeros(body.points.shape)
+        pushed[nodes] = each
+        moved[:] = ready.inverse(pushed.T.ravel()).reshape(body.dim, -1).T[nodes]
+    D = np.einsum("cnd,knd->ck", loads, follows)
+    q = np.einsum("cnd,nd->c", loads, begun[nodes]) + mass[may] @ obstacle.gap(x, depth)
     # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
-    w = thickness * mass @ (normal @ contact.obstacle.axis)
-    if contact.force is None and (q >= 0).all():
+    w = mass[may] @ (normal @ obstacle.axis)
+    open_by = obstacle.gap(x, depth) + (normal * begun[nodes]).sum(axis=1)
+    if contact.force is None and (open_by >= 0).all():
         raise ProblemError("contact: no point of the region can be reached; lower the obstacle")
     p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
-    found, solved = ready.solve(given, force + np.einsum("c,cnd->nd", p, loads))
+    if obstacle.is_round and abs(deeper) > NEAR * abs(depth + deeper):  # its normals have turned
+        return press(problem, body, within=within, lowered=depth + deeper, solver=solver)
+    nodal = np.einsum("c,cnd->nd", p, loads)
+    force[nodes] += nodal
+    found, solved = ready.solve(given, force)
+    gap = obstacle.gap(x, depth + deeper) + (normal * found[nodes]).sum(axis=1)
+    largest = float(np.abs(q - deeper * w).max())
+    if not may.all() and (gap[~may] < 0).any():
+        return press(problem, body, lowered=depth + deeper, solver=solver)
     left = q + D @ p - deeper * w
     wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
-    nodal = thickness * mass @ p
-    off = x - np.array(contact.obstacle.at)
-    off = off - np.outer(off @ contact.obstacle.axis, contact.obstacle.axis)
-    square = float(nodal @ (off**2).sum(axis=1)) / float(nodal.sum())
+    along = (nodal * obstacle.axis).sum(axis=1)
+    total = float(along.sum())
+    mean = float(along @ square) / total if total else 0.0
+    width = float(np.sqrt(SECOND_MOMENT[body.dim] * max(mean, 0.0)))  # of one node it may be below
+    pressure = np.zeros(len(x))
+    pressure[may] = p
     return ElementContact(
         Solution(body, found, law, solved=solved),
         x,
-        p,
-        contact.depth + deeper,
-        float(w @ p),
-        float(np.sqrt(SECOND_MOMENT[body.dim] * square)),
-        float(wrong / np.abs(q - deeper * w).max()),
+        pressure,
+        depth + deeper,
+        total,
+        width,
+        float(wrong / largest),
     )
 
 
@@ -150,10 +187,12 @@ def _mass(contact: Contact, problem: Problem, body: Discretisation) -> tuple[Ind
 def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Array, float]:
     """Pressures (c,) in Pa, and by how much (m) an obstacle pressed by a force goes deeper."""
     L = cholesky(D, lower=True)
+    size = float(L.max())
 
     def at(deeper: float) -> Array:
         right = solve_triangular(L, q - deeper * w, lower=True)
-        return np.asarray(nnls(L.T, -right)[0])
+        times = float(np.abs(right).max())  # nnls takes small numbers for none
+        return np.asarray(nnls(L.T / size, -right / times)[0] * (times / size))
 
     if total is None:
         return at(0.0), 0.0
@@ -203,17 +242,19 @@ def press_closely(
     the domain is cut. The error is the larger of what changed last and the square of the nodes'
     distance over the half-width: where between two nodes the patch ends, no mesh tells.
     """
+    within = None
     if isinstance(problem.domain, Box) and problem.contacts[0].obstacle.radius is not None:
         a = min(problem.domain.size) / 4
         for _ in range(TURNS):
-            before, a = a, press(problem, contact_mesh(problem, a, 3)).half_width
+            before, a = a, press(problem, contact_mesh(problem, a, cells[0])).half_width
             if abs(a / before - 1) < CLOSE:
                 break
-        bodies = [contact_mesh(problem, a, many) for many in cells]
+            a = min(max(a, before / 8), max(problem.domain.size))  # a node alone has no width
+        bodies, within = [contact_mesh(problem, a, many) for many in cells], 2 * a
     else:
         body = first_mesh(problem)
         bodies = [subdivide(body, times) if times else body for times in range(len(cells))]
-    found = tuple(press(problem, body) for body in bodies)
+    found = tuple(press(problem, body, within=within) for body in bodies)
     values = [
         np.array([one.half_width, one.pressure.max(), one.depth, one.total]) for one in found[-2:]
     ]

@@ -475,5 +475,7 @@ class _SmallProblem:
         mean = np.zeros(len(self._wanted))
         for k in np.flatnonzero(~np.isnan(self._wanted)):
             own = on & (self._way.which == k)
+            if not own.any():
+                raise SolverError("pressed so hard that nothing bears it; reduce the force")
             mean[k] = float(self._along[own] @ values[own]) / float((self._along[own] ** 2).sum())
         return mean
