@@ -32,6 +32,7 @@ ORDER = (
     "poisson",
     "lattices",
     "large_strain",
+    "contact",
     "benchmarks",
     "convergence",
     "stability",

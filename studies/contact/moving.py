@@ -142,7 +142,7 @@ def run(setting: kit.Setting, ground: type[Pulled]) -> kit.Evidence:
     """Bars against walls, a bar that slides, and one that is dragged."""
     cells = (16, 64) if setting.quick else (16, 32, 64, 128)
     walls = [meet_wall(n) for n in cells] + [meet_holding_wall(n) for n in cells]
-    ramps = (100.0, 200.0) if setting.quick else (100.0, 400.0)
+    ramps = (50.0, 100.0) if setting.quick else (100.0, 400.0)
     floor = [drag(ground, "slider", ramp, 0.6 / CELLS) for ramp in ramps]
     slow = (20.0,) if setting.quick else (20.0, 40.0)
     floor += [drag(SlipSpeed, "slip speed", ramp, 0.8 * SLIP) for ramp in slow]
