@@ -2,7 +2,8 @@
 
 The report would have springs examined for contact too. One question a file:
 
-- `resting`: pressure and half-width under a round obstacle, and a block pressed deep by a disc;
+- `small`, `line`, `deep` (in `resting`): forces on small lattices, half-width and pressure under a
+  round obstacle, and a block pressed deep by a disc;
 - `moving`: a bar against a wall, and friction that sticks and slides.
 
 Candidate: networks at rest against obstacles, and ground springs in motion. Reference: values of

@@ -147,7 +147,7 @@ def run_deep(candidate: Press) -> kit.Evidence:
     finding = (
         "Pressed by a disc to a tenth of its height, springs under tension on a mesh's edges are "
         f"neo-Hookean elements to {last['difference']:.0e}; first-order contact has "
-        f"{100 * (last['force_linear'] / last['force'] - 1):.0f} % of the force too much there."
+        f"{100 * (1 - last['force_linear'] / last['force']):.0f} % less of a force there."
     )
     return kit.Evidence(
         {"deep": deep}, tolerances=RULES[7:], columns=kit.columns(__file__), findings=(finding,)
