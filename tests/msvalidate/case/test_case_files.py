@@ -89,6 +89,7 @@ def changed(*changes):
 
 
 BOX, LOAD, HELD = "box = [4.0, 1.0]", 'on = "right"\ntraction = [0, -1]', 'on = "left"'
+PRESSED = LOAD + '\n[[contact]]\non = "top"\ndisc = { at = [3.0, 2.0], radius = 1.0 }'
 BAD = [
     ((("schema = 1", ""),), "no schema; begin the file with schema = 1"),
     ((("schema = 1", "schema = 2"),), "line 1: schema: 2; this program reads schema = 1"),
@@ -158,6 +159,13 @@ BAD = [
     (((LOAD, "gravity = [0, -9.81]\npoint = [0, 0]"),), "it acts on the whole body"),
     (((LOAD, "gravity = [0, 0, 1]"),), "load 1"),
     (((LOAD, 'on = "right"\npressure = inf'),), "load 1.pressure"),
+    (((LOAD, PRESSED),), "line 14: contact 1: neither depth nor force; give one of them"),
+    (((LOAD, PRESSED + "\ndepth = 1\nforce = 1"),), "depth and force both; give one"),
+    (((LOAD, PRESSED.replace("disc", "ball") + "\ndepth = 1"),), "ball: at (3.0, 2.0); give 3 n"),
+    (((LOAD, PRESSED + "\ndepth = 1\nhalf_space = { at = [0, 0] }"),), "half_space and disc; give"),
+    (((LOAD, PRESSED + "\nforce = 1\n" + PRESSED[PRESSED.index("[[") :] + "\nforce = 1"),),
+        "contact 2: a second one; elements meet one obstacle"),
+    (((LOAD, PRESSED + '\ndepth = 1\n[compare]\ngeometry = "nonlinear"'),), "to first order"),
     (((LOAD, LOAD + '\n[springs]\nlattice = "sq"'),), "line 15: springs: lattice: 'sq'; choose"),
     (((LOAD, LOAD + '\n[springs]\nlattice = "mesh edges"'),), "has none; give a mesh file"),
     (((LOAD, LOAD + "\n[springs]\nspacing = 0"),), "line 15: springs: spacing"),

@@ -26,7 +26,9 @@ from msvalidate.case.springs import solve_springs
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Box,
+    Contact,
     Isotropic,
+    Obstacle,
     Polygon,
     Problem,
     ProblemError,
@@ -239,6 +241,28 @@ def test_files_say_the_same(run_beam):
     assert 'href="http' not in page
     assert "<script" not in page
     assert page.count("<figure>") == 5
+
+
+def test_a_body_under_an_obstacle_is_compared_by_its_patch():
+    disc = Obstacle("disc", (1.0, 1.0), (0.0, -1.0), 1.5)
+    held = (Support(BEAM.side("bottom"), (0.0, 0.0)),)
+    contact = (Contact(BEAM.side("top"), disc, force=4e3),)
+    problem = Problem(BEAM, Isotropic(1e5, 1 / 3), held, name="pressed", contacts=contact)
+    found, content = case_files(Case(problem, cells=20))
+    rows = {row.quantity: row for row in found.rows}
+    for name in ("displacement", "contact depth", "contact half-width", "largest pressure"):
+        assert rows[name].verdict == "agrees"
+        assert rows[name].difference < 0.02 + rows[name].uncertainty
+    assert rows["reactions"].verdict == "not asked"
+    pressed = found.springs[0].contact.contacts[0]
+    assert pressed.total == pytest.approx(4e3)
+    table = tables(found)["contact"]
+    assert table["force"].sum() == pytest.approx(pressed.force.sum())
+    assert {"contact.csv", "pressure.svg", "springs.vtu"} <= set(content)
+    assert b"contact_pressure" in content["springs.vtu"]
+    cells = pressed.half_width / found.springs[0].spacing
+    assert f"The patch has {cells:.2g} cells in its half-width".encode() in content["case.html"]
+    assert b"disc on (y = 1), pressed by 4000 N" in content["case.html"]
 
 
 def test_a_name_is_no_path_and_no_markup(tmp_path):
