@@ -302,7 +302,7 @@ class _Way:
             except SolverError:
                 vars(self).update(before)
                 raise
-            if self.left <= CLOSED or (self.left >= best / 2 and best <= ACCEPTED):
+            if self.left <= CLOSED or best / 2 <= self.left <= ACCEPTED:  # no more to be had
                 return
             best = min(best, self.left)
         left = self.left
