@@ -119,7 +119,7 @@ def draw_pressure(found: Comparison) -> Figure:
 
     figure, (axis,) = new_figure(size=(5.6, 3.8))
     reach, where = 2 * elements.half_width, along(elements.points)
-    order = np.argsort(where)
+    order = np.argsort(where, kind="stable")
     order = order[np.abs(where[order]) <= reach]
     style = "." if elements.points.shape[1] == 3 else "-"
     axis.plot(where[order], elements.pressure[order], style, color=COLOURS[1], label="elements")

@@ -25,7 +25,7 @@ FAULTS = {**resting.FAULTS, **moving.FAULTS}
 
 
 def run(
-    press: resting.Press = press,
+    candidate: resting.Press = press,
     setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
     width: resting.Width = resting.second_moment,
@@ -33,10 +33,12 @@ def run(
     ground: type[moving.Pulled] = moving.Pulled,
 ) -> kit.Evidence:
     """All questions, or those named, for one way to press, and one kind of ground springs."""
+    if not callable(candidate):
+        raise kit.ProblemError(f"candidate: {candidate!r}; give a function as contact.press is")
     asked: dict[str, Callable[[], kit.Evidence]] = {
-        "small": partial(resting.run_small, press),
-        "line": partial(resting.run_line, press, setting, width, block),
-        "deep": partial(resting.run_deep, press),
+        "small": partial(resting.run_small, candidate),
+        "line": partial(resting.run_line, candidate, setting, width, block),
+        "deep": partial(resting.run_deep, candidate),
         "moving": partial(moving.run, setting, ground),
     }
     return kit.gather_evidence(asked, questions)

@@ -258,7 +258,7 @@ def pressures(candidate: Press) -> list[dict[str, object]]:
     """Pressure along the patch of 8 cells, of elements at the same places, and Hertz's."""
     springs, problem, peak = _press_half(candidate, 8, 1.0), _half_block(1.0), E / (2 * R)
     body = elements.press(problem, elements.contact_mesh(problem, 1.0, 8))
-    order = np.argsort(body.points[:, 0])
+    order = np.argsort(body.points[:, 0], kind="stable")
     x = np.arange(len(springs.points)) / 8
     near = x <= 1.5
     rows = {
@@ -349,9 +349,9 @@ def _press_densely(
 
 
 FAULTS: dict[str, dict[str, object]] = {
-    "a contact that also pulls": {"press": press_and_pull, "questions": ("small",)},
-    "gaps off by .1 % of the depth": {"press": press_too_deep, "questions": ("small",)},
-    "a penalty in place of exact forces": {"press": press_by_penalty, "questions": ("small",)},
+    "a contact that also pulls": {"candidate": press_and_pull, "questions": ("small",)},
+    "gaps off by .1 % of the depth": {"candidate": press_too_deep, "questions": ("small",)},
+    "a penalty in place of exact forces": {"candidate": press_by_penalty, "questions": ("small",)},
     "half-width by counting touching points": {"width": counted, "questions": ("line",)},
     "half-plane values for a small block": {"block": (0.0, 0.0), "questions": ("line",)},
 }
