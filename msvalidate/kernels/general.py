@@ -181,11 +181,8 @@ class Sweep:
     ) -> tuple[int, float, bool]:
         """As `advance`, with ground springs, whose forces are loads of each step."""
         self.enter(u, v, keep, push)
-        at, half, axes = (
-            np.argsort(self._order, kind="stable")[ground.points],
-            self._half,
-            len(self._axes),
-        )
+        at = np.argsort(self._order, kind="stable")[ground.points]
+        half, axes = self._half, len(self._axes)
         load, done, fell = self._still[at, half : half + axes], 0, False
         while done < steps and not fell:
             force = ground.push(self.place[at, half : half + axes])
