@@ -296,7 +296,7 @@ def press_deep(candidate: Press, part: float) -> dict[str, float]:
     return {
         "depth": part, "force": one.total / (E * 0.2 * 0.37), "half_width": one.half_width / 0.37,
         "force_linear": small.total / (E * 0.2 * 0.37), "open": found.complementarity,
-        "rounds": found.rounds, "difference": np.abs(u - theirs).max() / np.abs(theirs).max(),
+        "difference": np.abs(u - theirs).max() / np.abs(theirs).max(),
     }  # fmt: skip
 
 
