@@ -39,6 +39,7 @@ from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mesh.subdivide import subdivide
+from reference_fem.systems.solver import Solver
 
 GROWTH = 1.25
 """Of a cell over its neighbour nearer to the patch."""
@@ -52,8 +53,6 @@ NEAR = 1e-4
 """Part of its depth that a round obstacle may go deeper from where its normals were taken."""
 CLOSE = 0.1
 """Change of the half-width at which its mesh is good for it."""
-SECOND_MOMENT = {2: 4.0, 3: 2.5}
-"""a² over the mean square of distances, of pressures √(a² - x²)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +88,6 @@ def press(
     body: Discretisation,
     *,
     within: float | None = None,
-    lowered: float | None = None,
     solver: str = "auto",
 ) -> ElementContact:
     """Solve a problem with one contact on a discretisation of its domain.
@@ -101,8 +99,6 @@ def press(
     within
         Distance (m) from the way of the obstacle's foremost point up to which nodes may touch,
         where that is known; all of the region otherwise, and where it turns out too small.
-    lowered
-        Depth (m) of an obstacle that is pressed where its gaps and normals are taken first.
 
     Raises
     ------
@@ -111,13 +107,8 @@ def press(
     SolverError
         As `solve_problem`.
     """
-    if len(problem.contacts) != 1:
-        raise ProblemError(f"{problem.name}: {len(problem.contacts)} contacts; elements take one")
-    problem.refuse_free_body()
-    (contact,), bare = problem.contacts, replace(problem, contacts=())
-    obstacle, depth = contact.obstacle, lowered or contact.depth
-    if contact.friction:
-        raise ProblemError(f"contact: friction {contact.friction:g} of elements; take 0")
+    contact, bare = _only_contact(problem)
+    obstacle, depth = contact.obstacle, contact.depth
     held, given = prescribed_displacements(bare, body.points)
     law = materials_of(bare, body)
     ready = make_solver(body, law, held, solver)
@@ -125,55 +116,72 @@ def press(
     begun, _ = ready.solve(given, force)
     nodes, mass = _mass(contact, problem, body)
     x = body.points[nodes]
-    off = x - np.array(obstacle.at)
-    square = ((off - np.outer(off @ obstacle.axis, obstacle.axis)) ** 2).sum(axis=1)
-    may = np.ones(len(x), dtype=bool) if within is None else square <= within**2
-    mass = problem.material.thickness * mass
-    normal = obstacle.normal(x, depth)
-    loads = mass[may][:, :, None] * normal[may][:, None, :]
+    far = np.linalg.norm(obstacle.across(x), axis=1)
+    may = far <= (np.inf if within is None else within)
+    for _ in range(TURNS):
+        normal = obstacle.normal(x, depth)
+        gap = obstacle.gap(x, depth) + (normal * begun[nodes]).sum(axis=1)
+        if contact.force is None and (gap >= 0).all():
+            raise ProblemError("contact: no point of the region can be reached; lower the obstacle")
+        loads = mass[may][:, :, None] * normal[may][:, None, :]
+        follows = _followed(ready, body, nodes, loads)
+        D = np.einsum("cnd,knd->ck", loads, follows)
+        q = np.einsum("cnd,nd->c", loads, begun[nodes]) + mass[may] @ obstacle.gap(x, depth)
+        # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
+        w = mass[may] @ (normal @ obstacle.axis)
+        p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
+        depth += deeper
+        if obstacle.is_round and abs(deeper) > NEAR * abs(depth):  # its normals have turned
+            continue
+        nodal = np.einsum("c,cnd->nd", p, loads)
+        total = force.copy()
+        total[nodes] += nodal
+        found, solved = ready.solve(given, total)
+        gap = obstacle.gap(x, depth) + (normal * found[nodes]).sum(axis=1)
+        if (gap[~may] >= 0).all():
+            break
+        may[:] = True
+    else:
+        raise SolverError(f"contact: no depth found for {contact.force:g} N; reduce the force")
+    left = q + D @ p - deeper * w
+    wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
+    along = nodal @ obstacle.axis
+    pressure = np.zeros(len(x))
+    pressure[may] = p
+    return ElementContact(
+        solution=Solution(body, found, law, solved=solved),
+        points=x,
+        pressure=pressure,
+        depth=depth,
+        total=float(along.sum()),
+        half_width=obstacle.half_width(x, along),
+        complementarity=float(wrong / np.abs(q - deeper * w).max()),
+    )
+
+
+def _only_contact(problem: Problem) -> tuple[Contact, Problem]:
+    """A problem's one contact, without friction, and the problem without it."""
+    if len(problem.contacts) != 1:
+        raise ProblemError(f"{problem.name}: {len(problem.contacts)} contacts; elements take one")
+    problem.refuse_free_body()
+    (contact,) = problem.contacts
+    if contact.friction:
+        raise ProblemError(f"contact: friction {contact.friction:g} of elements; take 0")
+    return contact, replace(problem, contacts=())
+
+
+def _followed(ready: Solver, body: Discretisation, nodes: Index, loads: Array) -> Array:
+    """Displacements (c, n, d) in m of n nodes under each of the loads (c, n, d) in N on them."""
     follows = np.empty(loads.shape)
     for each, moved in zip(loads, follows, strict=True):
         pushed = np.zeros(body.points.shape)
         pushed[nodes] = each
         moved[:] = ready.inverse(pushed.T.ravel()).reshape(body.dim, -1).T[nodes]
-    D = np.einsum("cnd,knd->ck", loads, follows)
-    q = np.einsum("cnd,nd->c", loads, begun[nodes]) + mass[may] @ obstacle.gap(x, depth)
-    # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
-    w = mass[may] @ (normal @ obstacle.axis)
-    open_by = obstacle.gap(x, depth) + (normal * begun[nodes]).sum(axis=1)
-    if contact.force is None and (open_by >= 0).all():
-        raise ProblemError("contact: no point of the region can be reached; lower the obstacle")
-    p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
-    if obstacle.is_round and abs(deeper) > NEAR * abs(depth + deeper):  # its normals have turned
-        return press(problem, body, within=within, lowered=depth + deeper, solver=solver)
-    nodal = np.einsum("c,cnd->nd", p, loads)
-    force[nodes] += nodal
-    found, solved = ready.solve(given, force)
-    gap = obstacle.gap(x, depth + deeper) + (normal * found[nodes]).sum(axis=1)
-    largest = float(np.abs(q - deeper * w).max())
-    if not may.all() and (gap[~may] < 0).any():
-        return press(problem, body, lowered=depth + deeper, solver=solver)
-    left = q + D @ p - deeper * w
-    wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
-    along = (nodal * obstacle.axis).sum(axis=1)
-    total = float(along.sum())
-    mean = float(along @ square) / total if total else 0.0
-    width = float(np.sqrt(SECOND_MOMENT[body.dim] * max(mean, 0.0)))  # of one node it may be below
-    pressure = np.zeros(len(x))
-    pressure[may] = p
-    return ElementContact(
-        Solution(body, found, law, solved=solved),
-        x,
-        pressure,
-        depth + deeper,
-        total,
-        width,
-        float(wrong / largest),
-    )
+    return follows
 
 
 def _mass(contact: Contact, problem: Problem, body: Discretisation) -> tuple[Index, Array]:
-    """Nodes (c,) of the facets that may touch, and ∫ φ_i φ_j over them (c, c)."""
+    """Nodes (c,) of the facets that may touch, and ∫ φ_i φ_j over them (c, c), times thickness."""
     traction = Traction(contact.region, (1.0,) * body.dim)
     facets: Facets = loaded_sides(problem.domain, traction, body)
     nodes, at = np.unique(facets.nodes, return_inverse=True)
@@ -181,7 +189,7 @@ def _mass(contact: Contact, problem: Problem, body: Discretisation) -> tuple[Ind
     each = np.einsum("kq,fq,lq->fkl", facets.values, facets.measure, facets.values)
     mass = np.zeros((len(nodes), len(nodes)))
     np.add.at(mass, (at[:, :, None], at[:, None, :]), each)
-    return np.asarray(nodes), mass
+    return np.asarray(nodes), problem.material.thickness * mass
 
 
 def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Array, float]:

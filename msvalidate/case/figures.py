@@ -110,8 +110,7 @@ def draw_pressure(found: Comparison) -> Figure:
     one, (elements, _) = answer.contact.contacts[0], found.reference.contact
 
     def along(points: Array) -> Array:
-        off = points - np.array(obstacle.at)
-        off = off - np.outer(off @ obstacle.axis, obstacle.axis)
+        off = obstacle.across(points)
         far = np.linalg.norm(off, axis=1)
         if points.shape[1] == 3:
             return np.asarray(far)

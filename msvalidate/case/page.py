@@ -137,9 +137,9 @@ def _contact_sentence(found: Comparison) -> tuple[str, ...]:
         return ()
     cells = answer.contact.contacts[0].half_width / answer.spacing
     said = (
-        f"The patch has {cells:.2g} cells in its half-width: 5 give half-width and largest "
-        "pressure to 1 %, 3 to 5 %, by the forces' second moment; the number of touching points "
-        "tells no more than a cell (study contact)."
+        f"The patch has {cells:.2g} cells in its half-width: on squares 5 give half-width and "
+        "largest pressure to 1 %, 3 to 5 %, by the forces' second moment; the number of touching "
+        "points tells no more than a cell (study contact)."
     )
     return (said,)
 

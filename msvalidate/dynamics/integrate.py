@@ -29,7 +29,6 @@ from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
 from msvalidate.network.folds import count_folded
 from msvalidate.network.ground import Ground
-from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
     finite,
@@ -136,7 +135,13 @@ def motion(
     return State(end, now.v, count_folded(network.simplices, end))
 
 
-def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
+def stagger_velocity(
+    network: Network,
+    state: State,
+    dt: float,
+    damping: ArrayLike = 0.0,
+    ground: Ground | None = None,
+) -> State:
     """The state with its velocity half a step earlier: how leapfrog starts.
 
     v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
@@ -146,7 +151,7 @@ def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLi
     """
     rate = _check_arguments(network, state, dt, 0, damping)[:, None]
     u = np.asarray(state.position, dtype=float) - network.points
-    a = out_of_balance_force(network, u) / network.mass[:, None]
+    a = NetworkAcceleration(network, ground)(u)
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))
 
@@ -252,6 +257,8 @@ def euler_cromer(
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         moving = kernels.Motion(network, path=path, threads=threads, ground=ground)
         moving.force_and_energy(u, force)
+        if ground is not None:
+            force[ground.points] += ground.push(u[ground.points])
         pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
         start = MotionState(u.copy(), v.copy(), pushed)
         if steps and not is_at_rest(network, start):

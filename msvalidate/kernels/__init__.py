@@ -181,10 +181,8 @@ class Motion:
             return self._advance_plainly(*moving, dt, steps, kinetic, to_peak)
         if self._grid is not None:
             return stencil.advance(self._grid, *moving, dt, steps, kinetic, to_peak)
-        if self._ground is not None:
-            return self._general.advance_on(self._ground, *moving, dt, steps, kinetic, to_peak)
         if self._threads == 1 or to_peak:
-            return self._general.advance(*moving, dt, steps, kinetic, to_peak)
+            return self._general.advance(*moving, dt, steps, kinetic, to_peak, self._ground)
         if self._shared is None:
             self._shared = Threads(self._network, self._threads, self._waves)
         return self._shared.advance(*moving, dt, steps)

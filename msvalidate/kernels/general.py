@@ -160,36 +160,28 @@ class Sweep:
         steps: int,
         kinetic: float = 0.0,
         to_peak: bool = False,
+        ground: Ground | None = None,
     ) -> tuple[int, float, bool]:
         """As `Motion.advance`, but that v must be 0 where points are held."""
         self.enter(u, v, keep, push)
-        ended = self.run(dt, steps, kinetic, to_peak)
+        if ground is None:
+            ended = self.run(dt, steps, kinetic, to_peak)
+        else:
+            ended = self._run_on(ground, dt, steps, kinetic, to_peak)
         self.leave(u, v)
         return ended
 
-    def advance_on(
-        self,
-        ground: Ground,
-        u: Array,
-        v: Array,
-        keep: Array,
-        push: Array,
-        dt: float,
-        steps: int,
-        kinetic: float = 0.0,
-        to_peak: bool = False,
+    def _run_on(
+        self, ground: Ground, dt: float, steps: int, kinetic: float, to_peak: bool
     ) -> tuple[int, float, bool]:
-        """As `advance`, with ground springs, whose forces are loads of each step."""
-        self.enter(u, v, keep, push)
+        """As `run`, step by step, with the forces of ground springs among the loads of each."""
         at = np.argsort(self._order, kind="stable")[ground.points]
         half, axes = self._half, len(self._axes)
         load, done, fell = self._still[at, half : half + axes], 0, False
         while done < steps and not fell:
-            force = ground.push(self.place[at, half : half + axes])
-            self.flow[at, :axes] = load + force
+            self.flow[at, :axes] = load + ground.push(self.place[at, half : half + axes])
             _, kinetic, fell = self.run(dt, 1, kinetic, to_peak)
             done += 1
-        self.leave(u, v)
         return done, kinetic, fell
 
     @cached_property

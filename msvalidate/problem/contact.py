@@ -6,6 +6,7 @@ every rigid motion beside it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -34,6 +35,10 @@ OBSTACLES: Mapping[str, tuple[int, ...]] = {
 }
 """Shape -> axes of the bodies that it meets. Parabolas are what Hertz wrote for discs: their gap
 and their force run along the axis."""
+
+
+SECOND_MOMENT = {2: 4.0, 3: 2.5}
+"""a² over the mean of the squares of distances from the middle, of pressures √(a² - x²)."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +120,22 @@ class Obstacle:
             return np.tile(self.axis, (len(points), 1))
         from_centre = points - np.array(self.at) + (self.radius - depth) * self.axis
         return np.asarray(from_centre / np.linalg.norm(from_centre, axis=1)[:, None])
+
+    def across(self, points: Array) -> Array:
+        """Vectors (n, d) in m to points (n, d), square from the line on which it is lowered."""
+        off = points - np.array(self.at)
+        return np.asarray(off - np.outer(off @ self.axis, self.axis))
+
+    def half_width(self, points: Array, force: Array) -> float:
+        """Half-width or radius (m) of a patch from its forces (n,) at points (n, d), as of Hertz's.
+
+        a² = 4 Σ f x²/Σ f in the plane, 5/2 Σ f r²/Σ f in space, about the line on which it is
+        lowered: second moments of pressures √(a² - x²). 0 where nothing touches.
+        """
+        total = float(force.sum())
+        moment = float(force @ (self.across(points) ** 2).sum(axis=1))
+        # Consistent forces of one node's pressure alone may have a moment below 0.
+        return math.sqrt(SECOND_MOMENT[self.dim] * max(moment / total, 0.0)) if total else 0.0
 
     def centre(self, depth: float = 0.0) -> Array:
         """Centre (1, d) in m of a disc or ball lowered by `depth` (m)."""

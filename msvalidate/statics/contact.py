@@ -25,7 +25,6 @@ from msvalidate.network import Configuration, Network
 from msvalidate.problem import (
     Array,
     Index,
-    Mask,
     Obstacle,
     ProblemError,
     SolverError,
@@ -35,18 +34,13 @@ from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium, equilibrium_at
 from msvalidate.statics.tangents import Tangent, tangent_at
+from msvalidate.statics.unilateral import CLOSED, Unilateral
 from msvalidate.tangent.inverse import Choice, Regular, Solver
 
-CLOSED = 1e-10
-"""Of the depth: gap or penetration at which the rounds stop."""
-EXACT, MORE = 1e-14, 6
-"""Of the depth, where a small problem with a factor stops, or how many steps after `CLOSED`."""
 ACCEPTED = 1e-7
 """Of the depth, what may be left where rounding or rounds allow no less."""
 ROUNDS = 40
 """Linear networks take 1 to 4, others 5 to 15."""
-APPLICATIONS = 2000
-"""Of C in a round; 30 to 60 are usual."""
 IN_A_ROUND = 1e-3
 """Part of the violation that a round leaves where its tangent is not the last one."""
 SMALLEST_PART = 2.0**-6
@@ -54,8 +48,6 @@ SMALLEST_PART = 2.0**-6
 TINY = float(np.finfo(float).tiny)
 HELD = 1e-9
 """Part of a normal along what is not held, below which a candidate cannot give way."""
-SECOND_MOMENT = {2: 4.0, 3: 2.5}
-"""a² over the mean of the squares of distances from the middle, of pressures √(a² - x²)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +88,8 @@ class Pressed:
     total
         Force (N) along its way.
     half_width
-        Half-width (m) or radius of the patch from the forces' second moment; see `half_width`.
-        0 where nothing touches.
+        Half-width (m) or radius of the patch from the forces' second moment, 0 where nothing
+        touches: `Obstacle.half_width`.
     """
 
     points: Index
@@ -316,20 +308,34 @@ class _Way:
             u = self.found.displacement if self.nonlinear else None
             self._tangent = tangent_at(Configuration(self.network, u), self._inverse)
         exact = self._inverse.is_direct and not self.nonlinear
-        small = _SmallProblem(self, gap, normal, wanted, 0.0 if exact else IN_A_ROUND)
-        self.force, raised = small.solve(self.force)
+        turned = self._spread(self.force, normal) - self.load
+        small = Unilateral(
+            follow=lambda force: self._moved(self._spread(force, normal), normal),
+            gap=gap + self._moved(turned, normal) if turned.any() else gap,
+            start=self.force,
+            along=(normal * self.axes[self.which]).sum(axis=1),
+            which=self.which,
+            wanted=wanted,
+        )
+        self.force, raised = small.solve(0.0 if exact else IN_A_ROUND)
         self.depths = self.depths + raised
-        self.load = small.spread(self.force)
+        self.load = self._spread(self.force, normal)
         self.rounds += 1
         self.found = self._rest(self.found)
         gap, now = self._gaps()
         touched = np.where(self.force > 0, np.abs(gap), np.maximum(-gap, 0.0))
-        turned = self.force * np.abs(now - normal).max(axis=1)
+        off = self.force * np.abs(now - normal).max(axis=1)
         self.left = max(
-            float(touched.max()) / small.depth, float(turned.max() / self.force.max(initial=TINY))
+            float(touched.max()) / small.depth, float(off.max() / self.force.max(initial=TINY))
         )
 
-    def moved(self, load: Array, normal: Array) -> Array:
+    def _spread(self, force: Array, normal: Array) -> Array:
+        """Forces (n, d) in N of forces (c,) along normals (c, d)."""
+        out = np.zeros(self.network.points.shape)
+        out[self.points] = force[:, None] * normal
+        return out
+
+    def _moved(self, load: Array, normal: Array) -> Array:
         """What forces (n, d) in N move the candidates by (c,) along normals, to first order."""
         self.applications += 1
         assert self._tangent is not None  # noqa: S101
@@ -354,26 +360,12 @@ class _Way:
                     gap=gap[own],
                     depth=float(self.depths[k]),
                     total=float(force @ (normal[own] @ axis)),
-                    half_width=half_width(x[own], force, one.obstacle),
+                    half_width=one.obstacle.half_width(x[own], force),
                 )
             )
         return ContactEquilibrium(
             self.found, self.load, tuple(contacts), self.left, self.rounds, self.applications
         )
-
-
-def half_width(points: Array, force: Array, obstacle: Obstacle) -> float:
-    """Half-width or radius (m) of a patch from its forces (c,) at points (c, d), as of Hertz's.
-
-    a² = 4 Σ f x²/Σ f in the plane, 5/2 Σ f r²/Σ f in space, about the line on which the obstacle's
-    foremost point is lowered: second moments of pressures √(a² - x²).
-    """
-    total = float(force.sum())
-    if not total:
-        return 0.0
-    off, axis = points - np.array(obstacle.at), obstacle.axis
-    off = off - np.outer(off @ axis, axis)
-    return float(np.sqrt(SECOND_MOMENT[points.shape[1]] * (force @ (off**2).sum(axis=1)) / total))
 
 
 class _Once(Solver):
@@ -389,93 +381,3 @@ class _Once(Solver):
             found = super().regular(at, K)
             self._first = self.choice, found
         return self._first[1]
-
-
-class _SmallProblem:
-    """Minimum of ½ f·C f + f·g0 over f >= 0, by conjugate gradients [PolonskyKeer1999].
-
-    `gap` (c,) is there at the way's present forces, so that rounding and an inverse that is not
-    exact count by how far the forces change. `within` is the part of the first violation at which
-    it may stop.
-    """
-
-    def __init__(self, way: _Way, gap: Array, normal: Array, wanted: Array, within: float) -> None:
-        self._way, self._gap, self._normal, self._wanted = way, gap, normal, wanted
-        self._along = (normal * way.axes[way.which]).sum(axis=1)
-        self._within = within
-        self.depth = 0.0
-        """Largest depth (m) of an obstacle in the body with no forces on it."""
-
-    def spread(self, force: Array) -> Array:
-        """Forces (n, d) in N of forces (c,) along the normals."""
-        out = np.zeros(self._way.network.points.shape)
-        out[self._way.points] = force[:, None] * self._normal
-        return out
-
-    def _gap_at(self, force: Array) -> Array:
-        """Gaps (c,) in m under forces (c,) in N."""
-        load = self.spread(force) - self._way.load
-        return self._gap + (self._way.moved(load, self._normal) if load.any() else 0.0)
-
-    def solve(self, force: Array) -> tuple[Array, Array]:
-        """Forces (c,) in N, and how much deeper (m) each obstacle that is pressed goes."""
-        free = self._gap_at(np.zeros_like(force))
-        force = self._begin(force, free)
-        full, t, square, keep = self._gap_at(force), np.zeros_like(force), 1.0, False
-        first, closed = None, 0
-        for _ in range(APPLICATIONS):
-            on = force > 0
-            raised = self._mean(full, on)
-            deeper = raised[self._way.which] * self._along
-            gap = full - deeper
-            self.depth = float((deeper - free).max())
-            left = max(float(-gap.min()), float(gap[on].max(initial=0.0)))
-            first = left if first is None else first
-            closed += left <= CLOSED / 10 * self.depth
-            if left <= max(EXACT * self.depth, self._within * first) or closed > MORE:
-                return force, raised
-            new = float(gap[on] @ gap[on])
-            t = gap + new / square * t if keep else gap
-            # What is pressed keeps its force.
-            t = np.where(on, t - self._mean(t, on)[self._way.which] * self._along, 0.0)
-            square = new
-            follows = self._way.moved(self.spread(t), self._normal)
-            step = float(gap @ t) / float(t @ follows)
-            moved = force - step * t
-            out, entering = moved < 0, (moved <= 0) & (gap < 0)
-            moved[out] = 0.0
-            moved[entering] = -step * gap[entering]
-            keep = not entering.any()
-            if out.any() or entering.any():
-                force = self._pressed(moved)
-                full = self._gap_at(force)
-            else:
-                force, full = moved, full - step * follows
-        raise SolverError(f"gaps of {left:.1g} m left after {APPLICATIONS} steps")
-
-    def _begin(self, force: Array, free: Array) -> Array:
-        """Forces (c,) to begin with: those there are, or the best in proportion to the depth."""
-        guess = np.where(np.isnan(self._wanted)[self._way.which], np.maximum(-free, 0.0), 1.0)
-        if not force.any():
-            met = guess @ self._way.moved(self.spread(guess), self._normal)
-            force = guess * (guess @ np.maximum(-free, 0.0) / met or 1.0)
-        return self._pressed(force)
-
-    def _pressed(self, force: Array) -> Array:
-        """Forces (c,) that have the force of each obstacle that is pressed."""
-        for k in np.flatnonzero(~np.isnan(self._wanted)):
-            own = self._way.which == k
-            if not (total := float(force[own] @ self._along[own])) > 0:
-                force, total = np.where(own, 1.0, force), float(self._along[own].sum())
-            force = np.where(own, force * (self._wanted[k] / total), force)
-        return force
-
-    def _mean(self, values: Array, on: Mask) -> Array:
-        """Mean of values (c,) where each obstacle touches, weighted by its way; 0 by depth."""
-        mean = np.zeros(len(self._wanted))
-        for k in np.flatnonzero(~np.isnan(self._wanted)):
-            own = on & (self._way.which == k)
-            if not own.any():
-                raise SolverError("pressed so hard that nothing bears it; reduce the force")
-            mean[k] = float(self._along[own] @ values[own]) / float((self._along[own] ** 2).sum())
-        return mean

@@ -4,8 +4,8 @@ Question   A bar that runs against a wall: impulse, rebound, energy, peak force;
            a rough floor and let go: how far its end moves, what stays, what is lost.
 Candidate  One-sided ground springs as stiff as one spring of the lattice, friction by a slider.
 Reference  Closed forms; a chain of springs in an independent program.
-Expected   impulse (1 + e) M v; 1 - e falls as n^-2/3 to n^-0.7, for the front of a wave disperses;
-           a wall that holds the end while it pushes loses h/2L of the energy; the peak force of a
+Expected   impulse (1 + e) M v in a time 2L/c; 1 - e falls, for the front of a wave disperses; a
+           wall that holds the end while it pushes loses h/2L of the energy; the peak force of a
            stiff penalty grows as its root and is no answer. Dragged: the end moves by F²/2EAq,
            F²/4EAq stays, F³/6EAq is lost. Friction from a speed of slip creeps in its place.
 """
@@ -38,6 +38,11 @@ RULES = (
     kit.Rule(
         "impulse over (1 + e) M v", 1e-12, "1", "the sum of forces is the change of momentum",
         table="walls", value="impulse", reference=1.0,
+    ),
+    kit.Rule(
+        "duration of contact over 2L/c, less 1, times n^(2/3)", 1.0, "1",
+        "the front of a wave is n^(1/3) cells wide", table="walls",
+        value=lambda t: (t["duration"] - 1) * t["cells"] ** (2 / 3),
     ),
     kit.Rule(
         "rebound by a penalty of one spring: an independent program", 2e-4, "1",
@@ -140,7 +145,7 @@ class Pushed(Pulled):
 
 def run(setting: kit.Setting, ground: type[Pulled]) -> kit.Evidence:
     """Bars against walls, a bar that slides, and one that is dragged."""
-    cells = (16, 64) if setting.quick else (16, 32, 64, 128)
+    cells = (16, 64) if setting.quick else (16, 32, 64, 128, 256, 512)
     walls = [meet_wall(n) for n in cells] + [meet_holding_wall(n) for n in cells]
     ramps = (50.0, 100.0) if setting.quick else (100.0, 400.0)
     floor = [drag(ground, "slider", ramp, 0.6 / CELLS) for ramp in ramps]
@@ -194,10 +199,12 @@ def _flying(network: Network) -> State:
 def meet_wall(cells: int) -> dict[str, object]:
     """A bar against a penalty of one spring, by Euler-Cromer."""
     network, dt = chain(cells), STEP / cells
-    wall, total = _wall(network), np.zeros(2)
+    wall, total, last = _wall(network), np.zeros(2), [0.0]
 
-    def add(_step: int, _state: State) -> None:
+    def add(step: int, _state: State) -> None:
         total[:] += wall.force[0] * dt
+        if wall.touches.any():
+            last[0] = step * dt
 
     end = motion(
         network, _flying(network), EULER_CROMER, dt, round(2.6 / dt), watch=add, ground=wall
@@ -206,7 +213,8 @@ def meet_wall(cells: int) -> dict[str, object]:
     kept = _energy(network, end.position - network.points, end.velocity) / (V**2 / 2)
     return {
         "wall": "one spring", "cells": cells, "rebound": e, "missing": 1 - e,
-        "impulse": total[0] / (1 + e) / V, "lost": 1 - kept, "lost_expected": 0.0,
+        "impulse": total[0] / (1 + e) / V, "duration": last[0] / 2,
+        "lost": 1 - kept, "lost_expected": 0.0,
     }  # fmt: skip
 
 
@@ -216,15 +224,15 @@ def meet_holding_wall(cells: int) -> dict[str, object]:
     pull, x = NetworkAcceleration(network), np.zeros(network.points.shape)
     v, impulse, holds = _flying(network).velocity, float(network.mass[0]) * V, True
     v[0] = 0.0
-    a = pull(x)
-    for _ in range(round(2.6 / dt)):
+    a, released = pull(x), np.nan
+    for step in range(1, round(2.6 / dt) + 1):
         a[0] *= not holds
         v = v + dt / 2 * a
         x = x + dt * v
         a = pull(x)
         force = -float(network.mass[0] * a[0, 0])
         if holds and force < 0:
-            holds = False
+            holds, released = False, step * dt
         if holds:
             impulse, a[0] = impulse + dt * force, 0.0
         v = v + dt / 2 * a
@@ -232,7 +240,8 @@ def meet_holding_wall(cells: int) -> dict[str, object]:
     kept = _energy(network, x, v) / (V**2 / 2)
     return {
         "wall": "holds", "cells": cells, "rebound": e, "missing": 1 - e,
-        "impulse": impulse / (1 + e) / V, "lost": 1 - kept, "lost_expected": 1 / (2 * cells),
+        "impulse": impulse / (1 + e) / V, "duration": released / 2,
+        "lost": 1 - kept, "lost_expected": 1 / (2 * cells),
     }  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from msvalidate.lattice import square
 from msvalidate.network import spring_network
 from msvalidate.network.ground import Ground
 from msvalidate.problem import Box, Obstacle, ProblemError
+from msvalidate.problem.records import replace
 
 FLOOR = Obstacle("half_space", (0.0, 0.0), (0.0, 1.0))
 
@@ -107,6 +108,19 @@ def test_ground_springs_are_part_of_the_stable_step():
     euler_cromer(network, start, dt, 2000, ground=stiff)
     with pytest.warns(UserWarning, match="beyond the stability limit"):
         euler_cromer(network, start, 1.3 * dt, 1, ground=stiff)
+
+
+def test_a_body_at_rest_inside_an_obstacle_is_pushed_out():
+    network, _ = block(drop=-1e-4)
+    network = replace(network, force=np.zeros_like(network.force))
+    low = np.flatnonzero(network.points[:, 1] < 0.01)
+    start = State(network.points, np.zeros_like(network.points))
+    for compiled in (True, False):
+        ground = Ground(network, low, FLOOR)
+        end = euler_cromer(network, start, 1e-4, 50, ground=ground, compiled=compiled)
+        assert end.velocity[:, 1].mean() > 0
+    started = stagger_velocity(network, start, 1e-4, ground=Ground(network, low, FLOOR))
+    assert (started.velocity[low, 1] < 0).all()
 
 
 def test_bad_ground_springs_are_refused():
