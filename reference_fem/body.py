@@ -263,7 +263,9 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
         If a point force meets no node, or a loaded part does not end at cell edges.
     """
     if problem.contacts:
-        raise ProblemError(f"{problem.name}: contacts are no loads; solve by contact.press")
+        raise ProblemError(
+            f"{problem.name}: has a contact, for `case run` and contact.press; leave it out"
+        )
     force = np.zeros(body.points.shape)
     tolerance, thickness = problem.domain.tolerance, problem.material.thickness
     for load in problem.loads:

@@ -135,7 +135,7 @@ Applied = Callable[[PointForce | Traction, Kind], Array]
 def nodal_force(problem: Problem, lattice: Kind, mass: Array, applied: Applied[Kind]) -> Array:
     """Loads as forces (n, d) in N on the points of masses (n,) in kg; the thickness enters here."""
     if problem.contacts:
-        raise ProblemError(f"{problem.name}: contacts are no loads; take contact_network")
+        raise ProblemError(f"{problem.name}: has a contact; take contact_network, or leave it out")
     force = np.zeros(lattice.points.shape)
     thickness = problem.material.thickness
     for load in problem.loads:

@@ -169,7 +169,7 @@ def test_contacts_that_cannot_be_are_refused():
         press(still, one)
     side = Contact(BOX.side("top"), DISC, 0.01)
     clamp = (Support(BOX.side("bottom"), (0.0, 0.0)),)
-    with refused("contacts are no loads; take contact_network"):
+    with refused("has a contact; take contact_network, or leave it out"):
         lattice_network(Problem(BOX, SHEET, clamp, contacts=(side,)), square(BOX, (4, 2)))
     with refused("is in the body; lower it less, or place it outside"):
         Problem(BOX, SHEET, clamp, contacts=(Contact(BOX.side("top"), DISC, 0.35),))
