@@ -19,7 +19,6 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import bsr_array
 
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import (
@@ -35,7 +34,7 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium, equilibrium_at
 from msvalidate.statics.tangents import Tangent, tangent_at
 from msvalidate.statics.unilateral import CLOSED, Unilateral
-from msvalidate.tangent.inverse import Choice, Regular, Solver
+from msvalidate.tangent.inverse import Once, Solver
 
 ACCEPTED = 1e-7
 """Of the depth, what may be left where rounding or rounds allow no less."""
@@ -237,7 +236,7 @@ class _Way:
         self.left = np.inf
         bare = network.rest_force.any() or network.force.any() or network.displacement.any()
         still = np.zeros(network.points.shape)
-        self._inverse = Solver(network, solver) if self.nonlinear else _Once(network, solver)
+        self._inverse = Solver(network, solver) if self.nonlinear else Once(network, solver)
         self.found = self._rest(None) if bare else equilibrium_at(network, still, 0, error=0.0)
         self._tangent: Tangent | None = None
         self.reach = self._reach()
@@ -366,18 +365,3 @@ class _Way:
         return ContactEquilibrium(
             self.found, self.load, tuple(contacts), self.left, self.rounds, self.applications
         )
-
-
-class _Once(Solver):
-    """A solver that inverts the tangent at the reference points once, whatever the loads."""
-
-    def __init__(self, network: Network, wanted: str) -> None:
-        super().__init__(network, wanted)
-        self._first: tuple[Choice, Regular] | None = None
-
-    def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
-        """As `Solver.regular`, of the first configuration that was asked about."""
-        if self._first is None or self._first[0] is not self.choice:
-            found = super().regular(at, K)
-            self._first = self.choice, found
-        return self._first[1]

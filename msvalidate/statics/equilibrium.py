@@ -199,19 +199,27 @@ def _solve_linear(network: Network, wanted: str | Solver) -> Equilibrium:
             if solver.is_direct or not isinstance(error, NotConvergedError | InaccurateError):
                 raise
             solver.give_way(error)
+    choice = None if network.held.all() else solver.choice
+    return linear_equilibrium_at(network, found.solution, 1 + found.steps, found.error, choice)
+
+
+def linear_equilibrium_at(
+    network: Network, displacement: Array, iterations: int, error: float, solver: Choice | None
+) -> Equilibrium:
+    """The linear equilibrium at a displacement (n, d) in m, with residual and reactions there."""
     at = Configuration(network)
-    left = at.force() + at.force_change(found.solution) + network.force
-    position = network.points + found.solution
-    found.solution.setflags(write=False)
+    left = at.force() + at.force_change(displacement) + network.force
+    position = network.points + displacement
+    displacement.setflags(write=False)
     return Equilibrium(
-        displacement=found.solution,
+        displacement=displacement,
         position=position,
         reaction=np.where(network.held, -left, 0.0),
         residual=max_abs(left[~network.held]),
-        iterations=1 + found.steps,
-        error=found.error,
+        iterations=iterations,
+        error=error,
         folded=count_folded(network.simplices, position),
-        solver=None if network.held.all() else solver.choice,
+        solver=solver,
     )
 
 

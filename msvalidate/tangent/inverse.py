@@ -299,6 +299,31 @@ class Solver:
         return self._last
 
 
+class Once(Solver):
+    """A solver that inverts the tangent it is first asked for, whatever the loads, until renewed.
+
+    Parameters
+    ----------
+    network, wanted
+        As of `Solver`.
+    """
+
+    def __init__(self, network: Network, wanted: str) -> None:
+        super().__init__(network, wanted)
+        self._first: tuple[Choice, Regular] | None = None
+
+    def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
+        """As `Solver.regular`, of the first configuration that was asked about."""
+        if self._first is None or self._first[0] is not self.choice:
+            found = super().regular(at, K)
+            self._first = self.choice, found
+        return self._first[1]
+
+    def renew(self) -> None:
+        """Invert the next tangent anew, as of a network that has lost springs."""
+        self._first = None
+
+
 def elimination_order(network: Network) -> Index:
     """Free components (f,) of a network in the order to eliminate them."""
     found = nested_dissection(network.points, connected_pairs(network))

@@ -1,0 +1,355 @@
+"""Springs that break one after the other while loads are raised, at rest all the time.
+
+Small displacements of a network of Hooke's springs that is at rest as it is. One factor serves many
+breaks: with B the directions of the springs that broke since it was made, k their stiffness and
+C = Bᵀ K⁻¹ B the compliance across them, Woodbury's formula ([GolubVanLoan2013], section 2.1.4) is
+
+    (K - B k Bᵀ)⁻¹ f = K⁻¹ f + K⁻¹ B M⁻¹ Bᵀ K⁻¹ f,    M = 1/k - C.
+
+Springs of elongations e release eᵀ M⁻¹ e / 2 at supports and loads that stay: their own energy
+Σ k e² / 2 and what the body around them gives up. Nothing here is a difference of stored energies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import qr
+
+from msvalidate.network import Configuration, Network
+from msvalidate.network.breakage import critical_stretches
+from msvalidate.problem import Array, Index, ProblemError, SolverError, refuse_free_motions
+from msvalidate.problem.checks import finite_number, require_type, whole_number
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.equilibrium import Equilibrium, linear_equilibrium_at
+from msvalidate.statics.refinement import refine_linear
+from msvalidate.tangent.inverse import Once
+
+TIED = 1e-9
+"""Part of the largest stretch, over its critical one, within which springs break together."""
+BREAKS_A_FACTOR = 50
+"""After which the tangent is inverted anew: columns of as many springs are kept."""
+NOTHING = 1e-9
+"""Of a spring's stiffness, what is in the way where it was: less is a mechanism."""
+LOOSE = 1e-6
+"""Part of such a motion that a point takes which moves in it."""
+CLOSED = 1e-10
+"""Of the energy released, by which the ledger may miss; and `ROUNDED` of the work."""
+ROUNDED = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Break:
+    """Springs that break together.
+
+    Parameters
+    ----------
+    load, needed
+        Factor of the network's loads at which they break, which is never lowered; and that at
+        which they would, below it where breaks before it have overloaded them.
+    springs
+        (b,) numbers.
+    own, released
+        Energy (J) that they held, and that left the body.
+    """
+
+    load: float
+    needed: float
+    springs: Index
+    own: float
+    released: float
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """How a network broke.
+
+    Parameters
+    ----------
+    breaks
+        In their order.
+    network
+        At the end: broken springs have no stiffness, and loads are those at the end.
+    equilibrium
+        Of that.
+    loose
+        (l,) points that springs no longer hold in every direction, alone or with a piece of the
+        body. Without a force they stay where they were, in proportion to the loads.
+    load
+        Factor of the loads at the end.
+    work, stored
+        Energy (J): of loads and supports along the way, and in springs at the end.
+    ended
+        "raised": no spring breaks up to the factor that was asked for; "breaks": there were as
+        many as were asked for; "falls": the next break would leave a load on what nothing holds.
+    """
+
+    breaks: tuple[Break, ...]
+    network: Network
+    equilibrium: Equilibrium
+    loose: Index
+    load: float
+    work: float
+    stored: float
+    ended: Literal["raised", "breaks", "falls"]
+
+    @property
+    def broken(self) -> Index:
+        """Numbers of the springs that broke, in their order."""
+        none = np.zeros(0, dtype=np.intp)
+        return np.concatenate([none, *(one.springs for one in self.breaks)])
+
+    @property
+    def released(self) -> float:
+        """Energy (J) that left the body."""
+        return math.fsum(one.released for one in self.breaks)
+
+    @property
+    def own(self) -> float:
+        """The part of it that the broken springs held."""
+        return math.fsum(one.own for one in self.breaks)
+
+    @property
+    def closure(self) -> float:
+        """Work less what is stored and what was released, over that; 0 where nothing broke."""
+        left = abs(self.work - self.stored - self.released)
+        return left / self.released if self.breaks else 0.0
+
+
+def grow(
+    network: Network,
+    critical_stretch: ArrayLike,
+    raised: float = 1.0,
+    *,
+    most_breaks: int | None = None,
+    solver: str = "auto",
+    watch: Callable[[Break], None] | None = None,
+) -> Growth:
+    """Raise a network's loads and prescribed displacements together, and let springs break.
+
+    The most stretched spring breaks, over its own critical stretch, at the factor of the loads that
+    takes it there; with it those that are as near to theirs within `TIED`, so that numbering does
+    not matter. The factor is never lowered: what would have broken below it breaks next.
+
+    Parameters
+    ----------
+    network
+        Of Hooke's springs without cells, at rest as it is; supports must hold every rigid motion.
+    critical_stretch
+        Elongation over rest length at which a spring breaks in tension, > 0: one number or (m,),
+        infinite of those that do not break.
+    raised
+        Factor up to which, from 0.
+    most_breaks
+        Events after which to stop.
+    solver
+        As for `equilibrium`.
+    watch
+        Called after every event.
+
+    Raises
+    ------
+    ProblemError
+        If the network is of another kind or bears nothing, or a critical stretch is none.
+    SolverError
+        If it is a mechanism, or the ledger does not close.
+    """
+    require_type("network", network, Network)
+    stretch = critical_stretches(network, critical_stretch)
+    if network.prestressed or network.volumes is not None or network.law.name != "linear":
+        raise ProblemError(
+            f"breaking: a network of the {network.law.name} law"
+            f"{', under tension' * network.prestressed}{', with cells' * bool(network.volumes)}; "
+            "take Hooke's springs at rest alone: square-8 or triangular at ratio 1/3 in plane "
+            "stress, 1/4 in plane strain"
+        )
+    refuse_free_motions("network", network.points, network.held)
+    if not (network.force[~network.held].any() or network.displacement.any()):
+        raise ProblemError("breaking: nothing is raised; give loads or prescribed displacements")
+    if finite_number("raised", raised) <= 0:
+        raise ProblemError(f"raised: {raised:g}; give a factor of the loads above 0")
+    most = math.inf if most_breaks is None else whole_number("most breaks", most_breaks, 1)
+    way = _Way(network, stretch, solver)
+    breaks: list[Break] = []
+    ended: Literal["raised", "breaks", "falls"] = "breaks"
+    while len(breaks) < most:
+        needed, springs = way.next()
+        if needed > raised:
+            way.raise_to(raised)
+            ended = "raised"
+            break
+        way.raise_to(needed)
+        found = way.cut(springs, needed)
+        if found is None:
+            ended = "falls"
+            break
+        breaks.append(found)
+        if watch is not None:
+            watch(found)
+    return way.result(breaks, ended)
+
+
+class _Way:
+    """A network on its way, its displacement in proportion to the factor of its loads.
+
+    Attributes
+    ----------
+    network
+        Springs that broke have no stiffness; held too is what is loose.
+    unit
+        Displacement (n, d) in m under the whole load.
+    load, work
+        Factor now, and the work (J) so far.
+    """
+
+    def __init__(self, network: Network, stretch: Array, solver: str) -> None:
+        self.given = self.network = network
+        self.stiffness = network.stiffness.copy()
+        self.length = network.rest_length * stretch
+        self.along = network.vector / network.distance[:, None]
+        self.solver = Once(network, solver)
+        self.load = self.work = 0.0
+        self.loose = np.zeros(len(network.points), dtype=bool)
+        self._factorise()
+
+    def _factorise(self) -> None:
+        """Invert the tangent of what is whole now, and solve for the whole load."""
+        self.solver.renew()
+        self.network = replace(self.network, stiffness=self.stiffness.copy())
+        refined = refine_linear(self.network, self.solver)
+        self.error, self.unit, self._base = refined.error, refined.solution, refined.solution
+        self._at = Configuration(self.network)
+        self._cut = np.zeros(0, dtype=np.intp)
+        self._columns = np.zeros((0, *self.unit.shape))
+        self._work = self._unit_work()
+
+    def _unit_work(self) -> float:
+        """Work (J) of loads and supports up to a factor of 1, twice."""
+        reaction = np.where(self.network.held, -self._inner(self.unit), self.network.force)
+        return float((reaction * self.unit).sum())
+
+    def _inner(self, u: Array) -> Array:
+        """Forces (n, d) in N of the springs that are whole."""
+        pull = (self.stiffness * self._elongation(u))[:, None] * self.along
+        return self.network.assemble_forces(pull)
+
+    def _elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
+        """Elongation (b,) in m of springs at a displacement (n, d), or (c, b) at (c, n, d)."""
+        i, j = self.network.springs[springs].T
+        return np.asarray(((u[..., j, :] - u[..., i, :]) * self.along[springs]).sum(axis=-1))
+
+    def next(self) -> tuple[float, Index]:
+        """Factor at which springs break next, infinite where none is stretched, and which."""
+        part = np.where(self.stiffness > 0, self._elongation(self.unit) / self.length, 0.0)
+        largest = float(part.max())
+        if largest <= 0:
+            return math.inf, np.zeros(0, dtype=np.intp)
+        return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
+
+    def raise_to(self, load: float) -> None:
+        """Raise the loads to a factor, if they are not there."""
+        if load > self.load:
+            self.work += (load**2 - self.load**2) / 2 * self._work
+            self.load = load
+
+    def cut(self, springs: Index, needed: float) -> Break | None:
+        """Break springs at the loads as they are; None, and nothing is done, if a load would fall.
+
+        `needed` is the factor at which they break.
+        """
+        if len(self._cut) >= BREAKS_A_FACTOR:
+            self._factorise()
+        columns, cross = self._solve(springs)
+        root, e = np.sqrt(self.stiffness[springs]), self._elongation(self.unit, springs)
+        met = np.eye(len(springs)) - root[:, None] * (cross + cross.T) / 2 * root
+        value, vector = np.linalg.eigh(met)
+        part = vector.T @ (root * e)
+        free = value <= NOTHING
+        if (np.abs(part[free]) > math.sqrt(NOTHING) * np.linalg.norm(part)).any():
+            return None
+        over = np.where(free, 0.0, part / np.where(free, 1.0, value))
+        moved = np.tensordot(root * (vector @ over), columns, axes=1)
+        self.work += self.load**2 * float((self.network.force * moved).sum())
+        found = Break(
+            load=self.load,
+            needed=needed,
+            springs=springs,
+            own=self.load**2 / 2 * float(part @ part),
+            released=self.load**2 / 2 * float(part @ over),
+        )
+        self.unit = self.unit + moved
+        self.stiffness[springs] = 0.0
+        if free.any():
+            self._hold(np.tensordot(root * vector[:, free].T, columns, axes=1))
+            self._factorise()
+        self._work = self._unit_work()
+        return found
+
+    def _solve(self, springs: Index) -> tuple[Array, Array]:
+        """What unit pulls of springs move now (b, n, d), and the compliance (b, b) across them."""
+        free = ~self.network.held
+        inverse = self.solver.regular(self._at).inverse
+        columns = np.zeros((len(springs), *self.unit.shape))
+        for column, spring in zip(columns, springs, strict=True):
+            pull = np.zeros(self.unit.shape)
+            i, j = self.network.springs[spring]
+            pull[i], pull[j] = -self.along[spring], self.along[spring]
+            column[free] = inverse.solve(pull[free])
+            left = pull + self._at.force_change(column)
+            column[free] += inverse.solve(left[free])
+        self._columns = np.concatenate([self._columns, columns])
+        before, self._cut = self._cut, np.concatenate([self._cut, springs])
+        if len(before):
+            k = self._at.network.stiffness[before]
+            C = self._elongation(self._columns[: len(before)], before)
+            across = self._elongation(columns, before)
+            part = np.linalg.solve(np.diag(1 / k) - (C + C.T) / 2, across.T)
+            columns = columns + np.tensordot(part.T, self._columns[: len(before)], axes=1)
+        return columns, self._elongation(columns, springs)
+
+    def _hold(self, modes: Array) -> None:
+        """Hold as many components as there are motions (r, n, d) that nothing resists any more.
+
+        Those that tell the motions apart best: supports that bear no force.
+        """
+        size = np.abs(modes).max(axis=(1, 2), keepdims=True)
+        self.loose |= (np.abs(modes) > LOOSE * size).any(axis=(0, 2))
+        flat = modes.reshape(len(modes), -1)
+        which = qr(flat, mode="r", pivoting=True)[1][: len(modes)]
+        held, moved = self.network.held.copy(), self.network.displacement.copy()
+        held.ravel()[which] = True
+        moved.ravel()[which] = self.unit.ravel()[which]
+        self.network = replace(self.network, held=held, displacement=moved)
+
+    def result(self, breaks: list[Break], ended: Literal["raised", "breaks", "falls"]) -> Growth:
+        """Where the way has led to; refused where the ledger does not close."""
+        load, e = self.load, self._elongation(self.unit)
+        network = replace(
+            self.network,
+            stiffness=self.stiffness.copy(),
+            force=load * self.given.force,
+            displacement=load * self.network.displacement,
+        )
+        choice = self.solver.choice
+        at = linear_equilibrium_at(network, load * self.unit, len(breaks), self.error, choice)
+        found = Growth(
+            breaks=tuple(breaks),
+            network=network,
+            equilibrium=at,
+            loose=np.flatnonzero(self.loose),
+            load=load,
+            work=self.work,
+            stored=load**2 / 2 * float(self.stiffness @ e**2),
+            ended=ended,
+        )
+        left = abs(found.work - found.stored - found.released)
+        if not left <= CLOSED * found.released + ROUNDED * found.work:
+            raise SolverError(
+                f"breaking: {left:.1g} J of {found.released:.4g} J released are not accounted for; "
+                "bring stiffnesses closer together, or take solver 'direct'"
+            )
+        return found
