@@ -27,6 +27,7 @@ from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
+from msvalidate.network.breakage import Breakage
 from msvalidate.network.folds import count_folded
 from msvalidate.network.ground import Ground
 from msvalidate.problem import Array, ProblemError, SolverError
@@ -71,6 +72,7 @@ def motion(
     *,
     warn: bool = True,
     ground: Ground | None = None,
+    breakage: Breakage | None = None,
 ) -> State:
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
@@ -92,6 +94,8 @@ def motion(
     ground
         Ground springs of an obstacle, by schemes with one velocity a step; their friction
         remembers, so that each motion begins with its own.
+    breakage
+        Springs that break, of this network: looked at before every step.
 
     Raises
     ------
@@ -117,10 +121,15 @@ def motion(
     free, acceleration = ~network.held, NetworkAcceleration(network, ground)
     x = np.array(state.position, dtype=float) - network.points
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
+        if breakage is not None and breakage.look(x):
+            acceleration.network = breakage.network
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
         reach = largest_reach(run, start)
         at_rest = is_at_rest(network, now)
         for step in range(1, steps + 1):
+            if breakage is not None and breakage.look(now.x):
+                acceleration.network = breakage.network
+                now = now._replace(a=acceleration(now.x))
             try:
                 now = now if at_rest else integrator.step(acceleration, now, dt, rate[:, None])
             except SolverError as error:
@@ -214,6 +223,7 @@ def euler_cromer(
     threads: int = 1,
     path: kernels.Path = "auto",
     ground: Ground | None = None,
+    breakage: Breakage | None = None,
 ) -> State:
     """State after `steps` Euler-Cromer steps of `dt` (s); held components do not move.
 
@@ -232,7 +242,7 @@ def euler_cromer(
         is the rate c/m.
     compiled
         False runs the plain NumPy form, the oracle of the compiled one.
-    warn, ground
+    warn, ground, breakage
         As in `motion`.
     threads, path
         As in `kernels.Motion`, of the compiled form.
@@ -246,7 +256,17 @@ def euler_cromer(
         hides it (`hidden`).
     """
     if not compiled:
-        return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn, ground=ground)
+        return motion(
+            network,
+            state,
+            EULER_CROMER,
+            dt,
+            steps,
+            damping,
+            warn=warn,
+            ground=ground,
+            breakage=breakage,
+        )
     rate = _check_arguments(network, state, dt, steps, damping)
     run = Stepping(network, EULER_CROMER, dt, steps, rate, ground)
     if warn:
@@ -255,7 +275,11 @@ def euler_cromer(
     v = np.where(network.held, 0.0, state.velocity)
     force = np.empty_like(u)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
-        moving = kernels.Motion(network, path=path, threads=threads, ground=ground)
+        if breakage is not None:
+            breakage.look(u)
+        moving = kernels.Motion(
+            network, path=path, threads=threads, ground=ground, breakage=breakage
+        )
         moving.force_and_energy(u, force)
         if ground is not None:
             force[ground.points] += ground.push(u[ground.points])

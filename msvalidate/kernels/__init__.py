@@ -21,6 +21,7 @@ from msvalidate.kernels import bending, stencil
 from msvalidate.kernels.general import MOST_WAVES, Sweep, Threads
 from msvalidate.kernels.grid import recognised
 from msvalidate.network import Configuration, Network
+from msvalidate.network.breakage import Breakage
 from msvalidate.network.ground import Ground
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type, whole_number
@@ -49,6 +50,8 @@ class Motion:
     ground
         Ground springs that `advance` steps by too. It takes the general path then, one step after
         the other in one thread; `force_and_energy` is without them.
+    breakage
+        Springs that `advance` breaks, on the general path in one thread.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class Motion:
         threads: int = 1,
         waves: int = MOST_WAVES,
         ground: Ground | None = None,
+        breakage: Breakage | None = None,
     ) -> None:
         require_type("network", network, Network)
         require_one_of("path", path, PATHS)
@@ -73,15 +77,17 @@ class Motion:
         if not (self._plain or compiles(network)):
             laws = [network.law.name] + ([network.volumes.law.name] if network.volumes else [])
             raise ProblemError(f"path: {path}, for laws {', '.join(laws)}; take path auto or plain")
-        lattice = path == "lattice" or (path, threads, ground) == ("auto", 1, None)
-        if ground is not None and (path == "lattice" or threads > 1):
-            raise ProblemError("ground springs: on path lattice or in threads; leave both out")
+        alone = ground is None and breakage is None
+        lattice = path == "lattice" or (alone and (path, threads) == ("auto", 1))
+        if not alone and (path == "lattice" or threads > 1):
+            what = "ground springs" if breakage is None else "breaking springs"
+            raise ProblemError(f"{what}: on path lattice or in threads; leave both out")
         grid = recognised(network) if lattice and not self._plain else None
         if path == "lattice" and (grid is None or threads > 1):
             why = "more than one thread" if grid else "a network that is no uniform lattice"
             raise ProblemError(f"path: lattice, for {why}; take path auto or general")
         self._network, self._grid, self._threads = network, grid, threads
-        self._waves, self._ground = waves, ground
+        self._waves, self._ground, self._breakage = waves, ground, breakage
         self._sweep: Sweep | None = None
         self._shared: Threads | None = None
         self._held = np.flatnonzero(network.held)
@@ -101,7 +107,7 @@ class Motion:
     @property
     def _general(self) -> Sweep:
         if self._sweep is None:
-            self._sweep = Sweep(self._network, waves=self._waves)
+            self._sweep = Sweep(self._network, None, self._waves, self._breakage)
         return self._sweep
 
     def force_and_energy(self, displacement: Array, out: Array) -> float:
@@ -109,7 +115,7 @@ class Motion:
         self._refuse_shape(displacement=displacement, out=out)
         force = _written("out", out)
         if self._plain:
-            at = Configuration(self._network, displacement)
+            at = Configuration(self._whole, displacement)
             force[:], stored = at.force(), at.energy()
         else:
             stored = self._general.force(_flat(displacement), force)
@@ -200,7 +206,9 @@ class Motion:
     ) -> tuple[int, float, bool]:
         network, held = self._network, self._held
         for step in range(1, steps + 1):
-            force = Configuration(network, u).force() + network.force
+            if self._breakage is not None:
+                self._breakage.look(u)
+            force = Configuration(self._whole, u).force() + network.force
             if self._ground is not None:
                 force[self._ground.points] += self._ground.push(u[self._ground.points])
             v *= keep[:, None]
@@ -211,6 +219,10 @@ class Motion:
             if to_peak and kinetic < before:
                 return step, kinetic, True
         return steps, kinetic, False
+
+    @property
+    def _whole(self) -> Network:
+        return self._network if self._breakage is None else self._breakage.network
 
     def _refuse_shape(self, **values: Array) -> None:
         """Compiled code looks at no index: other shapes would read, or write, beside the arrays."""

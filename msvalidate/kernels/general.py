@@ -10,9 +10,9 @@ import numpy as np
 
 from msvalidate.kernels import sweep
 from msvalidate.kernels.rows import aligned
-from msvalidate.kernels.sweep import Form, Pushing
-from msvalidate.kernels.values import Small
+from msvalidate.kernels.sweep import Form, Limit, Pushing, Springs
 from msvalidate.network import Network
+from msvalidate.network.breakage import Breakage
 from msvalidate.network.ground import Ground
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.layout import BLOCK, TOGETHER, Layout
@@ -40,8 +40,14 @@ class Sweep:
     """
 
     def __init__(
-        self, network: Network, layout: Layout | None = None, waves: int = MOST_WAVES
+        self,
+        network: Network,
+        layout: Layout | None = None,
+        waves: int = MOST_WAVES,
+        breakage: Breakage | None = None,
     ) -> None:
+        self._breakage = breakage
+        network = network if breakage is None else breakage.network
         self.layout = network.layout if layout is None else layout
         n, d = self.layout.points, network.dim
         self._most_waves = waves
@@ -56,6 +62,11 @@ class Sweep:
         self._still[:, self._half : self._half + d] = network.force[order]
         self._mass = network.mass[order]
         self._straight = network.law.straight
+        self._limit: Limit = ()
+        if breakage is not None:
+            s = breakage.critical_stretch
+            self._slots = self.layout.slots(network.springs)
+            self._limit = s / (1 + s), np.zeros(len(self.layout.other))
         self._springs = self._springs_of((0,) if self._straight else ())
         self._cells = self._cells_of(network.volumes)
         self.place, self.flow = _zeros(n + 1, 2 * self._half), _zeros(n + 1, 2 * self._half)
@@ -63,7 +74,7 @@ class Sweep:
         self.place[n, :d] = 2 * LONGEST
         self._keep, self._push = _zeros(n), _zeros(n)
 
-    def _springs_of(self, form: Form) -> tuple[Index, Small, Small, Array, Form]:
+    def _springs_of(self, form: Form) -> Springs:
         layout, wide = self.layout, 2 * self._half
         owner, other = (
             (wide * layout.owner).astype(np.uint32),
@@ -73,12 +84,15 @@ class Sweep:
 
     def _in_turn(self, *laws: Array) -> Array:
         """Values of springs in the order in which `sweep` computes four of them, law by law."""
-        turn = [0, 2, 1, 3] if self._half == 2 else [0, 1, 2, 3]
         values = aligned(len(laws) * len(laws[0]))
         fours = values.reshape(-1, len(laws), TOGETHER)
         for at, law in enumerate(laws):
-            fours[:, at] = law.reshape(-1, TOGETHER)[:, turn]
+            fours[:, at] = law.reshape(-1, TOGETHER)[:, self._turn]
         return values
+
+    @property
+    def _turn(self) -> list[int]:
+        return [0, 2, 1, 3] if self._half == 2 else [0, 1, 2, 3]
 
     def _cells_of(self, cells: Volumes | None) -> tuple[Index, Array, Array, Index] | tuple[()]:
         layout = self.layout
@@ -134,6 +148,7 @@ class Sweep:
             self._axes,
             (place, flow, forces),
             self._springs,
+            self._limit,
             self._cells_in(place, flow),
             (self._still.ravel(), self._keep, self._push, self._mass),
             step,
@@ -169,7 +184,17 @@ class Sweep:
         else:
             ended = self._run_on(ground, dt, steps, kinetic, to_peak)
         self.leave(u, v)
+        if self._breakage is not None:
+            self._take_out(self._breakage)
         return ended
+
+    def _take_out(self, breakage: Breakage) -> None:
+        """Tell which springs broke in the steps so far, and begin to count anew."""
+        lost = self._limit[1]  # type: ignore[misc]  # there is one
+        held = lost.reshape(-1, TOGETHER)[:, self._turn].ravel()[self._slots]
+        if held.any():
+            breakage.lose(held > 0, float(held.sum()))
+            lost[:] = 0.0
 
     def _run_on(
         self, ground: Ground, dt: float, steps: int, kinetic: float, to_peak: bool

@@ -147,6 +147,14 @@ def where_positive(builder: Builder, condition: Code, value: Code, other: Code) 
     return builder.select(builder.fcmp_ordered(">", condition, _constant(0.0)), value, other)
 
 
+@operation(types.boolean, LANES)
+def any_positive(builder: Builder, value: Code) -> Code:
+    """Whether a number of a value is above 0; NaN is not."""
+    above = builder.fcmp_ordered(">", value, _constant(0.0))
+    bits = ir.IntType(WIDTH)
+    return builder.icmp_unsigned("!=", builder.bitcast(above, bits), bits(0))
+
+
 @operation(types.float64, LANES)
 def total(builder: Builder, value: Code) -> Code:
     """Sum of the numbers of a value, first to last."""

@@ -13,9 +13,20 @@ form: `msvalidate.network.internal_force`, and `msvalidate.dynamics.integrate.mo
 
 from __future__ import annotations
 
+from typing import Any
+
 from msvalidate.kernels.cells import push as push_cells
 from msvalidate.kernels.compiling import compiled
-from msvalidate.kernels.lanes import load, load_half, root_and_quotient, spread, start, store, total
+from msvalidate.kernels.lanes import (
+    any_positive,
+    load,
+    load_half,
+    root_and_quotient,
+    spread,
+    start,
+    store,
+    total,
+)
 from msvalidate.kernels.turning import components, crossed, first_halves, halves_added, pairs, rows
 from msvalidate.kernels.values import Axes, Corners, Done, Lane, Pointer, Small, Vector
 from msvalidate.network.layout import BLOCK, TOGETHER
@@ -23,8 +34,12 @@ from msvalidate.problem import Array, Index
 
 Form = tuple[()] | tuple[int]
 """Of the law: empty where the pull is a - b/√s, one number where it is a·s - b."""
+Limit = tuple[()] | tuple[float, Array]
+"""Empty, or of springs that break: s/(1 + s), s the critical stretch, which the pull over k is not
+to exceed, and where the energy goes that they had then, in the order of the laws."""
 Springs = tuple[Index, Small, Small, Array, Form]
 """First spring of each place, where its owner and its other end are in the tables, and laws."""
+Ends = tuple[()] | tuple[float, Any]
 Lists = tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Form, Pointer[float] | None]
 """Where these begin, the laws' form, and compliances where the energy is asked for."""
 Pushing = tuple[Corners, Array, Array, Index, Array, Array, Index, Array] | tuple[()]
@@ -61,10 +76,22 @@ def _vectors(
 _vectors = compiled(_vectors, inner=True)
 
 
+def _break(laws: Any, energy: Any, looked: Pointer[float], e: int, at: int) -> None:
+    """Take out of four springs from e on those that are beyond; what is looked at lies at `at`."""
+    for i in range(TOGETHER):
+        if looked[at + i] > 0:
+            energy[e + i] = looked[at + TOGETHER + i] / laws[2 * e + i]
+            laws[2 * e + i] = laws[2 * e + TOGETHER + i] = 0.0
+
+
+_break = compiled(_break, inner=True)
+
+
 def _pull(
     axes: Axes,
     place: Pointer[float],
     springs: tuple[Pointer[int], Pointer[int], Pointer[float], Form, Pointer[float] | None],
+    limit: Ends,
     e: int,
     end: int,
     forces: Pointer[float],
@@ -82,6 +109,13 @@ def _pull(
         else:
             length, share = root_and_quotient(load(laws, 2 * e + 4), square)
             pull = load(laws, 2 * e) - share
+            if len(limit):
+                beyond = pull - limit[0] * load(laws, 2 * e)  # type: ignore[misc]  # some
+                if any_positive(beyond):
+                    store(forces, at, beyond)
+                    store(forces, at + TOGETHER, 0.5 * pull * pull * square)
+                    _break(laws, limit[1], forces, e, at)  # type: ignore[misc]  # some
+                    continue
             force = pull * length
         if compliance is not None:
             stored = stored + load(compliance, e) * (force * force)
@@ -168,6 +202,7 @@ def _block(
     axes: Axes,
     tables: tuple[Pointer[float], Pointer[float], Pointer[float]],
     springs: Lists,
+    limit: Ends,
     cells: Pushing,
     points: tuple[int, Pointer[float], Pointer[float], Pointer[float], Pointer[float]],
     dt: float,
@@ -179,7 +214,7 @@ def _block(
     first, other, wide = springs[0], springs[2], 4 * (len(axes) - 1)
     i, last = b * BLOCK, min(n, (b + 1) * BLOCK)
     begin = first[i]
-    _pull(axes, place, springs[1:], begin, first[last], forces)
+    _pull(axes, place, springs[1:], limit, begin, first[last], forces)
     _push(axes, cells, b)
     twice = spread(0.0)
     while i < last:
@@ -216,10 +251,20 @@ def _starts(
 _starts = compiled(_starts, inner=True)
 
 
+def _ends(limit: Limit) -> Ends:
+    if len(limit):
+        return limit[0], start(limit[1])  # type: ignore[misc]  # some
+    return ()
+
+
+_ends = compiled(_ends, inner=True)
+
+
 def run(
     axes: Axes,
     tables: tuple[Array, Array, Array],
     springs: Springs,
+    limit: Limit,
     cells: Pushing,
     points: tuple[Array, Array, Array, Array],
     step: Array,
@@ -239,6 +284,7 @@ def run(
     pieces = -(-blocks // piece)
     moved = start(place), start(flow), start(forces)
     values = len(mass), start(still), start(keep), start(push), start(mass)
+    ends = _ends(limit)
     lists, dt = (*_starts(springs), None), load(start(step), 0)
     done = 0
     while done < steps:
@@ -248,7 +294,7 @@ def run(
             for wave in range(max(0, front - pieces + 1), min(side, front + 1)):
                 begin = (front - wave) * piece
                 for b in range(begin, min(begin + piece, blocks)):
-                    moving = _block(axes, moved, lists, cells, values, dt, b)
+                    moving = _block(axes, moved, lists, ends, cells, values, dt, b)
                     if wave == side - 1:
                         twice += moving
         done += side
@@ -276,7 +322,7 @@ def force(
     stored = 0.0
     for b in range(-(-n // BLOCK)):
         begin, last = first[b * BLOCK], min(n, (b + 1) * BLOCK)
-        stored += 0.5 * _pull(axes, place, lists[1:], begin, first[last], forces)
+        stored += 0.5 * _pull(axes, place, lists[1:], (), begin, first[last], forces)
         stored += _push(axes, cells, b)
         for i in range(b * BLOCK, last):
             mine = first[i], first[i + 1], begin

@@ -80,6 +80,11 @@ class Layout:
             span=self.span,
         )
 
+    def slots(self, springs: Index) -> Index:
+        """(m,) where springs (m, 2) of the whole network are among those of the places."""
+        ends = self.place[springs]
+        return _slots(ends.min(axis=1), ends.max(axis=1), self.first)
+
     @property
     def points(self) -> int:
         """Number of places."""
@@ -167,15 +172,23 @@ def _group_springs(
     points: int, low: Index, high: Index, k: Array, kl: Array
 ) -> tuple[Index, Index, Index, Array, Array]:
     """Springs by owner, each owner's filled up to pairs, each block's to fours."""
-    by_owner = np.lexsort((high, low))
     own = np.bincount(low, minlength=points)
     room = own + own % 2
     start = np.arange(0, points, BLOCK)
     last = np.minimum(start + BLOCK, points) - 1
     room[last] += np.add.reduceat(room, start) % TOGETHER
     first = np.concatenate(([0], np.cumsum(room)))
-    at = np.repeat(first[:-1] - (np.cumsum(own) - own), own) + np.arange(len(low))
+    at = _slots(low, high, first)
     other = np.full(first[-1], points)
     stiffness, tension = np.zeros((2, first[-1]))
-    other[at], stiffness[at], tension[at] = high[by_owner], k[by_owner], kl[by_owner]
+    other[at], stiffness[at], tension[at] = high, k, kl
     return first, np.repeat(np.arange(points), room // 2), other, stiffness, tension
+
+
+def _slots(low: Index, high: Index, first: Index) -> Index:
+    """Where springs are whose owners' begin at `first`: by owner, then by their other end."""
+    by_owner = np.lexsort((high, low))
+    own = np.bincount(low, minlength=len(first) - 1)
+    slots = np.empty(len(low), dtype=np.intp)
+    slots[by_owner] = np.repeat(first[:-1] - (np.cumsum(own) - own), own) + np.arange(len(low))
+    return slots
