@@ -1,0 +1,329 @@
+"""The critical stretch of a lattice's springs, from the fracture energy that they are to have.
+
+By rule "springs": springs that cross a crack of normal n hold ½ s² Σ k L² |r·n|/A together when all
+are at the critical stretch s, r their vectors and A the area that has each once. But a spring that
+breaks takes along what the body around it gives up: a crack grows only at a multiple of that.
+
+By rule "growth": a disc of the lattice whose rim is held at the field of a crack under a stress
+intensity K ([Irwin1957]), raised until the crack has grown by one period of the lattice. The
+largest of the K on the way counts, extrapolated in the disc's radius: lattice trapping,
+[ThomsonHsiehRana1971], [Slepyan2002].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.constants.calibration import Calibration
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.constants.stiffness import moduli
+from msvalidate.lattice import Constants, Pattern
+from msvalidate.lattice.filled import number_springs
+from msvalidate.lattice.turned import rotation_matrix
+from msvalidate.network import Network, spring_network
+from msvalidate.problem import Array, Mask, ProblemError
+from msvalidate.problem.checks import (
+    finite,
+    length_in_metres,
+    positive_number,
+    require_one_of,
+    require_type,
+)
+from msvalidate.problem.records import dataclass
+from msvalidate.statics.breaking import grow
+
+RULES = ("growth", "springs")
+RADII = (20, 40)
+"""Of the disc, in spacings: together within 0.2 % of what larger ones say."""
+BEHIND = 0.3
+"""Of a spacing, behind the tip, up to which crossing springs are cut at first."""
+CELLS = 6
+"""Of the pattern, in which a row's period is looked for."""
+ISOTROPIC = 1e-6
+"""Zener ratio from 1, up to which a crack has the field of an isotropic solid."""
+AT_MOST = 1e12
+"""Stress intensity up to which is raised: always beyond what is needed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Toughness:
+    """When springs of a lattice are to break.
+
+    Parameters
+    ----------
+    critical_stretch
+        Elongation over rest length, by the rule. It falls as the spacing's root: no constant of
+        the material.
+    rule, direction
+        As in `critical_stretch`.
+    ratio
+        Fracture energy at which a crack in that direction grows over the springs' own, 1 / of which
+        they hold: the critical stretch by rule "springs" over that by "growth" is its root. NaN by
+        rule "springs".
+    first
+        The same at which its first spring breaks.
+    """
+
+    critical_stretch: float
+    rule: str
+    direction: tuple[float, float]
+    ratio: float
+    first: float
+
+
+@dataclass(frozen=True, eq=False)
+class CrackPatch:
+    """A crack in a disc of a lattice.
+
+    Parameters
+    ----------
+    network
+        Its rim held at the displacement of K = 1.
+    stretch
+        (m,) critical stretch of each spring.
+    crossing
+        (m,) where (in spacings) a spring crosses the crack's line ahead of its tip, NaN of others.
+    ahead
+        (m,) springs that must break until the crack has grown by a period.
+    """
+
+    network: Network
+    stretch: Array
+    crossing: Array
+    ahead: Mask
+
+
+def critical_stretch(
+    pattern: Pattern,
+    constants: Constants | Calibration,
+    G_c: float,
+    *,
+    spacing: float = 1.0,
+    thickness: float = 1.0,
+    direction: ArrayLike = (1.0, 0.0),
+    rule: str = "growth",
+) -> Toughness:
+    """Stretch at which a plane lattice's springs break, so that it has a fracture energy.
+
+    Parameters
+    ----------
+    pattern, constants
+        What repeats, and its spring constants (N/m), of an isotropic solid by springs alone.
+    G_c
+        Fracture energy (J/m²) of the material.
+    spacing, thickness
+        Length (m) of the pattern's unit, and of the body across its plane; those of a calibration
+        are its own.
+    direction
+        In which the crack runs, along a row of the lattice.
+    rule
+        "growth": a crack in that direction grows at `G_c`. "springs": the springs across it hold
+        `G_c` when they break, which is what formulas in use ask for; the crack grows at more.
+
+    Raises
+    ------
+    ProblemError
+        If constants are not isotropic, cells stand beside the springs, or the crack would not stay
+        in its plane.
+    """
+    require_type("pattern", pattern, Pattern)
+    if pattern.dim != 2:
+        raise ProblemError(f"{pattern.name}: critical stretch of a lattice in space; give a plane")
+    require_one_of("rule", rule, RULES)
+    if isinstance(constants, Calibration):
+        if constants.volume or constants.pressure:
+            raise ProblemError(
+                f"{pattern.name}: cells beside the springs, which do not break; take square-8 or "
+                "triangular at ratio 1/3 in plane stress, 1/4 in plane strain"
+            )
+        spacing, thickness = constants.spacing, constants.thickness
+        constants = constants.constants
+    length_in_metres("spacing", spacing)
+    energy = positive_number("G_c", G_c, "J/m²") * positive_number("thickness", thickness, "m")
+    along = _unit(direction)
+    k = pattern.stiffness(constants)
+    held = springs_energy(pattern, k, along) * spacing
+    if rule == "springs":
+        first = ratio = math.nan
+    else:
+        E, nu = _isotropic(pattern, constants)
+        first, *_, ratio = _ratios(pattern, k, along, E, nu)
+    over = 1.0 if rule == "springs" else ratio
+    return Toughness(math.sqrt(energy / (held * over)), rule, along, ratio, first)
+
+
+def springs_energy(pattern: Pattern, stiffness: Array, direction: tuple[float, float]) -> float:
+    """Energy (J/m) that springs across a crack hold at a stretch of 1, per length, at spacing 1 m.
+
+    Times the spacing and the square of the stretch it is that of any lattice.
+    """
+    r = pattern.vectors
+    across = np.abs(r @ (-direction[1], direction[0]))
+    total = stiffness @ ((r**2).sum(axis=1) * across)
+    return float(total) / (2 * math.prod(pattern.size))
+
+
+def _unit(direction: ArrayLike) -> tuple[float, float]:
+    given = finite("direction", direction, 2)
+    if not given.any():
+        raise ProblemError("direction: (0, 0); give a vector along a row of the lattice")
+    x, y = given / np.linalg.norm(given)
+    return float(x), float(y)
+
+
+def _isotropic(pattern: Pattern, constants: Constants) -> tuple[float, float]:
+    """In-plane modulus (N/m) and ratio; refused where they depend on the direction."""
+    found = moduli(homogenise(pattern, constants).tensor)
+    if not abs(found.zener - 1) <= ISOTROPIC:
+        raise ProblemError(
+            f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener ratio "
+            f"{found.zener:.6g}), so that a crack's field is another; take those of `calibrate`"
+        )
+    return found.E, found.nu
+
+
+def _ratios(
+    pattern: Pattern, k: Array, along: tuple[float, float], E: float, nu: float
+) -> list[float]:
+    """Energy release rate over the springs' own energy, of each event in a period and the most."""
+
+    def patch(radius: int) -> CrackPatch:
+        return crack_patch(pattern, k, along, E, nu, radius)
+
+    needed = [K**2 / E / springs_energy(pattern, k, along) for K in starts(patch)]
+    return [*needed, max(needed)]
+
+
+def starts(patch: Callable[[int], CrackPatch], radii: tuple[int, int] = RADII) -> list[float]:
+    """Stress intensity at each event until the crack has grown by a period, extrapolated.
+
+    The squares in the inverse of the radius, to which they are linear: the rim is as far away.
+
+    Raises
+    ------
+    ProblemError
+        If another spring breaks than those in the crack's plane, by its place.
+    """
+    each = [_events(patch(radius)) for radius in radii]
+    for coarse, fine in zip(*each, strict=False):
+        if coarse[0] != fine[0]:
+            raise ProblemError(
+                f"crack: springs at {coarse[0]} break first in a disc of radius "
+                f"{radii[0]}, those at {fine[0]} in one of {radii[1]}; take larger ones"
+            )
+    a, b = radii
+    return [
+        math.sqrt(max((b * fine[1] ** 2 - a * coarse[1] ** 2) / (b - a), 0.0))
+        for coarse, fine in zip(*each, strict=True)
+    ]
+
+
+def _events(patch: CrackPatch) -> list[tuple[tuple[float, ...], float]]:
+    """Where springs cross that break together, and the factor that it needs."""
+    network, left = patch.network, patch.ahead.copy()
+    found: list[tuple[tuple[float, ...], float]] = []
+    way = grow(network, patch.stretch, AT_MOST, most_breaks=3 * int(left.sum()))
+    for one in way.breaks:
+        place = patch.crossing[one.springs]
+        if np.isnan(place).any():
+            i, j = network.springs[one.springs[np.isnan(place)][0]]
+            ends = " to ".join(str(network.points[p].round(3).tolist()) for p in (i, j))
+            raise ProblemError(
+                f"crack: it leaves its plane, for the spring from {ends} breaks (in spacings from "
+                "the tip, x along the crack); take a direction along another row, or rule 'springs'"
+            )
+        found.append((tuple(sorted(np.round(place, 6).tolist())), one.needed))
+        left[one.springs] = False
+        if not left.any():
+            return found
+    raise ProblemError("crack: it does not grow in its plane; take rule 'springs'")
+
+
+def crack_patch(
+    pattern: Pattern, k: Array, along: tuple[float, float], E: float, nu: float, radius: int
+) -> CrackPatch:
+    """A crack between two rows of a lattice of spacing 1, in the field of K = 1 on its rim.
+
+    `k` (m,) are the pattern's springs, E (N/m) and nu what they make.
+    """
+    Q = rotation_matrix(-math.atan2(along[1], along[0]), 2)
+    reach = float(np.linalg.norm(pattern.vectors, axis=1).max())
+    half = np.ceil((radius + 2 * reach) / np.array(pattern.size)).astype(int) + 1
+    cell = np.stack(
+        np.meshgrid(
+            np.arange(-half[1], half[1] + 1), np.arange(-half[0], half[0] + 1), indexing="ij"
+        )[::-1],
+        axis=-1,
+    )[..., None, :]
+    place = (cell * np.array(pattern.size) + pattern.points) @ Q.T
+    period = _period(pattern, Q)
+    place = place - _tip(place.reshape(-1, 2), reach)
+    kept = np.linalg.norm(place, axis=-1) <= radius + reach
+    number = np.full(kept.shape, -1)
+    number[kept] = np.arange(int(kept.sum()))
+    springs, which = number_springs(pattern, number)
+    x = place[kept]
+    (a, b) = x[springs[:, 0]], x[springs[:, 1]]
+    crosses = a[:, 1] * b[:, 1] < 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = a[:, 0] - a[:, 1] * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
+    behind = crosses & (at < -BEHIND)
+    rim = np.linalg.norm(x, axis=1) >= radius
+    held = np.repeat(rim[:, None], 2, axis=1)
+    network = spring_network(
+        x,
+        springs,
+        np.where(behind, 0.0, k[which]),
+        held=held,
+        displacement=np.where(held, crack_field(x, E, nu), 0.0),
+    )
+    fixed = rim[springs].all(axis=1)
+    return CrackPatch(
+        network,
+        np.where(fixed, np.inf, 1.0),
+        np.where(crosses & ~behind, at, np.nan),
+        crosses & ~behind & (at < period - BEHIND),
+    )
+
+
+def _period(pattern: Pattern, Q: Array) -> float:
+    """Length of the shortest translation along the crack; refused where there is none."""
+    n = np.arange(-CELLS, CELLS + 1)
+    each = np.stack(np.meshgrid(n, n), axis=-1).reshape(-1, 2) * np.array(pattern.size) @ Q.T
+    on = each[(np.abs(each[:, 1]) <= 1e-9) & (each[:, 0] > 1e-9)]
+    if not len(on):
+        raise ProblemError(
+            f"direction: along no row of the {pattern.name} lattice within {CELLS} cells; take one, "
+            "such as (1, 0), or rule 'springs'"
+        )
+    return float(on[:, 0].min())
+
+
+def _tip(x: Array, reach: float) -> Array:
+    """Place (2,) halfway between two rows, where they are farthest apart, below a point."""
+    near = x[np.abs(x).max(axis=1) <= 6 * reach]
+    level = np.unique(np.round(near[:, 1], 9))
+    level = level[np.abs(level) <= 3 * reach]
+    gap = np.diff(level)
+    widest = np.flatnonzero(gap >= gap.max() - 1e-6)
+    low = int(widest[np.abs(level[widest]).argmin()])
+    above = near[np.abs(near[:, 1] - level[low + 1]) <= 1e-6]
+    return np.array([above[np.abs(above[:, 0]).argmin(), 0], (level[low] + level[low + 1]) / 2])
+
+
+def crack_field(x: Array, E: float, nu: float) -> Array:
+    """Displacement (n, 2) at places around the tip of a crack along x < 0 under K = 1, opening.
+
+    `E` and `nu` are those of the plane: K²/E is the energy release rate.
+
+    Source: [Irwin1957].
+    """
+    r, angle = np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0])
+    kappa, mu = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
+    c, s = np.cos(angle / 2), np.sin(angle / 2)
+    size = np.sqrt(r / (2 * np.pi)) / (2 * mu)
+    return np.column_stack([size * c * (kappa - 1 + 2 * s**2), size * s * (kappa + 1 - 2 * c**2)])
