@@ -297,8 +297,8 @@ def _period(pattern: Pattern, Q: Array) -> float:
     on = each[(np.abs(each[:, 1]) <= 1e-9) & (each[:, 0] > 1e-9)]
     if not len(on):
         raise ProblemError(
-            f"direction: along no row of the {pattern.name} lattice within {CELLS} cells; take one, "
-            "such as (1, 0), or rule 'springs'"
+            f"direction: along no row of the {pattern.name} lattice within {CELLS} cells; take "
+            "one, such as (1, 0), or rule 'springs'"
         )
     return float(on[:, 0].min())
 
