@@ -20,7 +20,7 @@ from reference_fem.elasticity import elastic_tensor, full_tensor
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
 
-SMALLEST, GROWTH, LARGEST = 1e-4, 0.7, 0.15
+SMALLEST, GROWTH, LARGEST = 2e-5, 0.8, 0.2
 """Cells of a first mesh: at the tip, over the body's least side; over their distance from the tip;
 over the least side."""
 REACH = (0.25, 0.75)
@@ -91,14 +91,15 @@ def crack_mesh(problem: Problem, tip: tuple[float, ...], finer: int = 1) -> Disc
     size = min(box.size)
     lines = []
     for at, kept, (low, high) in zip(tip, kept_places(problem).T, box.span, strict=True):
-        stops = np.unique(np.round(np.array([low, high, at, *kept]) / size, 12)) * size
-        stops = stops[(stops >= low) & (stops <= high)]
+        stops = np.unique(np.clip([low, high, at, *kept], low, high))
+        stops = stops[np.append(True, np.diff(stops) > box.tolerance)]
+        stops[-1] = high
         parts = [np.array([low])]
         for a, b in pairwise(stops):
             near = min(abs(a - at), abs(b - at))
             marks = [0.0]
             while marks[-1] < b - a:
-                h = max(SMALLEST * size, GROWTH * (near + marks[-1]) / finer)
+                h = max(SMALLEST * size, GROWTH * (near + marks[-1])) / finer
                 marks.append(marks[-1] + min(h, LARGEST * size / finer))
             part = np.array(marks) * ((b - a) / marks[-1])
             parts.append((b - part[::-1] if abs(b - at) < abs(a - at) else a + part)[1:])

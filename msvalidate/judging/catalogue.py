@@ -33,6 +33,7 @@ ORDER = (
     "lattices",
     "large_strain",
     "contact",
+    "fracture",
     "benchmarks",
     "convergence",
     "stability",

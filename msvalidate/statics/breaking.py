@@ -23,18 +23,22 @@ from scipy.linalg import qr
 from msvalidate.network import Configuration, Network
 from msvalidate.network.breakage import critical_stretches
 from msvalidate.problem import Array, Index, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import finite_number, require_type, whole_number
+from msvalidate.problem.checks import finite_number, indices, require_type, whole_number
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, linear_equilibrium_at
 from msvalidate.statics.refinement import refine_linear
 from msvalidate.tangent.inverse import Once
 
+Ended = Literal["raised", "breaks", "falls", "parted"]
+NONE = np.zeros(0, dtype=np.intp)
 TIED = 1e-9
 """Part of the largest stretch, over its critical one, within which springs break together."""
 BREAKS_A_FACTOR = 50
 """After which the tangent is inverted anew: columns of as many springs are kept."""
 NOTHING = 1e-9
 """Of a spring's stiffness, what is in the way where it was: less is a mechanism."""
+SLACK = 1e-10
+"""Elongation over the largest displacement up to which no spring bears anything."""
 LOOSE = 1e-6
 """Part of such a motion that a point takes which moves in it."""
 CLOSED = 1e-10
@@ -85,7 +89,8 @@ class Growth:
         Energy (J): of loads and supports along the way, and in springs at the end.
     ended
         "raised": no spring breaks up to the factor that was asked for; "breaks": there were as
-        many as were asked for; "falls": the next break would leave a load on what nothing holds.
+        many as were asked for; "falls": the next break would leave a load on what nothing holds;
+        "parted": no spring bears anything any more, however much is raised.
     """
 
     breaks: tuple[Break, ...]
@@ -95,13 +100,12 @@ class Growth:
     load: float
     work: float
     stored: float
-    ended: Literal["raised", "breaks", "falls"]
+    ended: Ended
 
     @property
     def broken(self) -> Index:
         """Numbers of the springs that broke, in their order."""
-        none = np.zeros(0, dtype=np.intp)
-        return np.concatenate([none, *(one.springs for one in self.breaks)])
+        return np.concatenate([NONE, *(one.springs for one in self.breaks)])
 
     @property
     def released(self) -> float:
@@ -125,6 +129,7 @@ def grow(
     critical_stretch: ArrayLike,
     raised: float = 1.0,
     *,
+    crack: ArrayLike = (),
     most_breaks: int | None = None,
     solver: str = "auto",
     watch: Callable[[Break], None] | None = None,
@@ -144,6 +149,8 @@ def grow(
         infinite of those that do not break.
     raised
         Factor up to which, from 0.
+    crack
+        Numbers of springs that are cut beforehand. What they leave without a hold is loose.
     most_breaks
         Events after which to stop.
     solver
@@ -173,27 +180,18 @@ def grow(
     if finite_number("raised", raised) <= 0:
         raise ProblemError(f"raised: {raised:g}; give a factor of the loads above 0")
     most = math.inf if most_breaks is None else whole_number("most breaks", most_breaks, 1)
-    way = _Way(network, stretch, solver)
-    breaks: list[Break] = []
-    ended: Literal["raised", "breaks", "falls"] = "breaks"
-    while len(breaks) < most:
-        needed, springs = way.next()
-        if needed > raised:
-            way.raise_to(raised)
-            ended = "raised"
-            break
-        way.raise_to(needed)
-        found = way.cut(springs, needed)
-        if found is None:
-            ended = "falls"
-            break
-        breaks.append(found)
-        if watch is not None:
-            watch(found)
-    return way.result(breaks, ended)
+    cut = indices("crack", np.asarray(crack, dtype=np.intp), len(network.springs))
+    found = Way(network, stretch, solver, cut).follow(raised, most, watch)
+    left = abs(found.work - found.stored - found.released)
+    if not left <= CLOSED * found.released + ROUNDED * found.work:
+        raise SolverError(
+            f"breaking: {left:.1g} J of {found.released:.4g} J released are not accounted for; "
+            "bring stiffnesses closer together, or take solver 'direct'"
+        )
+    return found
 
 
-class _Way:
+class Way:
     """A network on its way, its displacement in proportion to the factor of its loads.
 
     Attributes
@@ -204,17 +202,38 @@ class _Way:
         Displacement (n, d) in m under the whole load.
     load, work
         Factor now, and the work (J) so far.
+    bears
+        Whether any spring bears a load.
     """
 
-    def __init__(self, network: Network, stretch: Array, solver: str) -> None:
+    def __init__(
+        self, network: Network, stretch: Array, solver: str = "auto", crack: Index = NONE
+    ) -> None:
         self.given = self.network = network
         self.stiffness = network.stiffness.copy()
         self.length = network.rest_length * stretch
         self.along = network.vector / network.distance[:, None]
         self.solver = Once(network, solver)
         self.load = self.work = 0.0
+        self.bears = True
         self.loose = np.zeros(len(network.points), dtype=bool)
+        self.stiffness[crack] = 0.0
+        try:
+            self._factorise()
+        except SolverError:
+            if not len(crack):
+                raise
+            self._cut_off(crack)
+
+    def _cut_off(self, crack: Index) -> None:
+        """Make a crack that leaves parts without a hold, some springs at a time."""
+        self.stiffness = self.given.stiffness.copy()
         self._factorise()
+        for springs in np.array_split(crack, -(-len(crack) // BREAKS_A_FACTOR)):
+            if self.cut(springs, 0.0) is None:
+                raise ProblemError(
+                    "crack: nothing holds what it leaves of a loaded part; make it shorter"
+                )
 
     def _factorise(self) -> None:
         """Invert the tangent of what is whole now, and solve for the whole load."""
@@ -223,7 +242,7 @@ class _Way:
         refined = refine_linear(self.network, self.solver)
         self.error, self.unit, self._base = refined.error, refined.solution, refined.solution
         self._at = Configuration(self.network)
-        self._cut = np.zeros(0, dtype=np.intp)
+        self._cut = NONE
         self._columns = np.zeros((0, *self.unit.shape))
         self._work = self._unit_work()
 
@@ -234,20 +253,46 @@ class _Way:
 
     def _inner(self, u: Array) -> Array:
         """Forces (n, d) in N of the springs that are whole."""
-        pull = (self.stiffness * self._elongation(u))[:, None] * self.along
+        pull = (self.stiffness * self.elongation(u))[:, None] * self.along
         return self.network.assemble_forces(pull)
 
-    def _elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
+    def elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
         """Elongation (b,) in m of springs at a displacement (n, d), or (c, b) at (c, n, d)."""
         i, j = self.network.springs[springs].T
         return np.asarray(((u[..., j, :] - u[..., i, :]) * self.along[springs]).sum(axis=-1))
 
+    def follow(
+        self, raised: float, most: float, watch: Callable[[Break], None] | None = None
+    ) -> Growth:
+        """Break springs up to a factor of the loads, `most` times at the most."""
+        breaks: list[Break] = []
+        ended: Ended = "breaks"
+        while len(breaks) < most:
+            needed, springs = self.next()
+            if not self.bears:
+                ended = "parted"
+                break
+            self.raise_to(min(needed, raised))
+            if needed > raised:
+                ended = "raised"
+                break
+            found = self.cut(springs, needed)
+            if found is None:
+                ended = "falls"
+                break
+            breaks.append(found)
+            if watch is not None:
+                watch(found)
+        return self.result(breaks, ended)
+
     def next(self) -> tuple[float, Index]:
         """Factor at which springs break next, infinite where none is stretched, and which."""
-        part = np.where(self.stiffness > 0, self._elongation(self.unit) / self.length, 0.0)
+        e = np.where(self.stiffness > 0, self.elongation(self.unit), 0.0)
+        part = e / self.length
         largest = float(part.max())
+        self.bears = bool(np.abs(e).max() > SLACK * np.abs(self.unit).max())
         if largest <= 0:
-            return math.inf, np.zeros(0, dtype=np.intp)
+            return math.inf, NONE
         return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
 
     def raise_to(self, load: float) -> None:
@@ -264,7 +309,7 @@ class _Way:
         if len(self._cut) >= BREAKS_A_FACTOR:
             self._factorise()
         columns, cross = self._solve(springs)
-        root, e = np.sqrt(self.stiffness[springs]), self._elongation(self.unit, springs)
+        root, e = np.sqrt(self.stiffness[springs]), self.elongation(self.unit, springs)
         met = np.eye(len(springs)) - root[:, None] * (cross + cross.T) / 2 * root
         value, vector = np.linalg.eigh(met)
         part = vector.T @ (root * e)
@@ -305,11 +350,11 @@ class _Way:
         before, self._cut = self._cut, np.concatenate([self._cut, springs])
         if len(before):
             k = self._at.network.stiffness[before]
-            C = self._elongation(self._columns[: len(before)], before)
-            across = self._elongation(columns, before)
+            C = self.elongation(self._columns[: len(before)], before)
+            across = self.elongation(columns, before)
             part = np.linalg.solve(np.diag(1 / k) - (C + C.T) / 2, across.T)
             columns = columns + np.tensordot(part.T, self._columns[: len(before)], axes=1)
-        return columns, self._elongation(columns, springs)
+        return columns, self.elongation(columns, springs)
 
     def _hold(self, modes: Array) -> None:
         """Hold as many components as there are motions (r, n, d) that nothing resists any more.
@@ -325,9 +370,9 @@ class _Way:
         moved.ravel()[which] = self.unit.ravel()[which]
         self.network = replace(self.network, held=held, displacement=moved)
 
-    def result(self, breaks: list[Break], ended: Literal["raised", "breaks", "falls"]) -> Growth:
-        """Where the way has led to; refused where the ledger does not close."""
-        load, e = self.load, self._elongation(self.unit)
+    def result(self, breaks: list[Break], ended: Ended) -> Growth:
+        """Where the way has led to."""
+        load, e = self.load, self.elongation(self.unit)
         network = replace(
             self.network,
             stiffness=self.stiffness.copy(),
@@ -335,21 +380,15 @@ class _Way:
             displacement=load * self.network.displacement,
         )
         choice = self.solver.choice
-        at = linear_equilibrium_at(network, load * self.unit, len(breaks), self.error, choice)
-        found = Growth(
+        return Growth(
             breaks=tuple(breaks),
             network=network,
-            equilibrium=at,
+            equilibrium=linear_equilibrium_at(
+                network, load * self.unit, len(breaks), self.error, choice
+            ),
             loose=np.flatnonzero(self.loose),
             load=load,
             work=self.work,
             stored=load**2 / 2 * float(self.stiffness @ e**2),
             ended=ended,
         )
-        left = abs(found.work - found.stored - found.released)
-        if not left <= CLOSED * found.released + ROUNDED * found.work:
-            raise SolverError(
-                f"breaking: {left:.1g} J of {found.released:.4g} J released are not accounted for; "
-                "bring stiffnesses closer together, or take solver 'direct'"
-            )
-        return found

@@ -1,0 +1,51 @@
+"""What do springs say when they break?
+
+"Let springs break at a critical stretch" is the usual reason for a lattice. One question a file:
+
+- `intensity`: K of cracks that do not grow, and where a lattice's tip is;
+- `growth`: at which fracture energy a crack grows, by the rule for the stretch;
+- `paths`: the way that it takes in turned and random lattices;
+- `moving`: where the energy goes in motion.
+
+Candidate: springs that break while loads are raised, at rest. Reference: finite elements, closed
+forms, values of independent programs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from msvalidate import kit
+from msvalidate.dynamics.breaking import Ledger
+from msvalidate.network.breakage import Breakage
+from msvalidate.statics.breaking import grow
+
+from . import faults, growth, intensity, moving, paths
+from .springs import Grow
+
+FAULTS = faults.FAULTS
+"""Negative controls: arguments of `run` under which a tolerance must fail."""
+
+
+def run(
+    candidate: Grow = grow,
+    setting: kit.Setting = kit.FULL,
+    questions: tuple[str, ...] | None = None,
+    known: dict[tuple[str, float], float] = intensity.KNOWN,
+    moved: float = 0.0,
+    rule: str = "growth",
+    springs: type[Breakage] = Breakage,
+    ledger: type[Ledger] = Ledger,
+) -> kit.Evidence:
+    """All questions, or those named, for one way to grow cracks, set a stretch and keep books."""
+    if not callable(candidate):
+        raise kit.ProblemError(f"candidate: {candidate!r}; give a function as breaking.grow is")
+    asked: dict[str, Callable[[], kit.Evidence]] = {
+        "intensity": partial(intensity.run, setting, known, moved),
+        "small": partial(growth.run_small, candidate),
+        "growth": partial(growth.run_growth, candidate, setting, rule),
+        "paths": partial(paths.run, candidate, setting),
+        "moving": partial(moving.run, candidate, setting, springs, ledger),
+    }
+    return kit.gather_evidence(asked, questions)

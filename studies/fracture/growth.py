@@ -1,0 +1,253 @@
+"""At which load does a crack begin to grow, and where does the energy go?
+
+Question   Springs break at one critical stretch, set from a fracture energy: does a crack grow when
+           elasticity says that so much is released?
+Candidate  Two rules for the stretch: what the springs across a crack hold, and what a crack in the
+           field of a stress intensity needs; `grow` in a long strip and in a plate.
+Reference  Two small strips in an independent program; G = E ε² H/2(1 - nu²) of a long strip,
+           whatever the crack's length; K of a plate by finite elements.
+Expected   By the springs' own energy a crack grows at 2.4 (square-8) and 3.7 (triangular) times
+           what was asked for. By growth in the field of K a plate and a strip are off by what
+           T-stress and a finite size do.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from msvalidate import kit
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.bodies.toughness import (
+    Toughness,
+    crack_patch,
+    critical_stretch,
+    springs_energy,
+    starts,
+)
+from msvalidate.lattice import fill
+from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Traction
+from msvalidate.statics.breaking import Growth
+
+from .springs import LATTICES, NU, E, Grow, across, filled, middles, pulled
+
+SMALL = Path(__file__).with_name("small.csv")
+STRIPS = {1: (12, 7, 5), 2: (16, 9, 6)}
+"""Cells and crack of the small strips."""
+KNOWN = {"square-8": (2.0576, 2.3655), "triangular": (3.748, 3.748)}
+"""First break and growth over the springs' own energy, by discs of three sizes elsewhere."""
+Y = 1.6599
+"""K/(σ√πa) of an edge crack in three tenths of a plate."""
+RULES = (
+    kit.Rule(
+        "small strips: springs that break, wrong ones", 0.5, "1", "the same in the same order",
+        table="small", value="wrong",
+    ),
+    *(
+        kit.Rule(
+            f"small strips: {column}, relative", 1e-9, "1", "two programs: rounding",
+            table="small", value=column,
+        )
+        for column in ("load", "released", "own")
+    ),
+    kit.Rule(
+        "ledger at rest: what is left of work, stored and released, over the released", 1e-10, "1",
+        "each is computed on its own: rounding", table="starts", value="left",
+    ),
+    kit.Rule(
+        "first break in the field of K, over the springs' own energy", 5e-3, "1",
+        "extrapolated from discs of two radii, linear in the inverse", table="trapping",
+        value="first", reference="known_first",
+    ),
+    kit.Rule(
+        "growth in the field of K, over the springs' own energy", 5e-3, "1",
+        "extrapolated from discs of two radii, linear in the inverse", table="trapping",
+        value="growth", reference="known_growth",
+    ),
+    kit.Rule(
+        "rule growth: G at growth over G_c in the field of K, at other radii", 5e-3, "1",
+        "the same question", table="starts", rows={"rule": "growth", "body": "field of K"},
+        value="start", reference=1.0,
+    ),
+    kit.Rule(
+        "rule growth: G at growth over G_c in strip and plate", 0.1, "1",
+        "T-stress and a tip among few springs move it by several per cent", table="starts",
+        rows={"rule": "growth", "body": ("strip", "plate")}, value="start", reference=1.0,
+    ),
+    kit.Rule(
+        "rule springs: G at growth over G_c, over the ratio of the rules", 0.1, "1",
+        "a crack needs that ratio more than the springs hold", table="starts",
+        rows={"rule": "springs"}, value=kit.Quotient("start", "ratio"), reference=1.0,
+    ),
+    kit.Rule(
+        "long strip: released over crack length and G, in steady growth", 0.01, "1",
+        "energy balance: what is ahead becomes what is behind", table="steady",
+        value="released", reference=1.0,
+    ),
+    kit.Rule(
+        "long strip: share that springs at the critical stretch hold, times start over their own",
+        0.02, "1", "the same balance, of the springs", table="steady", value="share",
+        reference=1.0,
+    ),
+)  # fmt: skip
+FIGURES = {
+    "teeth": kit.series(
+        "teeth", title="One crack in a strip of square-8: load that breaks the next spring",
+        x="crack", y="needed", size=(5.6, 3.4),
+        labels=("spring breaks at (spacings)", "strain of the strip over that at growth (1)"),
+    ),
+}  # fmt: skip
+
+
+def small_strips(grow: Grow) -> list[dict[str, object]]:
+    """Events of two small strips beside those of an independent program."""
+    rows: list[dict[str, object]] = []
+    for number, known in pd.read_csv(SMALL).groupby("strip"):
+        n, m, a = STRIPS[int(str(number))]
+        network = pulled(filled("square-8", n, m), LATTICES["square-8"][1])
+        ends = network.points[network.springs]
+        cut = ~np.isnan(across(network, m / 2)) & (ends[:, :, 0].max(axis=1) <= a)
+        found = grow(network, 0.01, crack=np.flatnonzero(cut), most_breaks=len(known))
+        middle = middles(network)
+        for one, (_, row) in zip(found.breaks, known.iterrows(), strict=False):
+            names = {f"{x:g} {y:g}" for x, y in middle[one.springs]}
+            rows.append({
+                "strip": number, "event": len(rows),
+                "wrong": len(names ^ set(row["springs"].split("; "))),
+                **{key: getattr(one, key) / row[key] - 1 for key in ("load", "released", "own")},
+            })  # fmt: skip
+    return rows
+
+
+def set_stretch(name: str, rule: str) -> Toughness:
+    """Critical stretch of a lattice of spacing 1 m that is to have 1 J/m²."""
+    pattern, k = LATTICES[name]
+    return critical_stretch(pattern, k, 1.0, rule=rule)
+
+
+def in_field(name: str, stretch: float, radii: tuple[int, int] = (30, 60)) -> float:
+    """Energy release rate at growth in the field of K."""
+    pattern, k = LATTICES[name]
+    stiffness = pattern.stiffness(k)
+    needed = starts(lambda r: crack_patch(pattern, stiffness, (1.0, 0.0), E, NU, r), radii)
+    return max(needed) ** 2 / E * stretch**2
+
+
+def in_strip(grow: Grow, name: str, stretch: float, height: int, breaks: int) -> Growth:
+    """Growth in a long strip between clamps that do not break."""
+    network = pulled(filled(name, 3 * height, height), LATTICES[name][1])
+    high = np.ptp(network.points[:, 1])
+    line = high / 2 if name == "square-8" else high / 2 + np.sqrt(3) / 4
+    crack = np.flatnonzero(across(network, line) < height)
+    middle = middles(network)
+    whole = (np.abs(middle[:, 1] - high / 2) > high / 2 - 2) | (middle[:, 0] > 2.5 * height)
+    return grow(network, np.where(whole, np.inf, stretch), 1e3, crack=crack, most_breaks=breaks)
+
+
+def in_plate(grow: Grow, name: str, stretch: float, width: int) -> float:
+    """Energy release rate at growth of an edge crack in a plate under tension."""
+    pattern, k = LATTICES[name]
+    rows = (
+        round(3 * width / pattern.size[1]) | 1
+        if name == "square-8"
+        else round(3 * width / pattern.size[1])
+    )
+    box = Box((float(width), rows * pattern.size[1]))
+    problem = Problem(
+        box, Isotropic(E=E, nu=NU, state="plane_stress"),
+        (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((1.0 * width, 0.0)), (None, 0.0))),
+        (Traction(box.side("bottom"), (0.0, -1.0)), Traction(box.side("top"), (0.0, 1.0))),
+    )  # fmt: skip
+    network = lattice_network(problem, fill(pattern, box, (width, rows)), k)
+    line = box.size[1] / 2 + (0 if name == "square-8" else np.sqrt(3) / 4)
+    a = 0.3 * width
+    found = grow(network, stretch, 1e9, crack=np.flatnonzero(across(network, line) < a - 1e-9),
+                 most_breaks=12)  # fmt: skip
+    return float((max(one.load for one in found.breaks) * Y) ** 2 * np.pi * a / E)
+
+
+def run_small(grow: Grow) -> kit.Evidence:
+    """Two small strips."""
+    tables = {"small": pd.DataFrame(small_strips(grow))}
+    return kit.Evidence(tables, tolerances=RULES[:4], columns=kit.columns(__file__))
+
+
+def run_growth(grow: Grow, setting: kit.Setting, rule: str = "growth") -> kit.Evidence:
+    """Growth by rule, lattice and body; `rule` is what is called "growth"."""
+    trapping: list[dict[str, Any]] = []
+    starting, steady, teeth, plates = [], [], [], []
+    size = 41 if setting.quick else 61
+    for name, (first, growth) in KNOWN.items():
+        found = set_stretch(name, "growth")
+        trapping.append({
+            "lattice": name, "first": found.first, "growth": found.ratio, "known_first": first,
+            "known_growth": growth, "own_share": 1 / found.ratio,
+        })  # fmt: skip
+        for called in ("growth", "springs"):
+            s = set_stretch(name, rule if called == "growth" else called).critical_stretch
+            strip = in_strip(grow, name, s, size, 40)
+            G = strip_release(name, strip)
+            row = {"lattice": name, "rule": called, "ratio": found.ratio}
+            starting += [
+                {**row, "body": "field of K", "size": 60, "start": in_field(name, s), "left": 0.0},
+                {**row, "body": "strip", "size": size, "start": G, "left": strip.closure},
+            ]
+            widths = (20, 40) if setting.quick or called == "springs" else (20, 40, 80)
+            for width in widths:
+                G = in_plate(grow, name, s, width)
+                starting.append({**row, "body": "plate", "size": width, "start": G, "left": 0.0})
+                plates.append({**row, "cells": 0.3 * width, "strength": float(np.sqrt(G))})
+            if called == "growth":
+                steady.append(balance(name, strip, s))
+                teeth += saw_teeth(strip) if name == "square-8" else []
+    tables = {
+        "trapping": pd.DataFrame(trapping), "starts": pd.DataFrame(starting),
+        "steady": pd.DataFrame(steady), "griffith": pd.DataFrame(plates),
+        "teeth": pd.DataFrame(teeth),
+    }  # fmt: skip
+    by = tables["starts"].query("rule == 'growth' and body != 'field of K'")
+    finding = (
+        "A critical stretch from the energy of the broken springs makes a crack grow at "
+        f"{trapping[0]['growth']:.2f} (square-8, along an axis) and {trapping[1]['growth']:.2f} "
+        "times (triangular, along a row) the fracture energy that was asked for: only "
+        f"{100 * trapping[1]['own_share']:.0f} to {100 * trapping[0]['own_share']:.0f} % of what "
+        "is released was in the springs that broke. Set from growth, strips and plates are at "
+        f"{by['start'].min():.2f} to {by['start'].max():.2f} of it: T-stress and size."
+    )
+    return kit.Evidence(
+        tables, tolerances=RULES[4:], columns=kit.columns(__file__), findings=(finding,),
+        figures=FIGURES,
+    )  # fmt: skip
+
+
+def strip_release(name: str, strip: Growth) -> float:
+    """G = E ε² H/2(1 - nu²) at the largest load of a strip."""
+    high = np.ptp(strip.network.points[:, 1])
+    return float(E / (1 - NU**2) * max(one.load for one in strip.breaks) ** 2 * high / 2)
+
+
+def balance(name: str, strip: Growth, stretch: float) -> dict[str, object]:
+    """What is released per crack length in steady growth, over G, and the springs' share."""
+    pattern, k = LATTICES[name]
+    own = springs_energy(pattern, pattern.stiffness(k), (1.0, 0.0)) * stretch**2
+    G, breaks = strip_release(name, strip), strip.breaks[10:30]
+    middle = middles(strip.network)
+    length = middle[strip.breaks[30].springs, 0].max() - middle[breaks[0].springs, 0].max()
+    released = sum(one.released for one in breaks)
+    return {
+        "lattice": name, "released": released / length / G,
+        "share": own * length / released * G / own,
+        "held": sum(one.own for one in breaks) / released,
+    }  # fmt: skip
+
+
+def saw_teeth(strip: Growth) -> list[dict[str, float]]:
+    """Strain at which each spring would break, over that at growth."""
+    middle, top = middles(strip.network), max(one.load for one in strip.breaks)
+    return [
+        {"crack": float(middle[one.springs, 0].mean()), "needed": one.needed / top}
+        for one in strip.breaks
+    ]
