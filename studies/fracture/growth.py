@@ -55,7 +55,7 @@ RULES = (
     ),
     kit.Rule(
         "ledger at rest: what is left of work, stored and released, over the released", 1e-10, "1",
-        "each is computed on its own: rounding", table="starts", value="left",
+        "each is computed on its own: rounding", table="steady", value="left",
     ),
     kit.Rule(
         "first break in the field of K, over the springs' own energy", 5e-3, "1",
@@ -73,9 +73,9 @@ RULES = (
         value="start", reference=1.0,
     ),
     kit.Rule(
-        "rule growth: G at growth over G_c in strip and plate", 0.1, "1",
+        "rule growth: G at growth over G_c, strips and plates of 12 spacings or more", 0.1, "1",
         "T-stress and a tip among few springs move it by several per cent", table="starts",
-        rows={"rule": "growth", "body": ("strip", "plate")}, value="start", reference=1.0,
+        rows={"rule": "growth", "size": (40, 41, 61, 80)}, value="start", reference=1.0,
     ),
     kit.Rule(
         "rule springs: G at growth over G_c, over the ratio of the rules", 0.1, "1",
@@ -186,23 +186,27 @@ def run_growth(grow: Grow, setting: kit.Setting, rule: str = "growth") -> kit.Ev
             "lattice": name, "first": found.first, "growth": found.ratio, "known_first": first,
             "known_growth": growth, "own_share": 1 / found.ratio,
         })  # fmt: skip
-        for called in ("growth", "springs"):
-            s = set_stretch(name, rule if called == "growth" else called).critical_stretch
-            strip = in_strip(grow, name, s, size, 40)
-            G = strip_release(name, strip)
-            row = {"lattice": name, "rule": called, "ratio": found.ratio}
-            starting += [
-                {**row, "body": "field of K", "size": 60, "start": in_field(name, s), "left": 0.0},
-                {**row, "body": "strip", "size": size, "start": G, "left": strip.closure},
-            ]
-            widths = (20, 40) if setting.quick or called == "springs" else (20, 40, 80)
-            for width in widths:
-                G = in_plate(grow, name, s, width)
-                starting.append({**row, "body": "plate", "size": width, "start": G, "left": 0.0})
-                plates.append({**row, "cells": 0.3 * width, "strength": float(np.sqrt(G))})
-            if called == "growth":
-                steady.append(balance(name, strip, s))
-                teeth += saw_teeth(strip) if name == "square-8" else []
+        row = {"lattice": name, "rule": "growth", "ratio": found.ratio}
+        stretch = set_stretch(name, rule).critical_stretch
+        strip = in_strip(grow, name, stretch, size, 40)
+        starting += [
+            {**row, "body": "field of K", "size": 60, "start": in_field(name, stretch)},
+            {**row, "body": "strip", "size": size, "start": strip_release(name, strip)},
+        ]
+        steady.append(balance(name, strip, stretch))
+        teeth += saw_teeth(strip) if name == "square-8" else []
+        for width in (20, 40) if setting.quick else (20, 40, 80):
+            G = in_plate(grow, name, stretch, width)
+            plates.append({**row, "cells": 0.3 * width, "strength": float(np.sqrt(G))})
+            starting.append({**row, "body": "plate", "size": width, "start": G})
+        row["rule"] = "springs"
+        stretch = set_stretch(name, "springs").critical_stretch
+        other = in_strip(grow, name, stretch, size, 4)
+        G = in_plate(grow, name, stretch, 40)
+        starting += [
+            {**row, "body": "strip", "size": size, "start": strip_release(name, other)},
+            {**row, "body": "plate", "size": 40, "start": G},
+        ]
     tables = {
         "trapping": pd.DataFrame(trapping), "starts": pd.DataFrame(starting),
         "steady": pd.DataFrame(steady), "griffith": pd.DataFrame(plates),
@@ -240,7 +244,7 @@ def balance(name: str, strip: Growth, stretch: float) -> dict[str, object]:
     return {
         "lattice": name, "released": released / length / G,
         "share": own * length / released * G / own,
-        "held": sum(one.own for one in breaks) / released,
+        "held": sum(one.own for one in breaks) / released, "left": strip.closure,
     }  # fmt: skip
 
 

@@ -29,12 +29,12 @@ STRETCH, RATE, TIME, OVER = 0.01, 0.02, 30.0, 1.15
 RULES = (
     kit.Rule(
         "order in the time step of what the ledger leaves", 0.3, "1",
-        "velocity Verlet and trapezoidal rules; other springs break at each step", table="ledger",
+        "velocity Verlet and trapezoidal rules; other springs break at each step", table="books",
         power_of="dt", value="left", reference=2.0,
     ),
     kit.Rule(
         "what the ledger leaves at the finest step, over the released", 1e-4, "1",
-        "second order", table="ledger", rows={"finest": True}, value="left",
+        "second order", table="books", rows={"finest": True}, value="left",
     ),
     kit.Rule(
         "compiled and plain loops: springs that break in one alone", 0.5, "1",
@@ -112,10 +112,10 @@ def run(
     course = course.iloc[:: len(course) // 200]
     energies = ["stored", "kinetic", "viscous", "released"]
     tables = {
-        "ledger": pd.DataFrame(rows), "loops": pd.DataFrame([loops(network, start)]),
+        "books": pd.DataFrame(rows), "loops": pd.DataFrame([loops(network, start)]),
     }  # fmt: skip
     drawn = course[["time"]].join(course[energies] / course["stored"].iloc[0])
-    counts = tables["ledger"]["broken"]
+    counts = tables["books"]["broken"]
     finding = (
         "A strip let go at 1.15 times the load of its first break breaks "
         f"{counts.min()} to {counts.max()} springs, by the time step; its ledger closes to "
