@@ -24,7 +24,7 @@ from msvalidate.statics.equilibrium import equilibrium
 
 from .springs import LATTICES, Grow, across, filled, pulled
 
-STRETCH, RATE, TIME, OVER = 0.01, 0.02, 30.0, 1.15
+STRETCH, RATE, TIME, OVER = 0.01, 0.1, 30.0, 1.15
 """Critical stretch, viscous rate (1/s), time (s), load over that of the first break."""
 RULES = (
     kit.Rule(
