@@ -109,7 +109,7 @@ def run(
             "left": float(np.abs(course["left"]).max()) / broken.released,
             "finest": times == halved - 1,
         })  # fmt: skip
-    course = course.iloc[:: len(course) // 200]
+    course = course.iloc[:: len(course) // 40]
     energies = ["stored", "kinetic", "viscous", "released"]
     tables = {
         "books": pd.DataFrame(rows), "loops": pd.DataFrame([loops(network, start)]),

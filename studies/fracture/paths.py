@@ -61,8 +61,10 @@ RULES = (
 FIGURES = {
     "paths": kit.series(
         "breaks", title="Springs that broke, ahead of a crack that elasticity lets go straight on",
-        x="x", y="y", panel="lattice", line="", across=4, size=(2.6, 2.4),
-        labels=("ahead of the tip (spacings)", "above it (spacings)"), aspect="equal",
+        x="x", y={}, beside={"y": "springs that broke"}, panel="lattice", across=3,
+        size=(3.6, 2.6),
+        labels=("ahead of the tip (spacings)", "above it (spacings)"), xlim=(0, 23),
+        ylim=(-10.5, 10.5),
     ),
 }  # fmt: skip
 ZIGZAG = (("triangular", 10.0), ("triangular", 20.0))
@@ -72,7 +74,7 @@ ZIGZAG = (("triangular", 10.0), ("triangular", 20.0))
 def path_of(
     grow: Grow, case: tuple[str, float, float, float, int]
 ) -> tuple[dict[str, object], Array]:
-    """Direction of the path, and places (b, 2) in m of its breaks from the tip."""
+    """Direction of the path, and lines (3 b, 2) in m from the tip of the springs that broke."""
     name, turn, height, spacing, seed = case
     if name == "Voronoi":
         network = pulled(voronoi_box(Box(SIZE), spacing, seed=seed), (1.0,))
@@ -86,8 +88,12 @@ def path_of(
         most_breaks=round(120 / spacing),
     )  # fmt: skip
     x = middle[found.broken] - [LENGTH, SIZE[1] / 2 + height]
-    x = x[(x[:, 0] > AHEAD) & (x[:, 0] < SIZE[0] - LENGTH - BEFORE)]
-    x = x[np.abs(x[:, 1]) < SIZE[1] / 2 - BEFORE]
+    on = (x[:, 0] > AHEAD) & (x[:, 0] < SIZE[0] - LENGTH - BEFORE)
+    on &= np.abs(x[:, 1]) < SIZE[1] / 2 - BEFORE
+    x, ends = x[on], network.points[network.springs[found.broken[on]]]
+    # Lines of a figure end where there is no number.
+    lines = np.full((len(x), 3, 2), np.nan)
+    lines[:, :2] = ends - [LENGTH, SIZE[1] / 2 + height]
     # A cloud has no axis: of random lattices the line through the tip, else that of the breaks.
     way = x.T @ x[:, 0] if name == "Voronoi" else np.linalg.svd(x - x.mean(axis=0))[2][0]
     way = way / np.linalg.norm(way)
@@ -99,7 +105,7 @@ def path_of(
         "direction": angle,
         "off_row": (angle - turn + row / 2) % row - row / 2 if name in ROWS else 0.0,
         "width": float(np.sqrt((apart**2).mean())) / spacing,
-    }, x  # fmt: skip
+    }, lines.reshape(-1, 2)  # fmt: skip
 
 
 def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
