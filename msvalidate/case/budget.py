@@ -11,6 +11,7 @@ import pandas as pd
 
 from msvalidate.case.case import LAWS, MESH_EDGES
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.fracture import break_table
 from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.stiffness import UNIT
@@ -128,14 +129,18 @@ def _large_rows(
 def tables(found: Comparison) -> dict[str, pd.DataFrame]:
     """Tables of a comparison, by name."""
     rows = pd.DataFrame([vars(row) for row in found.rows])
-    return {
-        "quantities": rows,
-        "constants": _constant_table(found),
-        "budget": budget(found),
-        "lattices": _lattice_table(found),
-        "meshes": pd.DataFrame(mesh_rows(found)),
-        "compared": point_table(found.points, found.displacement, found.reference),
-    } | contact_table(found)
+    return (
+        {
+            "quantities": rows,
+            "constants": _constant_table(found),
+            "budget": budget(found),
+            "lattices": _lattice_table(found),
+            "meshes": pd.DataFrame(mesh_rows(found)),
+            "compared": point_table(found.points, found.displacement, found.reference),
+        }
+        | contact_table(found)
+        | break_table(found.springs[0])
+    )
 
 
 def contact_table(found: Comparison) -> dict[str, pd.DataFrame]:

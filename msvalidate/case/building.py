@@ -8,6 +8,7 @@ from pathlib import Path
 
 from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.case.case import Case
+from msvalidate.case.fracture import Fracture
 from msvalidate.case.places import (
     named_part,
     node_region,
@@ -342,10 +343,19 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
         Case(problem, accuracy=data.reference.accuracy)
     with source.at("material"):
         Case(problem, law=data.material.law)
+    fracture = None
+    if data.fracture is not None:
+        with source.at("fracture"):
+            told = data.fracture
+            fracture = Fracture(
+                told.critical_stretch, told.G_c, told.rule, tuple(told.direction), told.raised
+            )
+            Case(problem, **values, fracture=fracture)  # type: ignore[arg-type]
     with source.at("compare"):
         return Case(
             problem,
             **values,  # type: ignore[arg-type]
+            fracture=fracture,
             points=points,
             quantities=tuple(compare.quantities),
             band=compare.band,

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from msvalidate.case.fracture import Fracture
 from msvalidate.case.schema import QUANTITIES
 from msvalidate.constants.routes import check_route
 from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
@@ -93,6 +94,8 @@ class Case:
     geometry
         "linear": springs and elements to first order in the displacement; "nonlinear": both at
         equilibrium however large it is. Then displacements alone are compared.
+    fracture
+        When springs break as the loads are raised, if they do.
 
     Raises
     ------
@@ -113,6 +116,7 @@ class Case:
     accuracy: float = ACCURACY
     law: str = LAWS[0]
     geometry: Literal["linear", "nonlinear"] = "linear"
+    fracture: Fracture | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
     """What the page tells of the case beside: file, unit of length."""
 
@@ -191,6 +195,11 @@ class Case:
             raise ProblemError(
                 "geometry 'nonlinear': elements meet obstacles to first order; take 'linear', or "
                 "`statics.contact.press` for springs alone"
+            )
+        if self.fracture and (self.problem.contacts or self.geometry == "nonlinear"):
+            raise ProblemError(
+                "fracture: with an obstacle or geometry 'nonlinear'; springs break to first order "
+                "under loads that are raised together: leave one of them out"
             )
         finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
 

@@ -13,6 +13,7 @@ from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
+from msvalidate.case.fracture import break_springs
 from msvalidate.case.large import converge_case
 from msvalidate.case.springs import (
     ROUNDING,
@@ -179,6 +180,10 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     require_type("compare", case, Case)
     progress("springs")
     answers = solve_finer(case)
+    if case.fracture is not None:
+        progress("springs that break")
+        growth = break_springs(case, answers[0])
+        answers = (replace(answers[0], growth=growth), *answers[1:])
     points = compared_points(case, answers[0].lattice)
     values = displacements_at(answers, points)
     answers = answers[: len(values)]

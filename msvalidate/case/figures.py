@@ -12,6 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.fracture import draw_breaks
 from msvalidate.case.judge import Judgement
 from msvalidate.output.body_drawing import (
     ARROW,
@@ -35,6 +36,11 @@ def figures(
         pressed["pressure"] = (
             "Pressure of the obstacle on springs and elements",
             lambda: draw_pressure(found),
+        )
+    if found.springs[0].growth is not None:
+        pressed["breaks"] = (
+            "Springs that broke as the loads were raised",
+            lambda: draw_breaks(found.springs[0]),
         )
     return pressed | {
         "body": ("The body, its supports and its loads", lambda: draw_body(found)),

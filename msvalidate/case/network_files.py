@@ -117,6 +117,10 @@ def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:
             moved["contact_pressure"][one.points] = one.pressure
     springs = {name: tables["springs"][name].to_numpy() for name in ("kind", "stiffness", "force")}
     springs["length"] = network.distance
+    if answer.growth is not None:
+        springs["broken"] = np.zeros(len(network.springs))
+        springs["broken"][answer.growth.broken] = 1.0
+        moved["displacement_broken"] = answer.growth.equilibrium.displacement
     files = {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
     files["springs.vtu"] = vtu_bytes(points, {"line": network.springs}, moved, springs)
     by_cell = dict(_cell_stress(answer, case))

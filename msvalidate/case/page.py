@@ -18,6 +18,7 @@ from msvalidate.case.comparison import (
     Row,
     say_bridged,
 )
+from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.linear_algebra.norms import max_length
@@ -127,6 +128,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         _kind_sentence(found),
         _reference_sentence(found.reference),
         *_contact_sentence(found),
+        *break_sentence(found.case, found.springs[0]),
     )
 
 

@@ -114,6 +114,18 @@ class Contact(Struct, forbid_unknown_fields=True):
     friction: float = 0.0
 
 
+class Fracture(Struct, forbid_unknown_fields=True):
+    """Springs that break: a critical stretch, or a fracture energy (J/m²) and a rule for it."""
+
+    critical_stretch: float | None = None
+    G_c: float | None = None
+    rule: str = "growth"
+    direction: Annotated[Numbers, Meta(min_length=2, max_length=2)] = msgspec.field(
+        default_factory=lambda: [1.0, 0.0]
+    )
+    raised: float = 1.0
+
+
 class Springs(Struct, forbid_unknown_fields=True):
     """The spring network: its lattice, and one of spacing and cells across the narrowest side."""
 
@@ -152,6 +164,7 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     contact: list[Contact] = msgspec.field(default_factory=list)
     region: list[PartOfBody] = msgspec.field(default_factory=list)
     springs: Springs = msgspec.field(default_factory=Springs)
+    fracture: Fracture | None = None
     compare: Compare = msgspec.field(default_factory=Compare)
     reference: Reference = msgspec.field(default_factory=Reference)
 

@@ -39,6 +39,7 @@ from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.breaking import Growth
 from msvalidate.statics.contact import ContactEquilibrium, press
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
@@ -79,6 +80,8 @@ class SpringAnswer:
         "linear": at rest to first order in the displacement; "nonlinear": in full.
     contact
         With an obstacle, if there is one; its forces are among the network's loads.
+    growth
+        What breaks as the loads are raised, if that is asked.
     """
 
     spacing: float
@@ -89,6 +92,7 @@ class SpringAnswer:
     seconds: float
     geometry: str = "linear"
     contact: ContactEquilibrium | None = None
+    growth: Growth | None = None
 
     def at(self, places: Array) -> Array:
         """Displacement (p, d) in m at places (p, d): at its own points exactly, else interpolated.

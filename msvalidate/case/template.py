@@ -48,6 +48,10 @@ traction = [0.0, -10.0]   # Pa; or pressure = 10.0 (positive inwards)
 # disc = {{ at = [2.0, 1.0], radius = 2.0 }} # its foremost point; or half_space, ball, parabola
 # depth = 0.01            # lowered by; or force = 1.0 in N
 
+# [fracture]              # springs that break as loads are raised together
+# critical_stretch = 0.01 # elongation over length; or G_c = 10.0 in J/m2, by rule "growth"
+# raised = 2.0            # times the loads
+
 [springs]
 # lattice = "square"      # square in the plane, cubic18 in space; or "mesh edges"
 cells = 20                # across the narrowest side; or spacing = 0.05

@@ -1,0 +1,155 @@
+"""Springs of a case that break while its loads are raised: how, their files, picture and words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from msvalidate.bodies.toughness import RULES, critical_stretch
+from msvalidate.lattice.patterns import all_patterns
+from msvalidate.output.body_drawing import body_axes
+from msvalidate.output.figures import COLOURS
+from msvalidate.problem import AXES, Array, ProblemError
+from msvalidate.problem.checks import positive_number, require_one_of
+from msvalidate.problem.records import dataclass
+from msvalidate.statics.breaking import Growth, grow
+
+if TYPE_CHECKING:
+    from msvalidate.case.case import Case
+    from msvalidate.case.springs import SpringAnswer
+
+MOST_BREAKS = 1000
+"""Events after which a case stops."""
+
+
+@dataclass(frozen=True)
+class Fracture:
+    """When springs of a case break, and how far its loads are raised.
+
+    Parameters
+    ----------
+    critical_stretch, G_c
+        One of them: elongation over rest length, or fracture energy (J/m²).
+    rule, direction
+        Of `G_c`, as in `bodies.toughness.critical_stretch`.
+    raised
+        Factor of the loads and prescribed displacements.
+    """
+
+    critical_stretch: float | None = None
+    G_c: float | None = None
+    rule: str = RULES[0]
+    direction: tuple[float, ...] = (1.0, 0.0)
+    raised: float = 1.0
+
+    def __post_init__(self) -> None:
+        if (self.critical_stretch is None) == (self.G_c is None):
+            raise ProblemError("critical_stretch and G_c: give one of them")
+        if self.critical_stretch is not None:
+            positive_number("critical_stretch", self.critical_stretch)
+        else:
+            positive_number("G_c", self.G_c or 0.0, "J/m²")
+        require_one_of("rule", self.rule, RULES)
+        positive_number("raised", self.raised)
+
+
+def stretch_of(case: Case, answer: SpringAnswer) -> float:
+    """Critical stretch of a case's springs.
+
+    Raises
+    ------
+    ProblemError
+        As `bodies.toughness.critical_stretch`, or if there is no one lattice of one material.
+    """
+    asked = case.fracture
+    assert asked is not None  # noqa: S101  the caller has looked
+    if asked.critical_stretch is not None:
+        return asked.critical_stretch
+    make = all_patterns().get(str(case.lattice))
+    if make is None or case.problem.zones:
+        raise ProblemError(
+            f"fracture: G_c of {'several materials' if make else case.lattice}; it is for one "
+            "lattice of one material, so give critical_stretch"
+        )
+    given = answer.calibration or case.constants or ()
+    return critical_stretch(
+        make(), given, asked.G_c or 0.0, spacing=answer.spacing,
+        thickness=case.problem.material.thickness, direction=asked.direction, rule=asked.rule,
+    ).critical_stretch  # fmt: skip
+
+
+def break_springs(case: Case, answer: SpringAnswer) -> Growth:
+    """Springs that break as the case's loads are raised; raises as `statics.breaking.grow`."""
+    assert case.fracture is not None  # noqa: S101  the caller has looked
+    stretch = stretch_of(case, answer)
+    return grow(answer.network, stretch, case.fracture.raised, most_breaks=MOST_BREAKS)
+
+
+def break_table(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
+    """A row each spring that breaks: event, factor of the loads, middle (m), energies (J)."""
+    growth = answer.growth
+    if growth is None:
+        return {}
+    rows = [
+        {
+            "event": number, "load": one.load, "needed": one.needed, "spring": int(spring),
+            **dict(zip(AXES, _middle(answer, spring), strict=False)),
+            "own_energy": one.own, "released": one.released,
+        }
+        for number, one in enumerate(growth.breaks, 1)
+        for spring in one.springs
+    ]  # fmt: skip
+    names = ["event", "load", "needed", "spring", *AXES[: answer.network.dim]]
+    return {"breaks": pd.DataFrame(rows, columns=[*names, "own_energy", "released"])}
+
+
+def _middle(answer: SpringAnswer, spring: int) -> Array:
+    return np.asarray(answer.network.points[answer.network.springs[spring]].mean(axis=0))
+
+
+def break_sentence(case: Case, answer: SpringAnswer) -> tuple[str, ...]:
+    """What broke, and what of it is the lattice's."""
+    growth = answer.growth
+    if growth is None or case.fracture is None:
+        return ()
+    stretch = stretch_of(case, answer)
+    raised = (
+        f"Raised to {case.fracture.raised:g} times the loads, at a critical stretch of "
+        f"{stretch:.3g},"
+    )
+    if not growth.breaks:
+        return (f"{raised} no spring breaks.",)
+    first = growth.breaks[0]
+    at = ", ".join(f"{x:.3g}" for x in _middle(answer, first.springs[0]))
+    ends = {
+        "raised": "", "parted": " The body has come apart.",
+        "falls": f" At {growth.load:.3g} times the loads the next break would let a load fall.",
+        "breaks": f" After {MOST_BREAKS} events more would break.",
+    }  # fmt: skip
+    loose = f", {len(growth.loose)} points are loose" if len(growth.loose) else ""
+    said = (
+        f"{raised} {len(growth.broken)} springs break in {len(growth.breaks)} events, the first at "
+        f"{first.load:.4g} times the loads around ({at}) m{loose}. {growth.released:.3g} J are "
+        f"released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
+        f"{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
+        "spacing, and paths follow the lattice's rows (study fracture)."
+    )
+    return (said,)
+
+
+def draw_breaks(answer: SpringAnswer) -> Figure:
+    """Springs, and those that broke, where the body was."""
+    growth, points = answer.growth, answer.network.points[:, :2]
+    assert growth is not None  # noqa: S101  the caller has looked
+    figure, axis = body_axes(points, 0.03 * float(np.ptp(points, axis=0).max()))
+    ends = points[answer.network.springs]
+    axis.add_collection(LineCollection(list(ends), colors="0.8", linewidths=0.4))
+    broken = list(ends[growth.broken])
+    axis.add_collection(LineCollection(broken, colors=COLOURS[1], linewidths=1.6, label="broken"))
+    axis.plot(*points[growth.loose].T, "o", ms=3, color=COLOURS[0], label="loose points")
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
+    return figure
