@@ -5,7 +5,7 @@ are at the critical stretch s, r their vectors and A the area that has each once
 breaks takes along what the body around it gives up: a crack grows only at a multiple of that.
 
 By rule "growth": a disc of the lattice whose rim is held at the field of a crack under a stress
-intensity K ([Irwin1957]), raised until the crack has grown by one period of the lattice. The
+intensity K ([Irwin1958]), raised until the crack has grown by one period of the lattice. The
 largest of the K on the way counts, extrapolated in the disc's radius: lattice trapping,
 [ThomsonHsiehRana1971], [Slepyan2002].
 """
@@ -320,7 +320,7 @@ def crack_field(x: Array, E: float, nu: float) -> Array:
 
     `E` and `nu` are those of the plane: K²/E is the energy release rate.
 
-    Source: [Irwin1957].
+    Source: [Irwin1958].
     """
     r, angle = np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0])
     kappa, mu = (3 - nu) / (1 + nu), E / (2 * (1 + nu))

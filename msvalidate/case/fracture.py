@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from msvalidate.case.case import Case
     from msvalidate.case.springs import SpringAnswer
 
+SMALL = 0.05
+"""Stretch up to which small displacements are said to do."""
 MOST_BREAKS = 1000
 """Events after which a case stops."""
 
@@ -130,13 +132,14 @@ def break_sentence(case: Case, answer: SpringAnswer) -> tuple[str, ...]:
         "falls": f" At {growth.load:.3g} times the loads the next break would let a load fall.",
         "breaks": f" After {MOST_BREAKS} events more would break.",
     }  # fmt: skip
+    large = "" if stretch <= SMALL else " Such a stretch is not small: all this is of first order."
     loose = f", {len(growth.loose)} points are loose" if len(growth.loose) else ""
     said = (
         f"{raised} {len(growth.broken)} springs break in {len(growth.breaks)} events, the first at "
         f"{first.load:.4g} times the loads around ({at}) m{loose}. {growth.released:.3g} J are "
         f"released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
         f"{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
-        "spacing, and paths follow the lattice's rows (study fracture)."
+        f"spacing, and paths follow the lattice's rows (study fracture).{large}"
     )
     return (said,)
 
@@ -150,6 +153,7 @@ def draw_breaks(answer: SpringAnswer) -> Figure:
     axis.add_collection(LineCollection(list(ends), colors="0.8", linewidths=0.4))
     broken = list(ends[growth.broken])
     axis.add_collection(LineCollection(broken, colors=COLOURS[1], linewidths=1.6, label="broken"))
-    axis.plot(*points[growth.loose].T, "o", ms=3, color=COLOURS[0], label="loose points")
+    if len(growth.loose):
+        axis.plot(*points[growth.loose].T, "o", ms=3, color=COLOURS[0], label="loose points")
     axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     return figure

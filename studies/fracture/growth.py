@@ -42,6 +42,7 @@ KNOWN = {"square-8": (2.0576, 2.3655), "triangular": (3.748, 3.748)}
 """First break and growth over the springs' own energy, by discs of three sizes elsewhere."""
 Y = 1.6599
 """K/(σ√πa) of an edge crack in three tenths of a plate."""
+Y_ERROR = 1e-4
 RULES = (
     kit.Rule(
         "small strips: springs that break, wrong ones", 0.5, "1", "the same in the same order",
@@ -144,7 +145,7 @@ def set_stretch(name: str, rule: str) -> Toughness:
     return critical_stretch(pattern, k, 1.0, rule=rule)
 
 
-def in_field(name: str, stretch: float, radii: tuple[int, int] = (30, 60)) -> float:
+def in_field(name: str, stretch: float, radii: tuple[int, int] = (30, 50)) -> float:
     """Energy release rate at growth in the field of K."""
     pattern, k = LATTICES[name]
     stiffness = pattern.stiffness(k)
@@ -208,14 +209,15 @@ def run_growth(grow: Grow, setting: kit.Setting, rule: str = "growth") -> kit.Ev
         stretch = set_stretch(name, rule).critical_stretch
         strip = in_strip(grow, name, stretch, size, 40)
         starting += [
-            {**row, "body": "field of K", "size": 60, "start": in_field(name, stretch)},
+            {**row, "body": "field of K", "size": 50, "start": in_field(name, stretch)},
             {**row, "body": "strip", "size": size, "start": strip_release(name, strip)},
         ]
         steady.append(balance(name, strip, stretch))
         teeth += saw_teeth(strip) if name == "square-8" else []
         for width in (20, 40) if setting.quick else (20, 40, 80):
             G = in_plate(grow, name, stretch, width)
-            plates.append({**row, "cells": 0.3 * width, "strength": float(np.sqrt(G))})
+            plates.append({**row, "cells": 0.3 * width, "strength": float(np.sqrt(G)),
+                           "reference": Y_ERROR})  # fmt: skip
             starting.append({**row, "body": "plate", "size": width, "start": G})
         row["rule"] = "springs"
         stretch = set_stretch(name, "springs").critical_stretch

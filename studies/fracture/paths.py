@@ -85,7 +85,7 @@ def path_of(
     clamped = np.abs(middle[:, 1] - SIZE[1] / 2) > SIZE[1] / 2 - 2
     found = grow(
         network, np.where(clamped, np.inf, 0.01), 1e3, crack=np.flatnonzero(at <= LENGTH),
-        most_breaks=round(120 / spacing),
+        most_breaks=round(120 / spacing) if name == "Voronoi" else 120,
     )  # fmt: skip
     x = middle[found.broken] - [LENGTH, SIZE[1] / 2 + height]
     on = (x[:, 0] > AHEAD) & (x[:, 0] < SIZE[0] - LENGTH - BEFORE)

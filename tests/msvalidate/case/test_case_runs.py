@@ -13,16 +13,19 @@ import meshio
 import numpy as np
 import pytest
 
+from msvalidate.bodies.toughness import critical_stretch
 from msvalidate.case import figures, files
 from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
 from msvalidate.case.case import LAWS, Case
 from msvalidate.case.comparison import OTHER_MATERIAL, compare_case
+from msvalidate.case.fracture import Fracture, break_springs, stretch_of
 from msvalidate.case.large import converge_case
 from msvalidate.case.page import sentences, shown_tables
 from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
 from msvalidate.case.springs import solve_springs
+from msvalidate.lattice import patterns
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Box,
@@ -263,6 +266,29 @@ def test_a_body_under_an_obstacle_is_compared_by_its_patch():
     cells = pressed.half_width / found.springs[0].spacing
     assert f"The patch has {cells:.2g} cells in its half-width".encode() in content["case.html"]
     assert b"disc on (y = 1), pressed by 4000 N" in content["case.html"]
+
+
+def test_springs_that_break_are_counted_drawn_and_told():
+    held = (
+        Support(BEAM.side("bottom"), (0.0, 0.0)),
+        Support(BEAM.side("top"), (0.0, 0.005)),
+    )
+    problem = Problem(BEAM, Isotropic(1e5, 1 / 3), held, name="torn")
+    case = Case(problem, cells=6, fracture=Fracture(0.01, raised=4.0))
+    found, content = case_files(case)
+    growth = found.springs[0].growth
+    assert growth.ended == "parted"
+    table = tables(found)["breaks"]
+    assert list(table["spring"]) == list(growth.broken)
+    assert {"breaks.csv", "breaks.svg", "springs.vtu"} <= set(content)
+    assert b'Name="broken"' in content["springs.vtu"]
+    assert f"{len(growth.broken)} springs break in".encode() in content["case.html"]
+    assert b"The body has come apart" in content["case.html"]
+    tough = replace(case, fracture=Fracture(G_c=7.5, raised=1.0))
+    asked = break_springs(tough, found.springs[0])
+    made = critical_stretch(patterns.square(), found.springs[0].calibration, 7.5)
+    assert not asked.breaks
+    assert stretch_of(tough, found.springs[0]) == made.critical_stretch > 0.01
 
 
 def test_a_name_is_no_path_and_no_markup(tmp_path):
