@@ -61,16 +61,16 @@ class Toughness:
     rule, direction
         As in `critical_stretch`.
     ratio
-        Fracture energy at which a crack in that direction grows over the springs' own, 1 / of which
-        they hold: the critical stretch by rule "springs" over that by "growth" is its root. NaN by
-        rule "springs".
+        Fracture energy at which a crack in that direction grows over what the springs hold: the
+        critical stretch by rule "springs" over that by "growth" is its root. 1 by rule "springs",
+        which does not look at growth.
     first
-        The same at which its first spring breaks.
+        The same at which the crack's first spring breaks.
     """
 
     critical_stretch: float
     rule: str
-    direction: tuple[float, float]
+    direction: tuple[float, ...]
     ratio: float
     first: float
 
@@ -142,21 +142,28 @@ def critical_stretch(
             )
         spacing, thickness = constants.spacing, constants.thickness
         constants = constants.constants
-    length_in_metres("spacing", spacing)
+    a = length_in_metres("spacing", spacing)
     energy = positive_number("G_c", G_c, "J/m²") * positive_number("thickness", thickness, "m")
-    along = _unit(direction)
+    way = finite("direction", direction, 2)
+    if not way.any():
+        raise ProblemError("direction: (0, 0); give a vector along a row of the lattice")
+    along = tuple((way / np.linalg.norm(way)).tolist())
     k = pattern.stiffness(constants)
-    held = springs_energy(pattern, k, along) * spacing
-    if rule == "springs":
-        first = ratio = math.nan
-    else:
-        E, nu = _isotropic(pattern, constants)
-        first, *_, ratio = _ratios(pattern, k, along, E, nu)
-    over = 1.0 if rule == "springs" else ratio
-    return Toughness(math.sqrt(energy / (held * over)), rule, along, ratio, first)
+    held, needed = springs_energy(pattern, k, along), np.ones(1)
+    if rule == "growth":
+        made = moduli(homogenise(pattern, constants).tensor)
+        if not abs(made.zener - 1) <= ISOTROPIC:
+            raise ProblemError(
+                f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener "
+                f"ratio {made.zener:.6g}), so that a crack's field is another; take those of `calibrate`"
+            )
+        K = starts(lambda radius: crack_patch(pattern, k, along, made.E, made.nu, radius))
+        needed = K**2 / made.E / held
+    stretch = math.sqrt(energy / (a * held * needed.max()))
+    return Toughness(stretch, rule, along, float(needed.max()), float(needed[0]))
 
 
-def springs_energy(pattern: Pattern, stiffness: Array, direction: tuple[float, float]) -> float:
+def springs_energy(pattern: Pattern, stiffness: Array, direction: tuple[float, ...]) -> float:
     """Energy (J/m) that springs across a crack hold at a stretch of 1, per length, at spacing 1 m.
 
     Times the spacing and the square of the stretch it is that of any lattice.
@@ -167,38 +174,7 @@ def springs_energy(pattern: Pattern, stiffness: Array, direction: tuple[float, f
     return float(total) / (2 * math.prod(pattern.size))
 
 
-def _unit(direction: ArrayLike) -> tuple[float, float]:
-    given = finite("direction", direction, 2)
-    if not given.any():
-        raise ProblemError("direction: (0, 0); give a vector along a row of the lattice")
-    x, y = given / np.linalg.norm(given)
-    return float(x), float(y)
-
-
-def _isotropic(pattern: Pattern, constants: Constants) -> tuple[float, float]:
-    """In-plane modulus (N/m) and ratio; refused where they depend on the direction."""
-    found = moduli(homogenise(pattern, constants).tensor)
-    if not abs(found.zener - 1) <= ISOTROPIC:
-        raise ProblemError(
-            f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener ratio "
-            f"{found.zener:.6g}), so that a crack's field is another; take those of `calibrate`"
-        )
-    return found.E, found.nu
-
-
-def _ratios(
-    pattern: Pattern, k: Array, along: tuple[float, float], E: float, nu: float
-) -> list[float]:
-    """Energy release rate over the springs' own energy, of each event in a period and the most."""
-
-    def patch(radius: int) -> CrackPatch:
-        return crack_patch(pattern, k, along, E, nu, radius)
-
-    needed = [K**2 / E / springs_energy(pattern, k, along) for K in starts(patch)]
-    return [*needed, max(needed)]
-
-
-def starts(patch: Callable[[int], CrackPatch], radii: tuple[int, int] = RADII) -> list[float]:
+def starts(patch: Callable[[int], CrackPatch], radii: tuple[int, int] = RADII) -> Array:
     """Stress intensity at each event until the crack has grown by a period, extrapolated.
 
     The squares in the inverse of the radius, to which they are linear: the rim is as far away.
@@ -208,18 +184,13 @@ def starts(patch: Callable[[int], CrackPatch], radii: tuple[int, int] = RADII) -
     ProblemError
         If another spring breaks than those in the crack's plane, by its place.
     """
-    each = [_events(patch(radius)) for radius in radii]
-    for coarse, fine in zip(*each, strict=False):
-        if coarse[0] != fine[0]:
-            raise ProblemError(
-                f"crack: springs at {coarse[0]} break first in a disc of radius "
-                f"{radii[0]}, those at {fine[0]} in one of {radii[1]}; take larger ones"
-            )
-    a, b = radii
-    return [
-        math.sqrt(max((b * fine[1] ** 2 - a * coarse[1] ** 2) / (b - a), 0.0))
-        for coarse, fine in zip(*each, strict=True)
-    ]
+    (a, coarse), (b, fine) = ((radius, _events(patch(radius))) for radius in radii)
+    if [places for places, _ in coarse] != [places for places, _ in fine]:
+        raise ProblemError(
+            f"crack: other springs break in discs of radius {a} and {b}; take rule 'springs'"
+        )
+    squares = b * np.array([K for _, K in fine]) ** 2 - a * np.array([K for _, K in coarse]) ** 2
+    return np.asarray(np.sqrt(squares / (b - a)))
 
 
 def _events(patch: CrackPatch) -> list[tuple[tuple[float, ...], float]]:
@@ -244,7 +215,7 @@ def _events(patch: CrackPatch) -> list[tuple[tuple[float, ...], float]]:
 
 
 def crack_patch(
-    pattern: Pattern, k: Array, along: tuple[float, float], E: float, nu: float, radius: int
+    pattern: Pattern, k: Array, along: tuple[float, ...], E: float, nu: float, radius: int
 ) -> CrackPatch:
     """A crack between two rows of a lattice of spacing 1, in the field of K = 1 on its rim.
 

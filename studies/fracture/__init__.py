@@ -17,7 +17,7 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.dynamics.breaking import Ledger
+from msvalidate.dynamics.ledger import Ledger
 from msvalidate.network.breakage import Breakage
 from msvalidate.statics.breaking import grow
 

@@ -13,9 +13,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.breaking import Ledger
 from msvalidate.dynamics.integrate import State, euler_cromer, motion
 from msvalidate.dynamics.integrators import EULER_CROMER, VELOCITY_VERLET
+from msvalidate.dynamics.ledger import Ledger
 from msvalidate.network import Network
 from msvalidate.network.breakage import Breakage
 from msvalidate.problem import Array
@@ -106,7 +106,7 @@ def run(
         course = book.table()
         rows.append({
             "dt": dt, "broken": int(broken.broken.sum()),
-            "left": float(np.abs(course["left"]).max()) / broken.released,
+            "left": book.closure,
             "finest": times == halved - 1,
         })  # fmt: skip
     course = course.iloc[:: len(course) // 40]
