@@ -155,7 +155,7 @@ def critical_stretch(
         if not abs(made.zener - 1) <= ISOTROPIC:
             raise ProblemError(
                 f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener "
-                f"ratio {made.zener:.6g}), so that a crack's field is another; take those of `calibrate`"
+                f"ratio {made.zener:.6g}), so a crack has another field; take those of `calibrate`"
             )
         K = starts(lambda radius: crack_patch(pattern, k, along, made.E, made.nu, radius))
         needed = K**2 / made.E / held

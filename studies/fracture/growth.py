@@ -150,7 +150,7 @@ def in_field(name: str, stretch: float, radii: tuple[int, int] = (30, 50)) -> fl
     pattern, k = LATTICES[name]
     stiffness = pattern.stiffness(k)
     needed = starts(lambda r: crack_patch(pattern, stiffness, (1.0, 0.0), E, NU, r), radii)
-    return max(needed) ** 2 / E * stretch**2
+    return float(needed.max()) ** 2 / E * stretch**2
 
 
 def in_strip(grow: Grow, name: str, stretch: float, height: int, breaks: int) -> Growth:
