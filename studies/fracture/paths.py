@@ -13,6 +13,8 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 from msvalidate import kit
 from msvalidate.lattice.turned import fill_rotated
@@ -58,15 +60,7 @@ RULES = (
         rows={"lattice": "Voronoi"}, value=lambda t: np.minimum(t["width"], 2.0), reference=2.0,
     ),
 )  # fmt: skip
-FIGURES = {
-    "paths": kit.series(
-        "breaks", title="Springs that broke, ahead of a crack that elasticity lets go straight on",
-        x="x", y={}, beside={"y": "springs that broke"}, panel="lattice", across=3,
-        size=(3.6, 2.6),
-        labels=("ahead of the tip (spacings)", "above it (spacings)"), xlim=(0, 23),
-        ylim=(-10.5, 10.5),
-    ),
-}  # fmt: skip
+ENDS = ("x", "y", "x_end", "y_end")
 ZIGZAG = (("triangular", 10.0), ("triangular", 20.0))
 """Turns between two rows, of which none is near: looked at, without a rule."""
 
@@ -74,7 +68,7 @@ ZIGZAG = (("triangular", 10.0), ("triangular", 20.0))
 def path_of(
     grow: Grow, case: tuple[str, float, float, float, int]
 ) -> tuple[dict[str, object], Array]:
-    """Direction of the path, and lines (3 b, 2) in m from the tip of the springs that broke."""
+    """Direction of the path, and ends (b, 2, 2) in m from the tip of the springs that broke."""
     name, turn, height, spacing, seed = case
     if name == "Voronoi":
         network = pulled(voronoi_box(Box(SIZE), spacing, seed=seed), (1.0,))
@@ -91,9 +85,6 @@ def path_of(
     on = (x[:, 0] > AHEAD) & (x[:, 0] < SIZE[0] - LENGTH - BEFORE)
     on &= np.abs(x[:, 1]) < SIZE[1] / 2 - BEFORE
     x, ends = x[on], network.points[network.springs[found.broken[on]]]
-    # Lines of a figure end where there is no number.
-    lines = np.full((len(x), 3, 2), np.nan)
-    lines[:, :2] = ends - [LENGTH, SIZE[1] / 2 + height]
     # A cloud has no axis: of random lattices the line through the tip, else that of the breaks.
     way = x.T @ x[:, 0] if name == "Voronoi" else np.linalg.svd(x - x.mean(axis=0))[2][0]
     way = way / np.linalg.norm(way)
@@ -105,7 +96,7 @@ def path_of(
         "direction": angle,
         "off_row": (angle - turn + row / 2) % row - row / 2 if name in ROWS else 0.0,
         "width": float(np.sqrt((apart**2).mean())) / spacing,
-    }, lines.reshape(-1, 2)  # fmt: skip
+    }, ends - [LENGTH, SIZE[1] / 2 + height]  # fmt: skip
 
 
 def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
@@ -121,9 +112,9 @@ def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
     found = setting.sweep(partial(path_of, grow), [*cases, *beside], "paths")
     paths = pd.DataFrame([row for row, _ in found])
     breaks = [
-        pd.DataFrame(x / spacing, columns=["x", "y"]).assign(lattice=title(name, turn))
-        for (name, turn, _, spacing, seed), (_, x) in zip(cases, found, strict=False)
-        if spacing == 1.0 and seed == setting.seed * (name == "Voronoi")
+        pd.DataFrame(ends.reshape(-1, 4), columns=list(ENDS)).assign(lattice=title(name, turn))
+        for (name, turn, height, spacing, seed), (_, ends) in zip(cases, found, strict=False)
+        if spacing == 1.0 and (height == HEIGHTS[0] or (name, seed) == ("Voronoi", setting.seed))
     ]
     random = paths[paths["lattice"] == "Voronoi"]
     spread = ", ".join(
@@ -140,13 +131,29 @@ def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
         f"place of a crack: {spread}, over {len(seeds)} seeds."
     )
     return kit.Evidence(
-        {"paths": paths.loc[: len(cases) - 1],
+        {"paths": paths.loc[: len(cases) - 1], "breaks": pd.concat(breaks, ignore_index=True),
          "zigzag": paths.loc[len(cases) :].reset_index(drop=True)},
-        tolerances=RULES, columns=kit.columns(__file__), findings=(finding,), figures=FIGURES,
-        drawn={"breaks": pd.concat(breaks, ignore_index=True)},
+        tolerances=RULES, columns=kit.columns(__file__), findings=(finding,),
+        figures={"paths": draw_paths},
     )  # fmt: skip
 
 
 def title(name: str, turn: float) -> str:
     """What a panel is called."""
     return name if name == "Voronoi" else f"{name}, turned by {turn:g}°"
+
+
+def draw_paths(tables: kit.Tables) -> Figure:
+    """Springs that broke, ahead of a crack that elasticity lets go straight on."""
+    groups = list(tables["breaks"].groupby("lattice", sort=False))
+    rows = -(-len(groups) // 2)
+    figure, axes = kit.figures.new_figure(2, rows, size=(3.6, 3.3))
+    for axis, (name, own) in zip(axes, groups, strict=False):
+        ends = own[list(ENDS)].to_numpy().reshape(-1, 2, 2)
+        axis.add_collection(LineCollection(list(ends), colors=kit.figures.COLOURS[1]))
+        axis.set(xlim=(0, 23), ylim=(-10.5, 10.5), title=name, aspect="equal")
+        axis.set(xlabel="ahead of the tip (spacings)", ylabel="above it (spacings)")
+    for axis in axes[len(groups) :]:
+        axis.remove()
+    figure.suptitle(str(draw_paths.__doc__).rstrip("."))
+    return figure
