@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Problem, ProblemError
+from msvalidate.problem import Array, Box, Problem, ProblemError, Traction
 from msvalidate.problem.records import dataclass
 from reference_fem.body import Solution, nodal_forces, solve_problem
 from reference_fem.converged import kept_places
@@ -63,8 +63,11 @@ def release_rate(
     Raises
     ------
     ProblemError
-        If the body is no plane box.
+        If the body is no plane box of one material under tractions, or the step is none.
     """
+    _refuse_other_loads(problem_at(length))
+    if not 0 < abs(step) < length / 2:
+        raise ProblemError(f"step: {step:g} m; give a small part of the crack's length")
     found = []
     for finer in (1, 2):
         energies = []
@@ -81,6 +84,17 @@ def release_rate(
     solution = solve_problem(problem, crack_mesh(problem, tuple(tip), 2))
     J = j_integral(solution, problem, tip, along / np.linalg.norm(along))
     return ReleaseRate(found[1], abs(found[1] - found[0]), J)
+
+
+def _refuse_other_loads(problem: Problem) -> None:
+    """Raise `ProblemError` for what neither route has: moved supports, forces inside, zones."""
+    moved = any(value not in (None, 0) for each in problem.supports for value in each.displacement)
+    inside = not all(isinstance(load, Traction) for load in problem.loads)
+    if moved or inside or problem.zones or problem.contacts:
+        raise ProblemError(
+            "crack: supports that move, forces inside the body, zones or a contact; take tractions "
+            "on a body of one material"
+        )
 
 
 def crack_mesh(problem: Problem, tip: tuple[float, ...], finer: int = 1) -> Discretisation:

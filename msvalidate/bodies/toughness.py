@@ -157,8 +157,9 @@ def critical_stretch(
                 f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener "
                 f"ratio {made.zener:.6g}), so a crack has another field; take those of `calibrate`"
             )
-        K = starts(lambda radius: crack_patch(pattern, k, along, made.E, made.nu, radius))
-        needed = K**2 / made.E / held
+        k, E, nu = k / k.max(), made.E / k.max(), made.nu  # a ratio does not depend on it
+        K = starts(lambda radius: crack_patch(pattern, k, along, E, nu, radius))
+        needed = K**2 / E / springs_energy(pattern, k, along)
     stretch = math.sqrt(energy / (a * held * needed.max()))
     return Toughness(stretch, rule, along, float(needed.max()), float(needed[0]))
 

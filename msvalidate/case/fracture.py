@@ -118,26 +118,23 @@ def break_sentence(case: Case, answer: SpringAnswer) -> tuple[str, ...]:
     growth = answer.growth
     if growth is None or case.fracture is None:
         return ()
-    stretch = stretch_of(case, answer)
-    raised = (
-        f"Raised to {case.fracture.raised:g} times the loads, at a critical stretch of "
-        f"{stretch:.3g},"
-    )
+    stretch = float(growth.critical_stretch[0])
+    raised = f"At {growth.load:.4g} times the loads, and a critical stretch of {stretch:.3g},"
     if not growth.breaks:
-        return (f"{raised} no spring breaks.",)
+        return (f"{raised} no spring has broken.",)
     first = growth.breaks[0]
     at = ", ".join(f"{x:.3g}" for x in _middle(answer, first.springs[0]))
     ends = {
         "raised": "", "parted": " The body has come apart.",
-        "falls": f" At {growth.load:.3g} times the loads the next break would let a load fall.",
-        "breaks": f" After {MOST_BREAKS} events more would break.",
+        "falls": " The next break would let a load fall: no more is borne.",
+        "breaks": f" It was stopped after {MOST_BREAKS} events.",
     }  # fmt: skip
     large = "" if stretch <= SMALL else " Such a stretch is not small: all this is of first order."
     loose = f", {len(growth.loose)} points are loose" if len(growth.loose) else ""
     said = (
-        f"{raised} {len(growth.broken)} springs break in {len(growth.breaks)} events, the first at "
-        f"{first.load:.4g} times the loads around ({at}) m{loose}. {growth.released:.3g} J are "
-        f"released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
+        f"{raised} {len(growth.broken)} springs have broken in {len(growth.breaks)} events, "
+        f"the first at {first.load:.4g} times around ({at}) m{loose}. {growth.released:.3g} J "
+        f"are released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
         f"{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
         f"spacing, and paths follow the lattice's rows (study fracture).{large}"
     )

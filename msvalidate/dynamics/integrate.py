@@ -121,14 +121,15 @@ def motion(
     free, acceleration = ~network.held, NetworkAcceleration(network, ground)
     x = np.array(state.position, dtype=float) - network.points
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
-        if breakage is not None and breakage.look(x):
-            acceleration.network = breakage.network
+        if breakage is not None:
+            breakage.look(x)
+            acceleration.network = breakage.whole(network)
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
         reach = largest_reach(run, start)
         at_rest = is_at_rest(network, now)
         for step in range(1, steps + 1):
             if breakage is not None and breakage.look(now.x):
-                acceleration.network = breakage.network
+                acceleration.network = breakage.whole(network)
                 now = now._replace(a=acceleration(now.x))
             try:
                 now = now if at_rest else integrator.step(acceleration, now, dt, rate[:, None])

@@ -222,7 +222,8 @@ class Motion:
 
     @property
     def _whole(self) -> Network:
-        return self._network if self._breakage is None else self._breakage.network
+        network, breakage = self._network, self._breakage
+        return network if breakage is None else breakage.whole(network)
 
     def _refuse_shape(self, **values: Array) -> None:
         """Compiled code looks at no index: other shapes would read, or write, beside the arrays."""

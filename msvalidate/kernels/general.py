@@ -47,7 +47,7 @@ class Sweep:
         breakage: Breakage | None = None,
     ) -> None:
         self._breakage = breakage
-        network = network if breakage is None else breakage.network
+        network = network if breakage is None else breakage.whole(network)
         self.layout = network.layout if layout is None else layout
         n, d = self.layout.points, network.dim
         self._most_waves = waves

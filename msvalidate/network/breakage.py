@@ -21,6 +21,13 @@ def critical_stretches(network: Network, critical_stretch: ArrayLike) -> Array:
     ProblemError
         If one is none or not above 0, or a spring is beyond it at rest.
     """
+    require_type("network", network, Network)
+    if network.law.name != "linear" or network.volumes is not None:
+        raise ProblemError(
+            f"breaking: springs of the {network.law.name} law"
+            f"{' and cells' * (network.volumes is not None)}; take Hooke's alone: in the plane "
+            "square-8 or triangular at ratio 1/3 (plane stress), in space cubic 18 at 1/4"
+        )
     m = len(network.springs)
     given = numbers("critical stretch", critical_stretch)
     if given.shape not in {(), (m,)}:
@@ -39,8 +46,9 @@ def critical_stretches(network: Network, critical_stretch: ArrayLike) -> Array:
 class Breakage:
     """The springs of a network that break in motion: in tension, and for good.
 
-    A motion changes it: begin each with one of its own. After each step it looks at every spring;
-    what is beyond the critical stretch there is gone from then on, with the energy that it has.
+    Before each step it looks at every spring; what is beyond the critical stretch there is gone
+    from then on, with the energy that it has. A motion changes it, and one that is given it later
+    goes on with what is whole.
 
     Parameters
     ----------
@@ -52,7 +60,7 @@ class Breakage:
     Attributes
     ----------
     network
-        What is whole: broken springs have no stiffness.
+        Its own, of what is whole: broken springs have no stiffness.
     broken
         (m,) springs that broke.
     released
@@ -65,15 +73,9 @@ class Breakage:
     """
 
     def __init__(self, network: Network, critical_stretch: float) -> None:
-        require_type("network", network, Network)
-        if network.law.name != "linear" or network.volumes is not None:
-            cells = " and cells" if network.volumes is not None else ""
-            raise ProblemError(
-                f"breaking: springs of the {network.law.name} law{cells}; take Hooke's alone"
-            )
         self.critical_stretch = positive_number("critical stretch", critical_stretch)
         critical_stretches(network, critical_stretch)
-        self.network = network
+        self._given = self.network = network
         self.broken: Mask = np.zeros(len(network.springs), dtype=bool)
         self.released = 0.0
 
@@ -88,6 +90,15 @@ class Breakage:
             e = (length - network.rest_length)[beyond]
             self.lose(beyond, 0.5 * float(network.stiffness[beyond] @ e**2))
         return bool(beyond.any())
+
+    def whole(self, network: Network) -> Network:
+        """A network of the same springs, under other loads maybe, without those that broke."""
+        if network is self._given:
+            return self.network
+        for name in ("points", "springs", "stiffness", "rest_length"):
+            if not np.array_equal(getattr(network, name), getattr(self._given, name)):
+                raise ProblemError(f"breakage: of other {name}; make one of the network that moves")
+        return replace(network, stiffness=self.network.stiffness.copy())
 
     def lose(self, springs: Mask, energy: float) -> None:
         """Take springs (m,) out, which held an energy (J)."""

@@ -23,7 +23,7 @@ from scipy.linalg import qr
 from msvalidate.network import Configuration, Network
 from msvalidate.network.breakage import critical_stretches
 from msvalidate.problem import Array, Index, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import finite_number, indices, require_type, whole_number
+from msvalidate.problem.checks import finite_number, indices, whole_number
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, linear_equilibrium_at
 from msvalidate.statics.refinement import refine_linear
@@ -35,10 +35,14 @@ TIED = 1e-9
 """Part of the largest stretch, over its critical one, within which springs break together."""
 BREAKS_A_FACTOR = 50
 """After which the tangent is inverted anew: columns of as many springs are kept."""
-NOTHING = 1e-9
-"""Of a spring's stiffness, what is in the way where it was: less is a mechanism."""
+NOTHING, LITTLE = 1e-11, 1e-3
+"""Of a spring's stiffness, what is in the way where it was: less is a mechanism; and up to which a
+new factor tells it from one, and digits of Woodbury's formula would be lost."""
+UNHELD = 1e-10
+"""Force on a mechanism, over that of springs as long drawn as the largest displacement, that is
+rounding."""
 SLACK = 1e-10
-"""Elongation over the largest displacement up to which no spring bears anything."""
+"""Elongation over the largest there was, up to which no spring bears anything."""
 LOOSE = 1e-6
 """Part of such a motion that a point takes which moves in it."""
 CLOSED = 1e-10
@@ -80,9 +84,11 @@ class Growth:
         At the end: broken springs have no stiffness, and loads are those at the end.
     equilibrium
         Of that.
+    critical_stretch
+        (m,) as it was given.
     loose
         (l,) points that springs no longer hold in every direction, alone or with a piece of the
-        body. Without a force they stay where they were, in proportion to the loads.
+        body: without a force they stay where they were.
     load
         Factor of the loads at the end.
     work, stored
@@ -96,6 +102,7 @@ class Growth:
     breaks: tuple[Break, ...]
     network: Network
     equilibrium: Equilibrium
+    critical_stretch: Array
     loose: Index
     load: float
     work: float
@@ -119,9 +126,9 @@ class Growth:
 
     @property
     def closure(self) -> float:
-        """Work less what is stored and what was released, over that; 0 where nothing broke."""
+        """Work less what is stored and what was released, over that, or the work if nothing was."""
         left = abs(self.work - self.stored - self.released)
-        return left / self.released if self.breaks else 0.0
+        return left / (self.released or self.work or 1.0)
 
 
 def grow(
@@ -165,14 +172,11 @@ def grow(
     SolverError
         If it is a mechanism, or the ledger does not close.
     """
-    require_type("network", network, Network)
     stretch = critical_stretches(network, critical_stretch)
-    if network.prestressed or network.volumes is not None or network.law.name != "linear":
+    if network.prestressed:
         raise ProblemError(
-            f"breaking: a network of the {network.law.name} law"
-            f"{', under tension' * network.prestressed}{', with cells' * bool(network.volumes)}; "
-            "take Hooke's springs at rest alone: square-8 or triangular at ratio 1/3 in plane "
-            "stress, 1/4 in plane strain"
+            "breaking: springs that are stretched or pressed at rest; take rest lengths that are "
+            "the distances of their points, or a motion"
         )
     refuse_free_motions("network", network.points, network.held)
     if not (network.force[~network.held].any() or network.displacement.any()):
@@ -180,13 +184,15 @@ def grow(
     if finite_number("raised", raised) <= 0:
         raise ProblemError(f"raised: {raised:g}; give a factor of the loads above 0")
     most = math.inf if most_breaks is None else whole_number("most breaks", most_breaks, 1)
-    cut = indices("crack", np.asarray(crack, dtype=np.intp), len(network.springs))
+    cut = NONE
+    if np.size(crack):
+        cut = np.unique(indices("crack", crack, len(network.springs), "k", what="springs"))
     found = Way(network, stretch, solver, cut).follow(raised, most, watch)
     left = abs(found.work - found.stored - found.released)
-    if not left <= CLOSED * found.released + ROUNDED * found.work:
+    if found.breaks and not left <= CLOSED * found.released + ROUNDED * found.work:
         raise SolverError(
-            f"breaking: {left:.1g} J of {found.released:.4g} J released are not accounted for; "
-            "bring stiffnesses closer together, or take solver 'direct'"
+            f"breaking: {left:.1g} J of {found.released:.4g} J released are not accounted for: the "
+            "body is all but apart; stop before, by raised or most_breaks"
         )
     return found
 
@@ -199,7 +205,9 @@ class Way:
     network
         Springs that broke have no stiffness; held too is what is loose.
     unit
-        Displacement (n, d) in m under the whole load.
+        Displacement (n, d) in m under the whole load, but for what is loose.
+    still
+        Displacement (n, d) in m at which loose pieces stay.
     load, work
         Factor now, and the work (J) so far.
     bears
@@ -214,8 +222,9 @@ class Way:
         self.length = network.rest_length * stretch
         self.along = network.vector / network.distance[:, None]
         self.solver = Once(network, solver)
-        self.load = self.work = 0.0
+        self.load = self.work = self.largest = 0.0
         self.bears = True
+        self.still = np.zeros(network.points.shape)
         self.loose = np.zeros(len(network.points), dtype=bool)
         self.stiffness[crack] = 0.0
         try:
@@ -240,7 +249,7 @@ class Way:
         self.solver.renew()
         self.network = replace(self.network, stiffness=self.stiffness.copy())
         refined = refine_linear(self.network, self.solver)
-        self.error, self.unit, self._base = refined.error, refined.solution, refined.solution
+        self.error, self.unit = refined.error, refined.solution
         self._at = Configuration(self.network)
         self._cut = NONE
         self._columns = np.zeros((0, *self.unit.shape))
@@ -290,7 +299,8 @@ class Way:
         e = np.where(self.stiffness > 0, self.elongation(self.unit), 0.0)
         part = e / self.length
         largest = float(part.max())
-        self.bears = bool(np.abs(e).max() > SLACK * np.abs(self.unit).max())
+        self.largest = max(self.largest, float(np.abs(e).max()))
+        self.bears = bool(np.abs(e).max() > SLACK * self.largest)
         if largest <= 0:
             return math.inf, NONE
         return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
@@ -302,44 +312,66 @@ class Way:
             self.load = load
 
     def cut(self, springs: Index, needed: float) -> Break | None:
-        """Break springs at the loads as they are; None, and nothing is done, if a load would fall.
+        """Break springs at the loads as they are; None, and they stay, if a load would fall.
 
         `needed` is the factor at which they break.
         """
         if len(self._cut) >= BREAKS_A_FACTOR:
             self._factorise()
+        k, e, before = self.stiffness[springs], self.elongation(self.unit, springs), self.unit
+        columns, modes, pulled = self._modes(springs, NOTHING)
+        if modes is None:  # a factor tells whether so little is in the way, or nothing
+            self.stiffness[springs] = 0.0
+            try:
+                self._factorise()
+            except SolverError:
+                self.stiffness[springs] = k
+                self._factorise()
+                columns, modes, pulled = self._modes(springs, LITTLE)
+        if modes is not None:
+            reach = UNHELD * math.sqrt(k.max()) * np.abs(self.unit).max()
+            if (np.abs(pulled) > reach).any():
+                return None
+            self.unit = self.unit + columns
+            self.stiffness[springs] = 0.0
+            if len(modes):
+                self._hold(modes, self.load * before + self.still)
+        self.work += self.load**2 * float((self.network.force * (self.unit - before)).sum())
+        self._work = self._unit_work()
+        opened = self.elongation(self.unit, springs)
+        return Break(
+            load=self.load,
+            needed=needed,
+            springs=springs,
+            own=self.load**2 / 2 * float(k @ e**2),
+            released=self.load**2 / 2 * float(k * e @ opened),
+        )
+
+    def _modes(self, springs: Index, nothing: float) -> tuple[Array, Array | None, Array]:
+        """How springs that break move the body (n, d), motions (r, n, d) that they alone resist.
+
+        And with which force; no motions where something resists, but little.
+        """
         columns, cross = self._solve(springs)
         root, e = np.sqrt(self.stiffness[springs]), self.elongation(self.unit, springs)
         met = np.eye(len(springs)) - root[:, None] * (cross + cross.T) / 2 * root
         value, vector = np.linalg.eigh(met)
         part = vector.T @ (root * e)
-        free = value <= NOTHING
-        if (np.abs(part[free]) > math.sqrt(NOTHING) * np.linalg.norm(part)).any():
-            return None
+        free = value <= nothing
         over = np.where(free, 0.0, part / np.where(free, 1.0, value))
         moved = np.tensordot(root * (vector @ over), columns, axes=1)
-        self.work += self.load**2 * float((self.network.force * moved).sum())
-        found = Break(
-            load=self.load,
-            needed=needed,
-            springs=springs,
-            own=self.load**2 / 2 * float(part @ part),
-            released=self.load**2 / 2 * float(part @ over),
-        )
-        self.unit = self.unit + moved
-        self.stiffness[springs] = 0.0
-        if free.any():
-            self._hold(np.tensordot(root * vector[:, free].T, columns, axes=1))
-            self._factorise()
-        self._work = self._unit_work()
-        return found
+        if (~free & (value < LITTLE)).any():
+            return moved, None, part[free]
+        return moved, np.tensordot(root * vector[:, free].T, columns, axes=1), part[free]
 
     def _solve(self, springs: Index) -> tuple[Array, Array]:
         """What unit pulls of springs move now (b, n, d), and the compliance (b, b) across them."""
         free = ~self.network.held
-        inverse = self.solver.regular(self._at).inverse
         columns = np.zeros((len(springs), *self.unit.shape))
         for column, spring in zip(columns, springs, strict=True):
+            if not free.any():
+                break
+            inverse = self.solver.regular(self._at).inverse
             pull = np.zeros(self.unit.shape)
             i, j = self.network.springs[spring]
             pull[i], pull[j] = -self.along[spring], self.along[spring]
@@ -356,19 +388,22 @@ class Way:
             columns = columns + np.tensordot(part.T, self._columns[: len(before)], axes=1)
         return columns, self.elongation(columns, springs)
 
-    def _hold(self, modes: Array) -> None:
+    def _hold(self, modes: Array, at: Array) -> None:
         """Hold as many components as there are motions (r, n, d) that nothing resists any more.
 
-        Those that tell the motions apart best: supports that bear no force.
+        At a displacement (n, d) in m, those that tell the motions apart best: they bear no force.
         """
         size = np.abs(modes).max(axis=(1, 2), keepdims=True)
         self.loose |= (np.abs(modes) > LOOSE * size).any(axis=(0, 2))
-        flat = modes.reshape(len(modes), -1)
-        which = qr(flat, mode="r", pivoting=True)[1][: len(modes)]
-        held, moved = self.network.held.copy(), self.network.displacement.copy()
+        which = qr(modes.reshape(len(modes), -1), mode="r", pivoting=True)[1][: len(modes)]
+        held = self.network.held.copy()
         held.ravel()[which] = True
-        moved.ravel()[which] = self.unit.ravel()[which]
-        self.network = replace(self.network, held=held, displacement=moved)
+        self.network = replace(self.network, held=held)
+        self._factorise()
+        # Without a force where the loads leave them: the rest of their pieces comes along.
+        moved = np.where(held & ~self.given.held, at, 0.0)
+        alone = replace(self.network, force=0 * self.given.force, displacement=moved)
+        self.still = refine_linear(alone, self.solver).solution
 
     def result(self, breaks: list[Break], ended: Ended) -> Growth:
         """Where the way has led to."""
@@ -377,15 +412,16 @@ class Way:
             self.network,
             stiffness=self.stiffness.copy(),
             force=load * self.given.force,
-            displacement=load * self.network.displacement,
+            displacement=np.where(self.network.held, load * self.unit + self.still, 0.0),
         )
         choice = self.solver.choice
         return Growth(
             breaks=tuple(breaks),
             network=network,
             equilibrium=linear_equilibrium_at(
-                network, load * self.unit, len(breaks), self.error, choice
+                network, load * self.unit + self.still, len(breaks), self.error, choice
             ),
+            critical_stretch=self.length / self.given.rest_length,
             loose=np.flatnonzero(self.loose),
             load=load,
             work=self.work,

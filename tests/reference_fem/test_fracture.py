@@ -13,7 +13,9 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    Weight,
 )
+from msvalidate.problem.records import replace
 from reference_fem.fracture import crack_mesh, release_rate
 
 
@@ -59,6 +61,20 @@ def test_a_notched_beam_that_cracks_upwards():
     found = release_rate(at, lambda a: (0.0, a), 0.5, 0.02)
     f = np.sqrt(2 * 8 / 3 * np.array([found.value, found.integral])) / 4
     assert f == pytest.approx(2.641000654501948, rel=1e-3)
+
+
+def test_other_loads_are_refused():
+    moved = (Support(Region((None, 1.5)), (None, 0.01)),)
+    weight = (Weight((0.0, -9.81)),)
+    for change, step in (({"supports": moved}, 0.02), ({"loads": weight}, 0.02), ({}, 0.0)):
+
+        def at(a, change=change):
+            given = plate()(a)
+            supports = (*given.supports, *change.get("supports", ()))
+            return replace(given, supports=supports, loads=change.get("loads", given.loads))
+
+        with pytest.raises(ProblemError, match=r"crack: supports that move|step: 0 m"):
+            release_rate(at, lambda a: (a, 0.0), 0.3, step)
 
 
 def test_cells_take_plane_boxes():

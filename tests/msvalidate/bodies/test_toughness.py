@@ -92,6 +92,9 @@ def test_it_falls_with_the_root_of_the_spacing_whatever_the_thickness():
         by.append(critical_stretch(patterns.triangular(), made, G_c).critical_stretch)
     assert by[1] / by[0] == pytest.approx(0.37**-0.5, rel=1e-9)
     assert by[2] == pytest.approx(by[1], rel=1e-9)  # the same in mm, MPa, N/mm
+    stiff = critical_stretch(patterns.triangular(), (1e14,), 1e14)
+    soft = critical_stretch(patterns.triangular(), (1e-6,), 1e-6)
+    assert stiff.critical_stretch == pytest.approx(soft.critical_stretch, rel=1e-9)
 
 
 def test_one_clear_line():

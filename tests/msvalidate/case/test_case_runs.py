@@ -282,7 +282,7 @@ def test_springs_that_break_are_counted_drawn_and_told():
     assert list(table["spring"]) == list(growth.broken)
     assert {"breaks.csv", "breaks.svg", "springs.vtu"} <= set(content)
     assert b'Name="broken"' in content["springs.vtu"]
-    assert f"{len(growth.broken)} springs break in".encode() in content["case.html"]
+    assert f"{len(growth.broken)} springs have broken in".encode() in content["case.html"]
     assert b"The body has come apart" in content["case.html"]
     tough = replace(case, fracture=Fracture(G_c=7.5, raised=1.0))
     asked = break_springs(tough, found.springs[0])

@@ -168,6 +168,41 @@ def test_what_a_crack_leaves_without_a_hold_is_loose():
     assert hinged.network.stiffness[kept] > 0
 
 
+def test_a_soft_spring_holds_and_a_force_on_what_is_loose_falls():
+    """A spring in parallel with one of a thousand millionth; a millionth of the load, cut off."""
+    x = [[0, 0], [1, 0], [2, 0], [1, 1.0]]
+    held = [[1, 1], [0, 0], [1, 1], [1, 1]]
+    for soft in (1e-3, 1e-6, 1e-9):
+        beside = spring_network(
+            x, [[0, 1], [1, 2], [1, 3]], [1.0, soft, 1.0], held=held,
+            force=[[0, 0], [1e-3, 0], [0, 0], [0, 0.0]],
+        )  # fmt: skip
+        found = grow(beside, [1e-4, np.inf, np.inf])
+        assert found.ended == "raised"
+        assert found.released == pytest.approx(0.5e-8 * (1 + 1 / soft), rel=1e-6)
+    network, _ = strip()
+    alone = int(np.flatnonzero((network.points == [6, 3]).all(axis=1))[0])
+    crack = np.flatnonzero((network.springs == alone).any(axis=1))
+    force = np.zeros(network.points.shape)
+    force[alone, 1] = 1e-6
+    with pytest.raises(ProblemError, match="nothing holds what it leaves of a loaded part"):
+        grow(replace(network, force=force), 0.01, crack=crack)
+
+
+def test_a_loose_piece_stays_where_it_was():
+    rope = spring_network(
+        [[0, 0], [1, 0], [2, 0], [3, 0.0]], [[0, 1], [1, 2], [2, 3]], [1.0, 1.0, 2.0],
+        held=[[1, 1], [0, 1], [0, 1], [1, 1]], displacement=[[0, 0], [0, 0], [0, 0], [1, 0.0]],
+    )  # fmt: skip
+    found = grow(rope, [0.1, 0.1, np.inf], 10.0)
+    assert [list(one.springs) for one in found.breaks] == [[0, 1]]
+    assert list(found.loose) == [1]
+    assert found.equilibrium.displacement[1, 0] == pytest.approx(0.1, rel=1e-12)
+    # All else is held: nothing to invert.
+    whole = replace(rope, held=np.ones((4, 2)))
+    assert list(grow(whole, 0.1, 10.0).broken) == [2]
+
+
 def test_units_and_a_body_far_from_the_origin():
     network, crack = strip()
     mm = replace(
@@ -194,12 +229,14 @@ def test_one_clear_line():
         ("critical stretch: nan at index 0", network, {"critical_stretch": np.nan}),
         ("critical stretch: shape (2,); give one number or", network, {"critical_stretch": [1, 2]}),
         ("stretch of a spring at rest: 0.111111 at index 0", tight, {"critical_stretch": 0.1}),
-        ("under tension; take Hooke's springs at rest alone", tight, {"critical_stretch": 1.0}),
-        ("with cells; take Hooke's", three, {"critical_stretch": 1.0}),
+        ("springs that are stretched or pressed at rest", tight, {"critical_stretch": 1.0}),
+        ("linear law and cells; take Hooke's", three, {"critical_stretch": 1.0}),
         ("of the green law", replace(network, law=GREEN), {"critical_stretch": 1.0}),
         ("nothing is raised", none, {}),
         ("raised: 0", network, {"raised": 0.0}),
-        ("crack: ", network, {"crack": [10**6]}),
+        ("crack: springs 1000000 to 1000000; there are", network, {"crack": [10**6]}),
+        ("crack: ", network, {"crack": [1.5]}),
+        ("crack: ", network, {"crack": np.ones(len(network.springs), dtype=bool)}),
         ("leave the body free", replace(none, held=np.zeros_like(network.held)), {}),
     ):  # fmt: skip
         with pytest.raises(ProblemError, match=re.escape(words)):
