@@ -2,61 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate.bodies.toughness import RULES, critical_stretch
+from msvalidate.bodies.toughness import critical_stretch
+from msvalidate.case.case import Case
+from msvalidate.case.springs import SpringAnswer
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.output.body_drawing import body_axes
 from msvalidate.output.figures import COLOURS
 from msvalidate.problem import AXES, Array, ProblemError
-from msvalidate.problem.checks import positive_number, require_one_of
-from msvalidate.problem.records import dataclass
 from msvalidate.statics.breaking import Growth, grow
-
-if TYPE_CHECKING:
-    from msvalidate.case.case import Case
-    from msvalidate.case.springs import SpringAnswer
 
 SMALL = 0.05
 """Stretch up to which small displacements are said to do."""
 MOST_BREAKS = 1000
 """Events after which a case stops."""
-
-
-@dataclass(frozen=True)
-class Fracture:
-    """When springs of a case break, and how far its loads are raised.
-
-    Parameters
-    ----------
-    critical_stretch, G_c
-        One of them: elongation over rest length, or fracture energy (J/m²).
-    rule, direction
-        Of `G_c`, as in `bodies.toughness.critical_stretch`.
-    raised
-        Factor of the loads and prescribed displacements.
-    """
-
-    critical_stretch: float | None = None
-    G_c: float | None = None
-    rule: str = RULES[0]
-    direction: tuple[float, ...] = (1.0, 0.0)
-    raised: float = 1.0
-
-    def __post_init__(self) -> None:
-        if (self.critical_stretch is None) == (self.G_c is None):
-            raise ProblemError("critical_stretch and G_c: give one of them")
-        if self.critical_stretch is not None:
-            positive_number("critical_stretch", self.critical_stretch)
-        else:
-            positive_number("G_c", self.G_c or 0.0, "J/m²")
-        require_one_of("rule", self.rule, RULES)
-        positive_number("raised", self.raised)
 
 
 def stretch_of(case: Case, answer: SpringAnswer) -> float:

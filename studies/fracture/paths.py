@@ -146,8 +146,8 @@ def title(name: str, turn: float) -> str:
 def draw_paths(tables: kit.Tables) -> Figure:
     """Springs that broke, ahead of a crack that elasticity lets go straight on."""
     groups = list(tables["breaks"].groupby("lattice", sort=False))
-    rows = -(-len(groups) // 2)
-    figure, axes = kit.figures.new_figure(2, rows, size=(3.6, 3.3))
+    rows = -(-len(groups) // 3)
+    figure, axes = kit.figures.new_figure(3, rows, size=(2.5, 2.7))
     for axis, (name, own) in zip(axes, groups, strict=False):
         ends = own[list(ENDS)].to_numpy().reshape(-1, 2, 2)
         axis.add_collection(LineCollection(list(ends), colors=kit.figures.COLOURS[1]))

@@ -17,9 +17,9 @@ from msvalidate.bodies.toughness import critical_stretch
 from msvalidate.case import figures, files
 from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
-from msvalidate.case.case import LAWS, Case
+from msvalidate.case.case import LAWS, Case, Fracture
 from msvalidate.case.comparison import OTHER_MATERIAL, compare_case
-from msvalidate.case.fracture import Fracture, break_springs, stretch_of
+from msvalidate.case.fracture import break_springs, stretch_of
 from msvalidate.case.large import converge_case
 from msvalidate.case.page import sentences, shown_tables
 from msvalidate.case.results import read_result
