@@ -82,7 +82,7 @@ FIGURES = {
     "tips": kit.series(
         "tips", title="K of cracks: tip at the first held point, or where the edge crack has it",
         x="cells", y={"at_point": "held point", "placed": "edge crack's"}, panel="lattice",
-        by="body", rows={"length": 0.3}, log="xy", size=(4.2, 3.4), ylim=(1e-6, 0.2),
+        by="body", rows={"length": 0.3}, log="xy", size=(3.6, 3.2), ylim=(1e-6, 0.2),
         labels=("cells in the crack", "error of K, relative (1)"),
     ),
 }  # fmt: skip

@@ -140,14 +140,14 @@ def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
 
 def title(name: str, turn: float) -> str:
     """What a panel is called."""
-    return name if name == "Voronoi" else f"{name}, turned by {turn:g}°"
+    return name if name == "Voronoi" else f"{name} at {turn:g}°"
 
 
 def draw_paths(tables: kit.Tables) -> Figure:
     """Springs that broke, ahead of a crack that elasticity lets go straight on."""
     groups = list(tables["breaks"].groupby("lattice", sort=False))
     rows = -(-len(groups) // 3)
-    figure, axes = kit.figures.new_figure(3, rows, size=(2.5, 2.7))
+    figure, axes = kit.figures.new_figure(3, rows, size=(2.45, 2.7))
     for axis, (name, own) in zip(axes, groups, strict=False):
         ends = own[list(ENDS)].to_numpy().reshape(-1, 2, 2)
         axis.add_collection(LineCollection(list(ends), colors=kit.figures.COLOURS[1]))
