@@ -6,8 +6,9 @@ C = Bᵀ K⁻¹ B the compliance across them, Woodbury's formula ([GolubVanLoan2
 
     (K - B k Bᵀ)⁻¹ f = K⁻¹ f + K⁻¹ B M⁻¹ Bᵀ K⁻¹ f,    M = 1/k - C.
 
-Springs of elongations e release eᵀ M⁻¹ e / 2 at supports and loads that stay: their own energy
-Σ k e² / 2 and what the body around them gives up. Nothing here is a difference of stored energies.
+Springs of elongations e release eᵀ M⁻¹ e / 2 = Σ k e e' / 2 at supports and loads that stay, e' how
+far their points are apart after: their own energy Σ k e² / 2 and what the body around them gives
+up. Nothing here is a difference of stored energies.
 """
 
 from __future__ import annotations
