@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any, get_args, get_type_hints
@@ -102,8 +102,15 @@ def read_source(path: str | FilePath) -> Source:
     return parse_source(name, _read_text(file), file.resolve().parent)
 
 
-def parse_source(name: str, text: str, folder: FilePath) -> Source:
+def parse_source(
+    name: str,
+    text: str,
+    folder: FilePath,
+    change: Callable[[dict[str, Any]], None] = lambda _: None,
+) -> Source:
     """The same of a case file's text: its name in messages, and where its mesh is looked for.
+
+    `change` sets other values in what it holds.
 
     Raises
     ------
@@ -114,6 +121,7 @@ def parse_source(name: str, text: str, folder: FilePath) -> Source:
         given = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise CaseError(f"case {name}: not TOML: {_one_line(error)}; mend that line") from error
+    change(given)
     lines = key_lines(text)
     _check_version(name, given, lines)
     try:

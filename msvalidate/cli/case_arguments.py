@@ -37,7 +37,7 @@ def parse_case(words: Sequence[str]) -> argparse.Namespace:
     Wrong usage ends the program with one line and exit code 2.
     """
     args = _parser().parse_args(list(words))
-    args.jobs, args.verbose = 1, getattr(args, "verbose", False)
+    args.jobs, args.verbose = getattr(args, "jobs", 1), getattr(args, "verbose", False)
     return args
 
 
@@ -59,6 +59,12 @@ def _parser() -> argparse.ArgumentParser:
     }
     each["new"].add_argument("name", metavar="NAME", help="of the case; NAME.toml is written")
     each["run"].add_argument("files", nargs="+", type=Path, metavar="FILE", help="case files")
+    add = each["run"].add_argument
+    add("--set", action="append", default=[], metavar="KEY=V,V", help="a key's values: every "
+        "combination is a row of one table, no page; again for another key")  # fmt: skip
+    add("--jobs", type=int, default=1, metavar="N", help="combinations at once (default: 1)")
+    add("--scheduler", metavar="URL", help="combinations on a Dask cluster, as tcp://host:8786")
+    add("--limit", type=float, default=3600.0, metavar="SECONDS", help="for a combination (3600)")
     add = each["judge"].add_argument
     add("file", type=Path, metavar="FILE", help="case file")
     add(

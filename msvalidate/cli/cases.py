@@ -4,13 +4,25 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from msvalidate.case import building, files, network_files, page, places, results, run, springs
+from msvalidate.case import (
+    building,
+    files,
+    network_files,
+    page,
+    places,
+    results,
+    run,
+    springs,
+    sweep,
+)
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.judge import Judgement
@@ -19,8 +31,9 @@ from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
 from msvalidate.cli.case_arguments import SIMULATOR
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
+from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.problem.checks import finite_number, format_value
+from msvalidate.problem.checks import finite_number, format_value, positive_number, whole_number
 from msvalidate.problem.records import replace
 from msvalidate.simulators.export import export_case, lammps_of, ratio_words
 from msvalidate.simulators.folders import write_request
@@ -117,6 +130,8 @@ def tell_ratio(case: Case) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     """Each case in turn: one that is refused does not keep the others from being solved."""
+    if args.set:
+        return _sweep(args)
     codes = []
     folders: dict[str, Path] = {}
     for file in args.files:
@@ -134,6 +149,42 @@ def _run(args: argparse.Namespace) -> int:
         except SolverError as error:
             codes.append(tell_error(said(file, error), FAILED))
     return max(codes)
+
+
+def _sweep(args: argparse.Namespace) -> int:
+    """Every combination of keys' values, as rows of one table; exit code 3 if one died."""
+    values = sweep.read_values(args.set)
+    limit = positive_number("--limit", args.limit, "s")
+    whole_number("--jobs", args.jobs, 1, 1000)
+    name = "sweep" if len(args.files) > 1 else f"{files.folder_name(args.files[0].stem)}-sweep"
+    folder = args.out / name
+    count = len(args.files) * math.prod(map(len, values.values()))
+    next(sweep.combinations(args.files, values))
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def asked() -> Iterator[sweep.Combination]:
+        return sweep.combinations(args.files, values)
+
+    def workers() -> sweep.Workers | sweep.Cluster:
+        return sweep.Cluster(args.scheduler) if args.scheduler else sweep.Workers(args.jobs)
+
+    def show(done: int, one: sweep.Combination, row: sweep.Row) -> None:
+        if not args.quiet:
+            said = ", ".join(f"{key} {value}" for key, value in one.values)
+            what = row["verdict"] or f"{row['outcome']}: {row['said']}"
+            tell(f"{done}/{count} {one.file.name} {said}: {what}, {row['seconds']} s")
+
+    table = sweep.sweep(asked, folder / "journal.jsonl", workers, limit, show)
+    exchange.replace_file(folder / "sweep.csv", lambda: csv_bytes(table))
+    if args.plots and (table["outcome"] == sweep.SOLVED).any():
+        drawn = draw_files("sweep", "Springs beside elasticity", lambda: sweep.draw_sweep(
+            table, list(values)))  # fmt: skip
+        for file, content in drawn.items():
+            exchange.replace_file(folder / file, lambda content=content: content)  # type: ignore[misc]
+    counts = table["outcome"].value_counts().to_dict()
+    tell(f"{count} combinations: {', '.join(f'{n} {word}' for word, n in counts.items())}; "
+         f"{folder / 'sweep.csv'}")  # fmt: skip
+    return FAILED if {sweep.DIED, sweep.LATE} & set(counts) else HELD
 
 
 def _judge(args: argparse.Namespace) -> int:
