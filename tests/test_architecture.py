@@ -497,6 +497,7 @@ WRITERS = {
 }
 """Functions and methods that put something into a file or change a folder."""
 WRITING = {
+    "msvalidate.case.sweep": ("journal.open(", "journal.parent.mkdir("),
     "msvalidate_check.exchange": ("",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),

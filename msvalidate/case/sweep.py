@@ -274,6 +274,7 @@ def sweep(
     todo = (one for one in asked() if one.key not in known)
     one = next(todo, None)
     if one is not None:
+        journal.parent.mkdir(parents=True, exist_ok=True)
         made = workers()
         try:
             with journal.open("a", encoding="utf-8") as file:

@@ -160,7 +160,6 @@ def _sweep(args: argparse.Namespace) -> int:
     folder = args.out / name
     count = len(args.files) * math.prod(map(len, values.values()))
     next(sweep.combinations(args.files, values))
-    folder.mkdir(parents=True, exist_ok=True)
 
     def asked() -> Iterator[sweep.Combination]:
         return sweep.combinations(args.files, values)
