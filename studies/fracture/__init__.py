@@ -2,8 +2,8 @@
 
 "Let springs break at a critical stretch" is the usual reason for a lattice. One question a file:
 
-- `intensity`: K of cracks that do not grow, and where a lattice's tip is;
-- `growth`: at which fracture energy a crack grows, by the rule for the stretch;
+- `plates`, `tips` (in `intensity`): K of cracks that do not grow, and where a lattice's tip is;
+- `small`, `growth`: at which fracture energy a crack grows, by the rule for the stretch;
 - `paths`: the way that it takes in turned and random lattices;
 - `moving`: where the energy goes in motion.
 
@@ -42,7 +42,8 @@ def run(
     if not callable(candidate):
         raise kit.ProblemError(f"candidate: {candidate!r}; give a function as breaking.grow is")
     asked: dict[str, Callable[[], kit.Evidence]] = {
-        "intensity": partial(intensity.run, setting, known, moved),
+        "plates": partial(intensity.run_plates, setting, known),
+        "tips": partial(intensity.run_tips, setting, moved),
         "small": partial(growth.run_small, candidate),
         "growth": partial(growth.run_growth, candidate, setting, rule),
         "paths": partial(paths.run, candidate, setting),

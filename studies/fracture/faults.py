@@ -53,8 +53,8 @@ FAULTS: dict[str, dict[str, object]] = {
     "springs that break when compressed": {"candidate": by(EitherWay), "questions": ("small",)},
     "released booked as the springs' own": {"candidate": by(OwnAlone), "questions": ("small",)},
     "a spring that comes back when it shortens": {"springs": Mends, "questions": ("moving",)},
-    "tip off by half a cell": {"moved": 0.5, "questions": ("intensity",)},
+    "tip off by half a cell": {"moved": 0.5, "questions": ("tips",)},
     "viscous work with the velocity after the step": {"ledger": Late, "questions": ("moving",)},
     "the springs' own energy called growth": {"rule": "springs", "questions": ("growth",)},
-    "plates of infinite height": {"known": INFINITE, "questions": ("intensity",)},
+    "plates of infinite height": {"known": INFINITE, "questions": ("plates",)},
 }
