@@ -32,6 +32,7 @@ from msvalidate.case.building import build_case
 from msvalidate.case.comparison import compare_case
 from msvalidate.case.page import overall
 from msvalidate.case.reading import parse_source, read_source
+from msvalidate.judging.sweep import end_with_parent
 from msvalidate.output.figures import add_shared_legend, new_figure, series_style
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.records import dataclass
@@ -173,7 +174,8 @@ class Workers:
 
     @staticmethod
     def _made() -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(1, multiprocessing.get_context("spawn"))
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(1, context, initializer=end_with_parent)
 
     def renewed(self, slot: Executor, _future: Future[Row]) -> Executor:
         """Another worker for one that is late or dead."""

@@ -9,9 +9,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import multiprocessing
-import os
 import signal
-import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -27,11 +25,10 @@ from msvalidate.cli.outcome import (
     unfinished_outcome,
 )
 from msvalidate.judging import catalogue
+from msvalidate.judging.sweep import end_with_parent
 
 DIED = "crashed: its process died"
 WHY = f"{DIED}, killed or out of memory; run it with --jobs 1"
-ORPHANED = 1
-"""Exit code of a worker that nobody waits for any more."""
 
 
 def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:
@@ -111,17 +108,10 @@ def _worker(names: Sequence[str]) -> ProcessPoolExecutor:
 def _prepare(names: Sequence[str]) -> None:
     """Make a process a worker: it loads the studies, and ends with the process that started it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is told, and ends the workers
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     for name in names:
         catalogue.load(name)
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(ORPHANED)
 
 
 @contextlib.contextmanager

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from typing import TypeVar
@@ -16,6 +19,8 @@ Case = TypeVar("Case")
 Result = TypeVar("Result")
 MOST_SEED = 2**63 - 1
 """Largest seed: one that a table of any kind can hold."""
+ORPHANED = 1
+"""Exit code of a worker that nobody waits for any more."""
 
 
 @dataclass(frozen=True)
@@ -86,3 +91,15 @@ class Setting:
 
 FULL = Setting()
 """The whole study, its cases one after another."""
+
+
+def end_with_parent() -> None:
+    """End this process, a worker's, with the one that started it, even where that is killed."""
+    parent = multiprocessing.parent_process()
+
+    def end() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(ORPHANED)
+
+    threading.Thread(target=end, daemon=True).start()
