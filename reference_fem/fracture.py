@@ -66,7 +66,7 @@ def release_rate(
         If the body is no plane box of one material under tractions, or the step is none.
     """
     _refuse_other_loads(problem_at(length))
-    if not 0 < abs(step) < length / 2:
+    if not 0 < step < length / 2:
         raise ProblemError(f"step: {step:g} m; give a small part of the crack's length")
     found = []
     for finer in (1, 2):

@@ -25,7 +25,7 @@ from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.filled import number_springs
 from msvalidate.lattice.turned import rotation_matrix
 from msvalidate.network import Network, spring_network
-from msvalidate.problem import Array, Mask, ProblemError
+from msvalidate.problem import Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite,
     length_in_metres,
@@ -148,20 +148,25 @@ def critical_stretch(
     if not way.any():
         raise ProblemError("direction: (0, 0); give a vector along a row of the lattice")
     along = tuple((way / np.linalg.norm(way)).tolist())
-    k = pattern.stiffness(constants)
-    held, needed = springs_energy(pattern, k, along), np.ones(1)
+    k, ratios = pattern.stiffness(constants), np.ones(1)
     if rule == "growth":
-        made = moduli(homogenise(pattern, constants).tensor)
-        if not abs(made.zener - 1) <= ISOTROPIC:
-            raise ProblemError(
-                f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener "
-                f"ratio {made.zener:.6g}), so a crack has another field; take those of `calibrate`"
-            )
-        k, E, nu = k / k.max(), made.E / k.max(), made.nu  # a ratio does not depend on it
-        K = starts(lambda radius: crack_patch(pattern, k, along, E, nu, radius))
-        needed = K**2 / E / springs_energy(pattern, k, along)
-    stretch = math.sqrt(energy / (a * held * needed.max()))
-    return Toughness(stretch, rule, along, float(needed.max()), float(needed[0]))
+        ratios = _growth(pattern, constants, along)
+    stretch = math.sqrt(energy / (a * springs_energy(pattern, k, along) * ratios.max()))
+    return Toughness(stretch, rule, along, float(ratios.max()), float(ratios[0]))
+
+
+def _growth(pattern: Pattern, constants: Constants, along: tuple[float, ...]) -> Array:
+    """Energy release rate at each event over what springs across hold, in the field of a crack."""
+    made = moduli(homogenise(pattern, constants).tensor)
+    if not abs(made.zener - 1) <= ISOTROPIC:
+        raise ProblemError(
+            f"{pattern.name}: constants {tuple(constants)} make no isotropic solid (Zener "
+            f"ratio {made.zener:.6g}), so a crack has another field; take those of `calibrate`"
+        )
+    k = pattern.stiffness(constants)
+    k, E = k / k.max(), made.E / k.max()  # no ratio depends on it, and K is of the order of 1
+    K = starts(lambda radius: crack_patch(pattern, k, along, E, made.nu, radius))
+    return np.asarray(K**2 / E / springs_energy(pattern, k, along))
 
 
 def springs_energy(pattern: Pattern, stiffness: Array, direction: tuple[float, ...]) -> float:
@@ -239,11 +244,8 @@ def crack_patch(
     number[kept] = np.arange(int(kept.sum()))
     springs, which = number_springs(pattern, number)
     x = place[kept]
-    (a, b) = x[springs[:, 0]], x[springs[:, 1]]
-    crosses = a[:, 1] * b[:, 1] < 0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = a[:, 0] - a[:, 1] * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
-    behind = crosses & (at < -BEHIND)
+    at = crossings(x, springs)
+    behind, ahead = at < -BEHIND, at >= -BEHIND
     rim = np.linalg.norm(x, axis=1) >= radius
     held = np.repeat(rim[:, None], 2, axis=1)
     network = spring_network(
@@ -257,9 +259,17 @@ def crack_patch(
     return CrackPatch(
         network,
         np.where(fixed, np.inf, 1.0),
-        np.where(crosses & ~behind, at, np.nan),
-        crosses & ~behind & (at < period - BEHIND),
+        np.where(ahead, at, np.nan),
+        ahead & (at < period - BEHIND),
     )
+
+
+def crossings(points: Array, springs: Index, height: float = 0.0) -> Array:
+    """Where (m,) in m along x springs (m, 2) between points (n, 2) cross a height; NaN if not."""
+    (x, y), (x_end, y_end) = points[springs].transpose(1, 2, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = x + (height - y) * (x_end - x) / (y_end - y)
+    return np.where((y - height) * (y_end - height) < 0, at, np.nan)
 
 
 def _period(pattern: Pattern, Q: Array) -> float:

@@ -139,7 +139,7 @@ def tables(found: Comparison) -> dict[str, pd.DataFrame]:
             "compared": point_table(found.points, found.displacement, found.reference),
         }
         | contact_table(found)
-        | break_table(found.springs[0])
+        | break_table(found.springs[0].growth)
     )
 
 

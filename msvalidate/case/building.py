@@ -7,7 +7,8 @@ from itertools import chain
 from pathlib import Path
 
 from msvalidate.bodies.mesh_file import read_mesh
-from msvalidate.case.case import Case, Fracture
+from msvalidate.case.case import Case
+from msvalidate.case.fracture import Fracture
 from msvalidate.case.places import (
     named_part,
     node_region,

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from msvalidate.bodies.toughness import RULES
+from msvalidate.case.fracture import Fracture
 from msvalidate.case.schema import QUANTITIES
 from msvalidate.constants.routes import check_route
 from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
@@ -58,37 +58,6 @@ GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
 ACCURACY = 1e-3
 LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
-
-
-@dataclass(frozen=True)
-class Fracture:
-    """When springs of a case break, and how far its loads are raised.
-
-    Parameters
-    ----------
-    critical_stretch, G_c
-        One of them: elongation over rest length, or fracture energy (J/m²).
-    rule, direction
-        Of `G_c`, as in `bodies.toughness.critical_stretch`.
-    raised
-        Factor of the loads and prescribed displacements.
-    """
-
-    critical_stretch: float | None = None
-    G_c: float | None = None
-    rule: str = RULES[0]
-    direction: tuple[float, ...] = (1.0, 0.0)
-    raised: float = 1.0
-
-    def __post_init__(self) -> None:
-        if (self.critical_stretch is None) == (self.G_c is None):
-            raise ProblemError("critical_stretch and G_c: give one of them")
-        if self.critical_stretch is not None:
-            positive_number("critical_stretch", self.critical_stretch)
-        else:
-            positive_number("G_c", self.G_c or 0.0, "J/m²")
-        require_one_of("rule", self.rule, RULES)
-        positive_number("raised", self.raised)
 
 
 @dataclass(frozen=True, eq=False)

@@ -182,8 +182,9 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     answers = solve_finer(case)
     if case.fracture is not None:
         progress("springs that break")
-        growth = break_springs(case, answers[0])
-        answers = (replace(answers[0], growth=growth), *answers[1:])
+        one, constants = answers[0], answers[0].calibration or case.constants or ()
+        of = one.network, case.problem, str(case.lattice), constants, one.spacing
+        answers = (replace(one, growth=break_springs(case.fracture, *of)), *answers[1:])
     points = compared_points(case, answers[0].lattice)
     values = displacements_at(answers, points)
     answers = answers[: len(values)]

@@ -37,11 +37,10 @@ def figures(
             "Pressure of the obstacle on springs and elements",
             lambda: draw_pressure(found),
         )
-    if found.springs[0].growth is not None:
-        pressed["breaks"] = (
-            "Springs that broke as the loads were raised",
-            lambda: draw_breaks(found.springs[0]),
-        )
+    growth = found.springs[0].growth
+    if growth is not None:
+        words = "Springs that broke as the loads were raised"
+        pressed["breaks"] = (words, lambda: draw_breaks(growth))
     return pressed | {
         "body": ("The body, its supports and its loads", lambda: draw_body(found)),
         "field": (

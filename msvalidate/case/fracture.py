@@ -7,13 +7,16 @@ import pandas as pd
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate.bodies.toughness import critical_stretch
-from msvalidate.case.case import Case
-from msvalidate.case.springs import SpringAnswer
+from msvalidate.bodies.toughness import RULES, critical_stretch
+from msvalidate.constants.calibration import Calibration
+from msvalidate.lattice import Constants
 from msvalidate.lattice.patterns import all_patterns
+from msvalidate.network import Network
 from msvalidate.output.body_drawing import body_axes
 from msvalidate.output.figures import COLOURS
-from msvalidate.problem import AXES, Array, ProblemError
+from msvalidate.problem import AXES, Array, Problem, ProblemError
+from msvalidate.problem.checks import positive_number, require_one_of
+from msvalidate.problem.records import dataclass
 from msvalidate.statics.breaking import Growth, grow
 
 SMALL = 0.05
@@ -22,71 +25,100 @@ MOST_BREAKS = 1000
 """Events after which a case stops."""
 
 
-def stretch_of(case: Case, answer: SpringAnswer) -> float:
-    """Critical stretch of a case's springs.
+@dataclass(frozen=True)
+class Fracture:
+    """When springs of a case break, and how far its loads are raised.
+
+    Parameters
+    ----------
+    critical_stretch, G_c
+        One of them: elongation over rest length, or fracture energy (J/m²).
+    rule, direction
+        Of `G_c`, as in `bodies.toughness.critical_stretch`.
+    raised
+        Factor of the loads and prescribed displacements.
+    """
+
+    critical_stretch: float | None = None
+    G_c: float | None = None
+    rule: str = RULES[0]
+    direction: tuple[float, ...] = (1.0, 0.0)
+    raised: float = 1.0
+
+    def __post_init__(self) -> None:
+        if (self.critical_stretch is None) == (self.G_c is None):
+            raise ProblemError("critical_stretch and G_c: give one of them")
+        if self.critical_stretch is not None:
+            positive_number("critical_stretch", self.critical_stretch)
+        else:
+            positive_number("G_c", self.G_c or 0.0, "J/m²")
+        require_one_of("rule", self.rule, RULES)
+        positive_number("raised", self.raised)
+
+
+def break_springs(
+    asked: Fracture,
+    network: Network,
+    problem: Problem,
+    lattice: str,
+    constants: Constants | Calibration,
+    spacing: float,
+) -> Growth:
+    """Springs of a problem's lattice that break as its loads are raised.
 
     Raises
     ------
-    ProblemError
-        As `bodies.toughness.critical_stretch`, or if there is no one lattice of one material.
+    ProblemError, SolverError
+        As `bodies.toughness.critical_stretch` and `statics.breaking.grow`, or if a fracture energy
+        is given of anything but one lattice of one material.
     """
-    asked = case.fracture
-    assert asked is not None  # noqa: S101  the caller has looked
-    if asked.critical_stretch is not None:
-        return asked.critical_stretch
-    make = all_patterns().get(str(case.lattice))
-    if make is None or case.problem.zones:
-        raise ProblemError(
-            f"fracture: G_c of {'several materials' if make else case.lattice}; it is for one "
-            "lattice of one material, so give critical_stretch"
-        )
-    given = answer.calibration or case.constants or ()
-    return critical_stretch(
-        make(), given, asked.G_c or 0.0, spacing=answer.spacing,
-        thickness=case.problem.material.thickness, direction=asked.direction, rule=asked.rule,
-    ).critical_stretch  # fmt: skip
+    stretch = asked.critical_stretch
+    if asked.G_c is not None:
+        make = all_patterns().get(lattice)
+        if make is None or problem.zones:
+            raise ProblemError(
+                f"fracture: G_c of {'several materials' if make else lattice}; it is for one "
+                "lattice of one material, so give critical_stretch"
+            )
+        stretch = critical_stretch(
+            make(), constants, asked.G_c, spacing=spacing, thickness=problem.material.thickness,
+            direction=asked.direction, rule=asked.rule,
+        ).critical_stretch  # fmt: skip
+    assert stretch is not None  # noqa: S101  one of the two is given
+    return grow(network, stretch, asked.raised, most_breaks=MOST_BREAKS)
 
 
-def break_springs(case: Case, answer: SpringAnswer) -> Growth:
-    """Springs that break as the case's loads are raised; raises as `statics.breaking.grow`."""
-    assert case.fracture is not None  # noqa: S101  the caller has looked
-    stretch = stretch_of(case, answer)
-    return grow(answer.network, stretch, case.fracture.raised, most_breaks=MOST_BREAKS)
-
-
-def break_table(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
+def break_table(growth: Growth | None) -> dict[str, pd.DataFrame]:
     """A row each spring that breaks: event, factor of the loads, middle (m), energies (J)."""
-    growth = answer.growth
     if growth is None:
         return {}
     rows = [
         {
             "event": number, "load": one.load, "needed": one.needed, "spring": int(spring),
-            **dict(zip(AXES, _middle(answer, spring), strict=False)),
+            **dict(zip(AXES, _middle(growth, spring), strict=False)),
             "own_energy": one.own, "released": one.released,
         }
         for number, one in enumerate(growth.breaks, 1)
         for spring in one.springs
     ]  # fmt: skip
-    names = ["event", "load", "needed", "spring", *AXES[: answer.network.dim]]
+    names = ["event", "load", "needed", "spring", *AXES[: growth.network.dim]]
     return {"breaks": pd.DataFrame(rows, columns=[*names, "own_energy", "released"])}
 
 
-def _middle(answer: SpringAnswer, spring: int) -> Array:
-    return np.asarray(answer.network.points[answer.network.springs[spring]].mean(axis=0))
+def _middle(growth: Growth, spring: int) -> Array:
+    return np.asarray(growth.network.points[growth.network.springs[spring]].mean(axis=0))
 
 
-def break_sentence(case: Case, answer: SpringAnswer) -> tuple[str, ...]:
+def break_sentence(growth: Growth | None) -> tuple[str, ...]:
     """What broke, and what of it is the lattice's."""
-    growth = answer.growth
-    if growth is None or case.fracture is None:
+    if growth is None:
         return ()
     stretch = float(growth.critical_stretch[0])
     raised = f"At {growth.load:.4g} times the loads, and a critical stretch of {stretch:.3g},"
     if not growth.breaks:
         return (f"{raised} no spring has broken.",)
     first = growth.breaks[0]
-    at = ", ".join(f"{x:.3g}" for x in _middle(answer, first.springs[0]))
+    at = ", ".join(f"{x:.3g}" for x in _middle(growth, first.springs[0]))
     ends = {
         "raised": "", "parted": " The body has come apart.",
         "falls": " The next break would let a load fall: no more is borne.",
@@ -104,12 +136,11 @@ def break_sentence(case: Case, answer: SpringAnswer) -> tuple[str, ...]:
     return (said,)
 
 
-def draw_breaks(answer: SpringAnswer) -> Figure:
+def draw_breaks(growth: Growth) -> Figure:
     """Springs, and those that broke, where the body was."""
-    growth, points = answer.growth, answer.network.points[:, :2]
-    assert growth is not None  # noqa: S101  the caller has looked
+    points = growth.network.points[:, :2]
     figure, axis = body_axes(points, 0.03 * float(np.ptp(points, axis=0).max()))
-    ends = points[answer.network.springs]
+    ends = points[growth.network.springs]
     axis.add_collection(LineCollection(list(ends), colors="0.8", linewidths=0.4))
     broken = list(ends[growth.broken])
     axis.add_collection(LineCollection(broken, colors=COLOURS[1], linewidths=1.6, label="broken"))

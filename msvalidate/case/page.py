@@ -128,7 +128,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         _kind_sentence(found),
         _reference_sentence(found.reference),
         *_contact_sentence(found),
-        *break_sentence(found.case, found.springs[0]),
+        *break_sentence(found.springs[0].growth),
     )
 
 

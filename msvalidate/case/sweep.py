@@ -86,7 +86,7 @@ class Combination:
         mesh = given.get("body", {}).get("mesh") if isinstance(given.get("body"), dict) else None
         if isinstance(mesh, str) and (self.file.parent / mesh).is_file():
             found.update((self.file.parent / mesh).read_bytes())
-        found.update(json.dumps([self.file.name, self.values]).encode())
+        found.update(json.dumps([self.file.name, self.values], default=str).encode())
         return found.hexdigest()[:32]
 
 

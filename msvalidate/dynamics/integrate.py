@@ -257,17 +257,8 @@ def euler_cromer(
         hides it (`hidden`).
     """
     if not compiled:
-        return motion(
-            network,
-            state,
-            EULER_CROMER,
-            dt,
-            steps,
-            damping,
-            warn=warn,
-            ground=ground,
-            breakage=breakage,
-        )
+        asked = network, state, EULER_CROMER, dt, steps, damping
+        return motion(*asked, warn=warn, ground=ground, breakage=breakage)
     rate = _check_arguments(network, state, dt, steps, damping)
     run = Stepping(network, EULER_CROMER, dt, steps, rate, ground)
     if warn:

@@ -14,7 +14,6 @@ up. Nothing here is a difference of stored energies.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -42,13 +41,11 @@ new factor tells it from one, and digits of Woodbury's formula would be lost."""
 UNHELD = 1e-10
 """Force on a mechanism, over that of springs as long drawn as the largest displacement, that is
 rounding."""
-SLACK = 1e-10
-"""Elongation over the largest there was, up to which no spring bears anything."""
-LOOSE = 1e-6
-"""Part of such a motion that a point takes which moves in it."""
-CLOSED = 1e-10
-"""Of the energy released, by which the ledger may miss; and `ROUNDED` of the work."""
-ROUNDED = 1e-13
+SLACK, LOOSE = 1e-10, 1e-6
+"""Elongation over the largest there was, up to which no spring bears anything; part of a motion
+that nothing resists, from which a point takes part in it."""
+CLOSED, ROUNDED = 1e-10, 1e-13
+"""Of the energy released, and of the work, by which the ledger may miss."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +87,8 @@ class Growth:
     loose
         (l,) points that springs no longer hold in every direction, alone or with a piece of the
         body: without a force they stay where they were.
-    load
-        Factor of the loads at the end.
-    work, stored
-        Energy (J): of loads and supports along the way, and in springs at the end.
+    load, work, stored
+        At the end: factor of the loads, energy (J) by loads and supports so far, and in springs.
     ended
         "raised": no spring breaks up to the factor that was asked for; "breaks": there were as
         many as were asked for; "falls": the next break would leave a load on what nothing holds;
@@ -140,7 +135,6 @@ def grow(
     crack: ArrayLike = (),
     most_breaks: int | None = None,
     solver: str = "auto",
-    watch: Callable[[Break], None] | None = None,
 ) -> Growth:
     """Raise a network's loads and prescribed displacements together, and let springs break.
 
@@ -163,8 +157,6 @@ def grow(
         Events after which to stop.
     solver
         As for `equilibrium`.
-    watch
-        Called after every event.
 
     Raises
     ------
@@ -188,7 +180,7 @@ def grow(
     cut = NONE
     if np.size(crack):
         cut = np.unique(indices("crack", crack, len(network.springs), "k", what="springs"))
-    found = Way(network, stretch, solver, cut).follow(raised, most, watch)
+    found = Way(network, stretch, solver, cut).follow(raised, most)
     left = abs(found.work - found.stored - found.released)
     if found.breaks and not left <= CLOSED * found.released + ROUNDED * found.work:
         raise SolverError(
@@ -211,8 +203,6 @@ class Way:
         Displacement (n, d) in m at which loose pieces stay.
     load, work
         Factor now, and the work (J) so far.
-    bears
-        Whether any spring bears a load.
     """
 
     def __init__(
@@ -224,26 +214,21 @@ class Way:
         self.along = network.vector / network.distance[:, None]
         self.solver = Once(network, solver)
         self.load = self.work = self.largest = 0.0
-        self.bears = True
         self.still = np.zeros(network.points.shape)
         self.loose = np.zeros(len(network.points), dtype=bool)
         self.stiffness[crack] = 0.0
         try:
             self._factorise()
-        except SolverError:
+        except SolverError:  # the crack leaves parts without a hold: some springs at a time
             if not len(crack):
                 raise
-            self._cut_off(crack)
-
-    def _cut_off(self, crack: Index) -> None:
-        """Make a crack that leaves parts without a hold, some springs at a time."""
-        self.stiffness = self.given.stiffness.copy()
-        self._factorise()
-        for springs in np.array_split(crack, -(-len(crack) // BREAKS_A_FACTOR)):
-            if self.cut(springs, 0.0) is None:
-                raise ProblemError(
-                    "crack: nothing holds what it leaves of a loaded part; make it shorter"
-                )
+            self.stiffness = network.stiffness.copy()
+            self._factorise()
+            for springs in np.array_split(crack, -(-len(crack) // BREAKS_A_FACTOR)):
+                if self.cut(springs, 0.0) is None:
+                    raise ProblemError(
+                        "crack: nothing holds what it leaves of a loaded part; make it shorter"
+                    ) from None
 
     def _factorise(self) -> None:
         """Invert the tangent of what is whole now, and solve for the whole load."""
@@ -254,69 +239,56 @@ class Way:
         self._at = Configuration(self.network)
         self._cut = NONE
         self._columns = np.zeros((0, *self.unit.shape))
-        self._work = self._unit_work()
 
     def _unit_work(self) -> float:
         """Work (J) of loads and supports up to a factor of 1, twice."""
-        reaction = np.where(self.network.held, -self._inner(self.unit), self.network.force)
-        return float((reaction * self.unit).sum())
-
-    def _inner(self, u: Array) -> Array:
-        """Forces (n, d) in N of the springs that are whole."""
-        pull = (self.stiffness * self.elongation(u))[:, None] * self.along
-        return self.network.assemble_forces(pull)
+        pull = (self.stiffness * self.elongation(self.unit))[:, None] * self.along
+        inner = self.network.assemble_forces(pull)
+        outer = np.where(self.network.held, -inner, self.network.force)
+        return float((outer * self.unit).sum())
 
     def elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
         """Elongation (b,) in m of springs at a displacement (n, d), or (c, b) at (c, n, d)."""
         i, j = self.network.springs[springs].T
         return np.asarray(((u[..., j, :] - u[..., i, :]) * self.along[springs]).sum(axis=-1))
 
-    def follow(
-        self, raised: float, most: float, watch: Callable[[Break], None] | None = None
-    ) -> Growth:
+    def follow(self, raised: float, most: float) -> Growth:
         """Break springs up to a factor of the loads, `most` times at the most."""
         breaks: list[Break] = []
-        ended: Ended = "breaks"
         while len(breaks) < most:
-            needed, springs = self.next()
-            if not self.bears:
-                ended = "parted"
-                break
-            self.raise_to(min(needed, raised))
-            if needed > raised:
-                ended = "raised"
-                break
-            found = self.cut(springs, needed)
+            found = self.next()
             if found is None:
-                ended = "falls"
-                break
-            breaks.append(found)
-            if watch is not None:
-                watch(found)
-        return self.result(breaks, ended)
+                return self.result(breaks, "parted")
+            needed, springs = found
+            load = min(needed, raised)
+            if load > self.load:
+                self.work += (load**2 - self.load**2) / 2 * self._unit_work()
+                self.load = load
+            if needed > raised:
+                return self.result(breaks, "raised")
+            event = self.cut(springs, needed)
+            if event is None:
+                return self.result(breaks, "falls")
+            breaks.append(event)
+        return self.result(breaks, "breaks")
 
-    def next(self) -> tuple[float, Index]:
-        """Factor at which springs break next, infinite where none is stretched, and which."""
+    def next(self) -> tuple[float, Index] | None:
+        """Factor at which springs break next, infinite where none is stretched, and which.
+
+        None where no spring bears anything.
+        """
         e = np.where(self.stiffness > 0, self.elongation(self.unit), 0.0)
+        self.largest = max(self.largest, float(np.abs(e).max()))
+        if not np.abs(e).max() > SLACK * self.largest:
+            return None
         part = e / self.length
         largest = float(part.max())
-        self.largest = max(self.largest, float(np.abs(e).max()))
-        self.bears = bool(np.abs(e).max() > SLACK * self.largest)
         if largest <= 0:
             return math.inf, NONE
         return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
 
-    def raise_to(self, load: float) -> None:
-        """Raise the loads to a factor, if they are not there."""
-        if load > self.load:
-            self.work += (load**2 - self.load**2) / 2 * self._work
-            self.load = load
-
     def cut(self, springs: Index, needed: float) -> Break | None:
-        """Break springs at the loads as they are; None, and they stay, if a load would fall.
-
-        `needed` is the factor at which they break.
-        """
+        """Break springs, which do at a factor `needed`; None, and they stay, if a load would fall."""
         if len(self._cut) >= BREAKS_A_FACTOR:
             self._factorise()
         k, e, before = self.stiffness[springs], self.elongation(self.unit, springs), self.unit
@@ -338,7 +310,6 @@ class Way:
             if len(modes):
                 self._hold(modes, self.load * before + self.still)
         self.work += self.load**2 * float((self.network.force * (self.unit - before)).sum())
-        self._work = self._unit_work()
         opened = self.elongation(self.unit, springs)
         return Break(
             load=self.load,
@@ -369,9 +340,7 @@ class Way:
         """What unit pulls of springs move now (b, n, d), and the compliance (b, b) across them."""
         free = ~self.network.held
         columns = np.zeros((len(springs), *self.unit.shape))
-        for column, spring in zip(columns, springs, strict=True):
-            if not free.any():
-                break
+        for column, spring in zip(columns, springs if free.any() else NONE, strict=False):
             inverse = self.solver.regular(self._at).inverse
             pull = np.zeros(self.unit.shape)
             i, j = self.network.springs[spring]
@@ -415,13 +384,11 @@ class Way:
             force=load * self.given.force,
             displacement=np.where(self.network.held, load * self.unit + self.still, 0.0),
         )
-        choice = self.solver.choice
+        u, choice = load * self.unit + self.still, self.solver.choice
         return Growth(
             breaks=tuple(breaks),
             network=network,
-            equilibrium=linear_equilibrium_at(
-                network, load * self.unit + self.still, len(breaks), self.error, choice
-            ),
+            equilibrium=linear_equilibrium_at(network, u, len(breaks), self.error, choice),
             critical_stretch=self.length / self.given.rest_length,
             loose=np.flatnonzero(self.loose),
             load=load,

@@ -20,7 +20,7 @@ from .moving import Late, Mends
 class EitherWay(Way):
     """Springs that break when they are compressed as well, as one program's do."""
 
-    def next(self) -> tuple[float, Index]:
+    def next(self) -> tuple[float, Index] | None:
         """The largest change of length, of either sign."""
         part = np.where(self.stiffness > 0, np.abs(self.elongation(self.unit)) / self.length, 0.0)
         return 1 / float(part.max()), np.flatnonzero(part >= (1 - 1e-9) * part.max())

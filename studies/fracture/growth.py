@@ -25,6 +25,7 @@ from msvalidate.bodies.toughness import (
     Toughness,
     crack_patch,
     critical_stretch,
+    crossings,
     springs_energy,
     starts,
 )
@@ -33,16 +34,16 @@ from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Tractio
 from msvalidate.problem.records import replace
 from msvalidate.statics.breaking import Growth
 
-from .springs import LATTICES, NU, E, Grow, across, filled, middles, pulled
+from . import intensity
+from .springs import LATTICES, NU, E, Grow, filled, middles, pulled
 
 SMALL = Path(__file__).with_name("small.csv")
 STRIPS = {1: (12, 7, 5), 2: (16, 9, 6)}
 """Cells and crack of the small strips."""
 KNOWN = {"square-8": (2.0576, 2.3655), "triangular": (3.748, 3.748)}
 """First break and growth over the springs' own energy, by discs of three sizes elsewhere."""
-Y = 1.6599
-"""K/(σ√πa) of an edge crack in three tenths of a plate."""
-Y_ERROR = 1e-4
+Y, Y_ERROR = intensity.KNOWN["edge", 0.3], 1e-4
+"""K/(σ√πa) of an edge crack in three tenths of a plate, and how far it may be off."""
 RULES = (
     kit.Rule(
         "small strips: springs that break, wrong ones", 0.5, "1", "the same in the same order",
@@ -116,8 +117,9 @@ def small_strips(grow: Grow) -> list[dict[str, object]]:
         n, m, a = STRIPS[int(str(number))]
         network = pulled(filled("square-8", n, m), LATTICES["square-8"][1])
         ends = network.points[network.springs]
-        cut = ~np.isnan(across(network, m / 2)) & (ends[:, :, 0].max(axis=1) <= a)
-        found = grow(network, 0.01, crack=np.flatnonzero(cut), most_breaks=len(known))
+        at = crossings(network.points, network.springs, m / 2)
+        cut = np.flatnonzero(~np.isnan(at) & (ends[:, :, 0].max(axis=1) <= a))
+        found = grow(network, 0.01, crack=cut, most_breaks=len(known))
         middle = middles(network)
         for one, (_, row) in zip(found.breaks, known.iterrows(), strict=False):
             names = {f"{x:g} {y:g}" for x, y in middle[one.springs]}
@@ -158,7 +160,7 @@ def in_strip(grow: Grow, name: str, stretch: float, height: int, breaks: int) ->
     network = pulled(filled(name, 3 * height, height), LATTICES[name][1])
     high = np.ptp(network.points[:, 1])
     line = high / 2 if name == "square-8" else high / 2 + np.sqrt(3) / 4
-    crack = np.flatnonzero(across(network, line) < height)
+    crack = np.flatnonzero(crossings(network.points, network.springs, line) < height)
     middle = middles(network)
     whole = (np.abs(middle[:, 1] - high / 2) > high / 2 - 2) | (middle[:, 0] > 2.5 * height)
     return grow(network, np.where(whole, np.inf, stretch), 1e3, crack=crack, most_breaks=breaks)
@@ -167,11 +169,8 @@ def in_strip(grow: Grow, name: str, stretch: float, height: int, breaks: int) ->
 def in_plate(grow: Grow, name: str, stretch: float, width: int) -> float:
     """Energy release rate at growth of an edge crack in a plate under tension."""
     pattern, k = LATTICES[name]
-    rows = (
-        round(3 * width / pattern.size[1]) | 1
-        if name == "square-8"
-        else round(3 * width / pattern.size[1])
-    )
+    rows = round(3 * width / pattern.size[1])
+    rows |= name == "square-8"  # a crack between two rows is in the middle then
     box = Box((float(width), rows * pattern.size[1]))
     problem = Problem(
         box, Isotropic(E=E, nu=NU, state="plane_stress"),
@@ -181,8 +180,8 @@ def in_plate(grow: Grow, name: str, stretch: float, width: int) -> float:
     network = lattice_network(problem, fill(pattern, box, (width, rows)), k)
     line = box.size[1] / 2 + (0 if name == "square-8" else np.sqrt(3) / 4)
     a = 0.3 * width
-    found = grow(network, stretch, 1e9, crack=np.flatnonzero(across(network, line) < a - 1e-9),
-                 most_breaks=12)  # fmt: skip
+    crack = np.flatnonzero(crossings(network.points, network.springs, line) < a - 1e-9)
+    found = grow(network, stretch, 1e9, crack=crack, most_breaks=12)
     return float((max(one.load for one in found.breaks) * Y) ** 2 * np.pi * a / E)
 
 
@@ -212,7 +211,7 @@ def run_growth(grow: Grow, setting: kit.Setting, rule: str = "growth") -> kit.Ev
             {**row, "body": "field of K", "size": 50, "start": in_field(name, stretch)},
             {**row, "body": "strip", "size": size, "start": strip_release(name, strip)},
         ]
-        steady.append(balance(name, strip, stretch))
+        steady.append(balance(name, size, strip, stretch))
         teeth += saw_teeth(strip) if name == "square-8" else []
         for width in (20, 40) if setting.quick else (20, 40, 80):
             G = in_plate(grow, name, stretch, width)
@@ -253,17 +252,23 @@ def strip_release(name: str, strip: Growth) -> float:
     return float(E / (1 - NU**2) * max(one.load for one in strip.breaks) ** 2 * high / 2)
 
 
-def balance(name: str, strip: Growth, stretch: float) -> dict[str, object]:
-    """What is released per crack length in steady growth, over G, and the springs' share."""
+def balance(name: str, height: int, strip: Growth, stretch: float) -> dict[str, object]:
+    """What is released per crack length in steady growth, over G, and the springs' share.
+
+    The share is of the springs that broke, each at the critical stretch.
+    """
     pattern, k = LATTICES[name]
-    own = springs_energy(pattern, pattern.stiffness(k), (1.0, 0.0)) * stretch**2
+    across = springs_energy(pattern, pattern.stiffness(k), (1.0, 0.0)) * stretch**2
+    whole = pulled(filled(name, 3 * height, height), k)
+    holds = whole.stiffness * (whole.rest_length * stretch) ** 2 / 2
     G, breaks = strip_release(name, strip), strip.breaks[10:30]
     middle = middles(strip.network)
     length = middle[strip.breaks[30].springs, 0].max() - middle[breaks[0].springs, 0].max()
     released = sum(one.released for one in breaks)
+    own = sum(holds[one.springs].sum() for one in breaks)
     return {
         "lattice": name, "released": released / length / G,
-        "share": own * length / released * G / own,
+        "share": own / released * G / across,
         "held": sum(one.own for one in breaks) / released, "left": strip.closure,
     }  # fmt: skip
 

@@ -36,16 +36,16 @@ KNOWN = {
 }  # fmt: skip
 """K/(σ√πa) of plates 1.5 times as high as wide either side of the crack, K W^1.5/(P S) of a beam
 with spread forces: spectral elements elsewhere, to 1e-4."""
-INFINITE = KNOWN | {("centre", 0.3): np.sqrt(1 / np.cos(0.15 * np.pi)), ("centre", 0.4): 1.1118}
+INFINITE = KNOWN | {("centre", a): np.cos(np.pi * a / 2) ** -0.5 for a in (0.3, 0.4)}
 """The handbook's plates of infinite height in their place."""
 PLATES = (("edge", 0.3), ("centre", 0.3), ("notch", 0.5), ("edge", 0.4), ("centre", 0.4),
           ("notch", 0.3))  # fmt: skip
 STEP = 0.02
 """Of the plate's width, between cracks whose energies are compared."""
 DIFFERENCES = ((2 / 3, -1 / 12), (3 / 4, -3 / 20, 1 / 60))
-"""Weights of central differences of fourth and sixth order, and the number of cells in a crack
-below which the latter are taken: a fourth power of one over these would be seen."""
+"""Weights of central differences of fourth and sixth order."""
 FEW = 20
+"""Cells in a crack below which the latter are taken: one over these to the fourth would be seen."""
 RULES = (
     kit.Rule(
         "elements: K by energies beside an independent program, relative", 1e-3, "1",

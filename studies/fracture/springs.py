@@ -44,14 +44,6 @@ def pulled(lattice: Lattice, k: tuple[float, ...]) -> Network:
     )  # fmt: skip
 
 
-def across(network: Network, height: float) -> Array:
-    """Where (m,) along x springs cross a height; NaN of those that do not."""
-    a, b = network.points[network.springs].transpose(1, 0, 2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = a[:, 0] + (height - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
-    return np.where((a[:, 1] - height) * (b[:, 1] - height) < 0, at, np.nan)
-
-
 def middles(network: Network) -> Array:
     """Middle (m, 2) of each spring."""
     return np.asarray(network.points[network.springs].mean(axis=1))

@@ -6,6 +6,7 @@ import multiprocessing
 import re
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -13,18 +14,10 @@ from msvalidate.case import sweep
 from msvalidate.cli.program import main
 from msvalidate.problem import ProblemError
 
-BEAM = """schema = 1
-[body]
-box = [4.0, 1.0]
-[material]
-E = 1e5
-nu = 0.3
-state = "plane_stress"
-[[support]]
-on = "left"
-[[load]]
-on = "right"
-traction = [0.0, -10.0]
+ROOT = Path(__file__).resolve().parents[3]
+BEAM = (
+    (ROOT / "examples" / "box.toml").read_text(encoding="utf-8")
+    + """
 [springs]
 cells = 2
 [compare]
@@ -32,6 +25,7 @@ quantities = ["displacement"]
 [reference]
 accuracy = 0.05
 """
+)
 
 
 @pytest.fixture
@@ -75,7 +69,7 @@ def test_every_combination_is_a_row_however_it_is_run(program, beam, tmp_path):
     other = (tmp_path / "out/beam-sweep/sweep.csv").read_text(encoding="utf-8")
     assert without_seconds(other) == without_seconds(table)
     assert "beam.toml springs.cells" not in program(*words)[1]
-    beam.write_text(BEAM.replace("-10.0", "-20.0"), encoding="utf-8")
+    beam.write_text(BEAM.replace("-10]", "-20]"), encoding="utf-8")
     assert program(*words)[1].count("beam.toml springs.cells") == 4
 
 
