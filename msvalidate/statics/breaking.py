@@ -288,7 +288,7 @@ class Way:
         return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
 
     def cut(self, springs: Index, needed: float) -> Break | None:
-        """Break springs, which do at a factor `needed`; None, and they stay, if a load would fall."""
+        """Break springs, as at a factor `needed`; None, and they stay, if a load would fall."""
         if len(self._cut) >= BREAKS_A_FACTOR:
             self._factorise()
         k, e, before = self.stiffness[springs], self.elongation(self.unit, springs), self.unit
