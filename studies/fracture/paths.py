@@ -63,7 +63,7 @@ RULES = (
 )  # fmt: skip
 ENDS = ("x", "y", "x_end", "y_end")
 ZIGZAG = (("triangular", 10.0), ("triangular", 20.0))
-"""Turns between two rows, of which none is near: looked at, without a rule."""
+"""Turns at which a crack follows no row: looked at, without a rule."""
 
 
 def path_of(grow: Grow, case: Case) -> tuple[dict[str, object], Array]:
@@ -123,7 +123,7 @@ def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
     )
     turned = paths.iloc[: len(cases)].query("lattice != 'Voronoi'")
     rows = ", ".join(
-        f"{panel}: {' or '.join(f'{way:.0f}°' for way in sorted(set(own.round() + 0.0)))}"
+        f"{panel}: {' or '.join(f'{way:g}°' for way in sorted(set((2 * own).round() / 2 + 0.0)))}"
         for panel, own in turned.groupby(
             [title(*each) for each in zip(turned["lattice"], turned["turn"], strict=True)],
             sort=False,
@@ -133,7 +133,7 @@ def run(grow: Grow, setting: kit.Setting) -> kit.Evidence:
     finding = (
         "Elasticity lets a crack in a pulled strip go straight on, at 0°. In turned lattices it "
         f"runs along rows, wherever it begins ({rows}), within {turned['off_row'].abs().max():.1f}°"
-        "; in triangular turned by 10 and 20°, where no row is near, in zigzag at "
+        "; in triangular turned by 10 and 20° it follows none, but goes in zigzag at "
         f"{astray.min():.0f} to {astray.max():.0f}°. Random lattices break in a cloud in place of "
         f"a crack: {spread}, over {len(seeds)} seeds."
     )
