@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.case import LAWS, MESH_EDGES
+from msvalidate.case.case import EDGE_ROUTES, LAWS, MESH_EDGES
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import break_table
 from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
@@ -82,7 +82,8 @@ def budget(found: Comparison) -> pd.DataFrame:
 def material_off(found: Comparison) -> float:
     """How far the springs' material may take a displacement off, over the largest; or infinite."""
     case, wanted = found.case, found.first_order
-    if case.lattice == MESH_EDGES or (case.constants is not None and found.homogenised is None):
+    rest = case.lattice == MESH_EDGES and case.route != EDGE_ROUTES[1]
+    if rest or (case.constants is not None and found.homogenised is None):
         return math.inf
     own = wanted if found.homogenised is None else found.homogenised.displacement.value
     return max_length(own - wanted) / (found.size or 1.0) + found.reference.error
@@ -138,6 +139,7 @@ def tables(found: Comparison) -> dict[str, pd.DataFrame]:
             "meshes": pd.DataFrame(mesh_rows(found)),
             "compared": point_table(found.points, found.displacement, found.reference),
         }
+        | ({"mesh_springs": found.on_mesh.table} if found.on_mesh else {})
         | contact_table(found)
         | break_table(found.springs[0].growth)
     )
@@ -234,6 +236,8 @@ COLUMNS = {
     "spacing": "side of the lattice's cells (m); 0 is what the lattices close in on",
     "points": "of the lattice",
     "seconds": "that its answer took",
+    "pushing": "springs of negative stiffness, where angles opposite an edge are wide",
+    "cells": "under pressure before they are loaded",
     "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
     "nodes": "of the mesh",
     **dict.fromkeys(AXES, "place (m)"),
@@ -262,6 +266,12 @@ OWN = {
         "name": "of the kind of spring, or κ: what resists a cell's change of volume",
     },
     "lattices": {"springs": "of the lattice"},
+    "mesh_springs": {
+        "spacing": "mean side of the mesh's cells (m), cut on the file's own curves",
+        "points": "of the mesh",
+        "springs": "of no rest length, on all edges and diagonals",
+        "difference": "of these springs and elasticity at the first mesh's points (1)",
+    },
     "meshes": {"difference": "of this mesh and the finest, over the largest displacement (1)"},
     "causes": {"value": "of what was fitted, if anything was"},
 }

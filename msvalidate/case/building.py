@@ -7,7 +7,7 @@ from itertools import chain
 from pathlib import Path
 
 from msvalidate.bodies.mesh_file import read_mesh
-from msvalidate.case.case import Case
+from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
 from msvalidate.case.fracture import Fracture
 from msvalidate.case.places import (
     named_part,
@@ -49,6 +49,7 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.normals import pressure
 
 STATES = ("plane_stress", "plane_strain")
+SPRINGS_ON = ("lattice", "mesh")
 LOADS = ("traction", "pressure", "force", "gravity")
 
 
@@ -329,11 +330,18 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
     given = compare.points
     with source.at("compare", "points"):
         points = given if isinstance(given, str) else unit * finite_coordinates("points", given)
+    with source.at("springs", "on"):
+        require_one_of("on", springs.on, SPRINGS_ON)
+        if springs.on == SPRINGS_ON[1] and springs.lattice is not None:
+            raise ProblemError(f"'mesh' with lattice {springs.lattice!r}; leave one of them out")
+    on_mesh = springs.on == SPRINGS_ON[1]
+    # Springs of the material, whatever the mesh: those at rest on edges are asked for by name.
+    route = EDGE_ROUTES[1] if on_mesh and springs.constants is None else None
     values = {
-        "lattice": springs.lattice,
+        "lattice": MESH_EDGES if on_mesh else springs.lattice,
         "spacing": None if springs.spacing is None else unit * springs.spacing,
         "cells": springs.cells,
-        "route": springs.route,
+        "route": springs.route or route,
         "constants": None if springs.constants is None else tuple(springs.constants),
         "volume": springs.volume or 0.0,
     }

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.case.fracture import Fracture
+from msvalidate.case.part_mesh import cuts_for, mean_edge, straighten
 from msvalidate.case.schema import QUANTITIES
 from msvalidate.constants.routes import check_route
 from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
@@ -38,9 +39,9 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.records import dataclass, field
 
 MESH_EDGES = "mesh edges"
-"""The lattice that has a spring on each edge of the body's own mesh."""
+"""The lattice that has a spring on each edge of the body's own mesh, cut on its own curves."""
 EDGE_ROUTES = ("springs", "neo-Hookean")
-"""Of them."""
+"""Of them: springs at rest, or of no rest length under tension, which are elements."""
 ACROSS = {2: 20, 3: 8}
 """Cells across the narrowest side where nothing is said, by the number of axes."""
 MOST_CELLS = {2: 40_000, 3: 20_000}
@@ -74,7 +75,7 @@ class Case:
     spacing, cells
         Side (m) of the lattice's cells (a spring's length where they are no squares or cubes), or
         their number across the narrowest side; by default 20 in the plane, 8 in space, fewer in
-        slender bodies.
+        slender bodies. Of mesh edges about their mean length, by default the file's own.
     route
         From the material to constants, one of `ROUTES`; None takes springs alone where they will
         do, or else a volume energy.
@@ -156,14 +157,11 @@ class Case:
             raise ProblemError(f"constants: {low:g} N/m; each must be 0 or more")
 
     def _check_spacing(self) -> None:
-        told = self.spacing is not None or self.cells is not None
         if self.lattice == MESH_EDGES and not isinstance(self.problem.domain, Mesh):
             raise ProblemError(
                 f"lattice {MESH_EDGES!r}: the body is a {self.problem.domain} and has none; give a "
                 "mesh file, or another lattice"
             )
-        if self.lattice == MESH_EDGES and told:
-            raise ProblemError(f"lattice {MESH_EDGES!r}: the mesh is its spacing; leave it out")
         if self.spacing is not None and self.cells is not None:
             raise ProblemError("spacing and cells: each tells the other; give one of them")
         if self.spacing is not None:
@@ -217,6 +215,8 @@ def spacing_of(case: Case) -> float:
     """
     if case.spacing is not None:
         return float(case.spacing)
+    if case.cells is None and case.lattice == MESH_EDGES and isinstance(case.problem.domain, Mesh):
+        return mean_edge(case.problem.domain)
     asked, pattern = spacing_by_cells(case), _pattern(case)
     if pattern is None or not joins_corners(pattern):
         return asked
@@ -280,10 +280,6 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
         If the lattice cannot be laid into the body.
     """
     domain, pattern = case.problem.domain, _pattern(case)
-    if pattern is None:
-        rest = case.route != EDGE_ROUTES[1]
-        rule = EDGE_RULES[0] if rest else "cotangent"
-        return mesh_lattice(domain, rule, positive=rest)  # type: ignore[arg-type]
     cells = domain.volume / spacing**domain.dim
     most = MOST_ASKED[domain.dim]
     if cells > most:
@@ -291,11 +287,28 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
             f"spacing {spacing:g} m: {cells:.3g} cells in the body, and the most is {most:g}; take "
             "a larger one"
         )
+    if pattern is None:
+        return edge_lattice(laid_problem(case, spacing), case.route)
     if isinstance(domain, Box) and is_filled(case, spacing):
         return fill(pattern, domain, _counts(spacing * np.array(pattern.size), domain))
     if not joins_corners(pattern):
         raise ProblemError(f"lattice {case.lattice}: {_misfit(pattern, spacing, domain)}")
     return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
+
+
+def laid_problem(case: Case, spacing: float) -> Problem:
+    """What springs of a spacing (m) solve: on mesh edges the body has the cut cells' sides."""
+    domain = case.problem.domain
+    if case.lattice != MESH_EDGES or not isinstance(domain, Mesh):
+        return case.problem
+    return straighten(case.problem, cuts_for(domain, spacing))
+
+
+def edge_lattice(problem: Problem, route: str | None) -> Lattice:
+    """A spring on each edge of a problem's mesh, as a route of `EDGE_ROUTES` has them."""
+    rest = route != EDGE_ROUTES[1]
+    rule = EDGE_RULES[0] if rest else "cotangent"
+    return mesh_lattice(problem.domain, rule, positive=rest)  # type: ignore[arg-type]
 
 
 def is_filled(case: Case, spacing: float) -> bool:
@@ -382,5 +395,6 @@ def _origin(problem: Problem) -> tuple[float, ...]:
 def describe_spacing(case: Case) -> str:
     """Words for the lattice and its spacing."""
     if case.lattice == MESH_EDGES:
-        return "a spring on each edge of the mesh"
+        under = ", of no rest length" if case.route == EDGE_ROUTES[1] else ""
+        return f"a spring on each edge of the mesh{under}"
     return f"{case.lattice}, {spacing_of(case):.6g} m"

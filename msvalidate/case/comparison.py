@@ -15,6 +15,7 @@ from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case, compared_points
 from msvalidate.case.fracture import break_springs
 from msvalidate.case.large import converge_case
+from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
 from msvalidate.case.springs import (
     ROUNDING,
     SpringAnswer,
@@ -33,6 +34,7 @@ from msvalidate.problem import (
     Anisotropic,
     Array,
     Mask,
+    Mesh,
     Problem,
     ProblemError,
     SolverError,
@@ -119,6 +121,8 @@ class Comparison:
         Why springs differ, "" where they do not.
     notes
         What was not found, and why.
+    on_mesh
+        Springs on the body's own mesh, where it has one.
     """
 
     case: Case
@@ -131,6 +135,7 @@ class Comparison:
     rows: tuple[Row, ...]
     kind: str
     notes: tuple[str, ...]
+    on_mesh: MeshSprings | None = None
 
     @property
     def displacement(self) -> Array:
@@ -215,10 +220,14 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
             except (ProblemError, SolverError) as error:
                 notes.append(f"{name}: not compared: {error}")
                 rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
+    if isinstance(case.problem.domain, Mesh):
+        progress("springs on the mesh")
+    on_mesh, why = compare_on_mesh(case, reference)
+    notes += [why] if why else []
     bridged = say_bridged(answers[0].lattice)
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
     given = (answers, support[0], limit, reference, homogenised, tuple(rows), kind, tuple(notes))
-    return Comparison(case, points, *given)
+    return Comparison(case, points, *given, on_mesh)
 
 
 def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:
@@ -274,7 +283,7 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
         raise ProblemError("the supports carry nothing: the loads balance each other")
     left = springs.network.held.copy()
     rows = []
-    for number, (support, each) in enumerate(zip(case.problem.supports, wanted, strict=True)):
+    for number, (support, each) in enumerate(zip(springs.problem.supports, wanted, strict=True)):
         on = _held_by(support, springs) & left
         left &= ~on
         found = springs.reaction(on)

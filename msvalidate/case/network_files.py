@@ -187,7 +187,7 @@ def _cell_stress(answer: SpringAnswer, case: Case) -> Mapping[str, Array]:
     """
     if case.geometry == "nonlinear":
         return {}
-    lattice, problem = answer.lattice, case.problem
+    lattice, problem = answer.lattice, answer.problem
     parts = None
     if problem.zones:
         each = calibrate_zones(problem, lattice, route=case.route)

@@ -127,9 +127,30 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     return head, (
         _kind_sentence(found),
         _reference_sentence(found.reference),
+        *_mesh_sentence(found),
         *_contact_sentence(found),
         *break_sentence(found.springs[0].growth),
     )
+
+
+def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
+    """How far off springs on the part's own mesh are, and what an engine must have for them."""
+    own = found.on_mesh
+    if own is None:
+        return ()
+    first = own.table.iloc[0]
+    order = f", order {own.order:.1f} on finer ones" if math.isfinite(own.order) else ""
+    push = f", {first['pushing']:,.0f} of which push" if first["pushing"] else ""
+    said = (
+        f"Springs on the part's own mesh ({first['points']:,.0f} points, "
+        f"{percent(first['difference'])} ± {percent(first['uncertainty'])} off{order}) are linear "
+        f"elements: {first['springs']:,.0f} of no rest length{push}, beside cells under pressure, "
+        'which an engine must have; take them by [springs] on = "mesh".'
+    )
+    off = [row.difference for row in found.rows if row.quantity == "displacement"]
+    if own.locks and off and off[0] < first["difference"]:
+        said += f" The lattice is nearer: {own.locks}."
+    return (said,)
 
 
 def _contact_sentence(found: Comparison) -> tuple[str, ...]:

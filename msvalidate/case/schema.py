@@ -129,6 +129,7 @@ class Fracture(Struct, forbid_unknown_fields=True):
 class Springs(Struct, forbid_unknown_fields=True):
     """The spring network: its lattice, and one of spacing and cells across the narrowest side."""
 
+    on: str = "lattice"
     lattice: str | None = None
     spacing: float | None = None
     cells: int | None = None

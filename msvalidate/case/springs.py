@@ -27,17 +27,20 @@ from msvalidate.case.case import (
     EDGE_ROUTES,
     MESH_EDGES,
     Case,
+    edge_lattice,
+    laid_problem,
     make_lattice,
     spacing_by_cells,
     spacing_of,
 )
+from msvalidate.case.part_mesh import mean_edge
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
-from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
+from msvalidate.problem import Array, Isotropic, Mask, Problem, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.breaking import Growth
 from msvalidate.statics.contact import ContactEquilibrium, press
@@ -68,6 +71,8 @@ class SpringAnswer:
 
     Parameters
     ----------
+    problem
+        What was solved: of springs on a mesh's edges, on the mesh with its cells cut and straight.
     spacing
         Side (m) of the cells; of a spring on each edge of a mesh, the mean edge.
     lattice, network, rest
@@ -84,6 +89,7 @@ class SpringAnswer:
         What breaks as the loads are raised, if that is asked.
     """
 
+    problem: Problem
     spacing: float
     lattice: Lattice
     network: Network
@@ -188,33 +194,39 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     began = time.perf_counter()
     contacts = case.problem.contacts
     bare = replace(case, problem=replace(case.problem, contacts=())) if contacts else case
-    lattice, network, calibration = make_network(bare, spacing)
+    problem, lattice, network, calibration = make_network(bare, spacing)
     contact = None
     if contacts:
-        contact = press(network, touching_points(case.problem, lattice))
+        problem = laid_problem(case, spacing)
+        contact = press(network, touching_points(problem, lattice))
         network = replace(network, force=network.force + contact.load)
     rest = contact.equilibrium if contact else equilibrium(network, case.geometry)
     if case.lattice == MESH_EDGES:
-        spacing = float(np.linalg.norm(lattice.vectors, axis=1).mean())
+        spacing = mean_edge(problem.domain)  # type: ignore[arg-type]
     seconds = time.perf_counter() - began
-    answer = SpringAnswer(spacing, lattice, network, rest, calibration, seconds, case.geometry)
+    made = (lattice, network, rest, calibration, seconds, case.geometry)
+    answer = SpringAnswer(problem, spacing, *made)
     return replace(answer, contact=contact)
 
 
-def make_network(case: Case, spacing: float) -> tuple[Lattice, Network, Calibration | None]:
-    """Lattice of a spacing (m), the network that stands for a case on it, and its calibration.
+def make_network(
+    case: Case, spacing: float
+) -> tuple[Problem, Lattice, Network, Calibration | None]:
+    """What springs of a spacing (m) solve, their lattice, network and its calibration.
 
     Raises
     ------
     ProblemError
         If the lattice is none for the body, material, supports or loads.
     """
-    lattice = make_lattice(case, spacing)
+    problem = laid_problem(case, spacing)
+    edges = case.lattice == MESH_EDGES
+    lattice = edge_lattice(problem, case.route) if edges else make_lattice(case, spacing)
     constants, calibration = _constants(case, lattice)
     volume = case.volume if case.constants is not None else 0.0
     build = cut_network if isinstance(lattice, CutLattice) else lattice_network
-    network = build(case.problem, lattice, constants, volume=volume)  # type: ignore[arg-type]
-    return lattice, network, calibration
+    network = build(problem, lattice, constants, volume=volume)  # type: ignore[arg-type]
+    return problem, lattice, network, calibration
 
 
 def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibration | None]:
@@ -245,19 +257,18 @@ def _refuse_one_for_several(case: Case) -> None:
 
 def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
     """Springs as asked, then on lattices twice and four times as fine, as far as they are few."""
+    asked = spacing_of(case)
     try:
-        first = solve_springs(case, spacing_of(case))
+        first = solve_springs(case, asked)
     except ProblemError as error:
         raise ProblemError(f"{error}{_offer_cells(case)}") from error
-    if case.lattice == MESH_EDGES:
-        return (first,)
     dim, points = case.problem.domain.dim, len(first.lattice.points)
     found = [first]
     for times in FINER[1:]:
         if points * times**dim > MOST_FINE[dim]:
             break
         try:
-            found.append(solve_springs(case, first.spacing / times))
+            found.append(solve_springs(case, asked / times))
         except (ProblemError, SolverError):
             break  # the answer asked for stands; the limit has fewer lattices to be read from
     return tuple(found)

@@ -53,6 +53,7 @@ traction = [0.0, -10.0]   # Pa; or pressure = 10.0 (positive inwards)
 # raised = 2.0            # times the loads
 
 [springs]
+# on = "mesh"             # of the body's own mesh: linear elements, whose springs are under tension
 # lattice = "square"      # square in the plane, cubic18 in space; or "mesh edges"
 cells = 20                # across the narrowest side; or spacing = 0.05
 # route = "volume energy" # from material to springs; springs alone where they will do

@@ -16,7 +16,10 @@ twice, which 60 degrees alone allows.
 **The rule** ``equilateral`` gives each edge √3/4 E t a triangle, as if all were equilateral.
 **The rule** ``cotangent`` gives it -(3/2) E t A ∇φi·∇φj, φ the linear shape functions of the
 triangle: ¾ E t cot γ, γ the angle opposite; in tetrahedra -2 E V ∇φi·∇φj. A cell then answers a
-uniform dilatation with a uniform pressure exactly, for its springs close, Σ cot γ e⊗e = 2 A I.
+uniform dilatation with a uniform pressure exactly, for its springs close, Σ cot γ e⊗e = 2 A I. In
+quadrilaterals and hexahedra all pairs of corners have a spring, of -∫∇φi·∇φj by the two Gauss
+points an axis that integrate a distorted cell's volume and its slopes exactly: such cells are
+bilinear and trilinear elements with one mean J each.
 
 Equilateral triangles make all three one and the same, the matrix of linear finite elements at a
 ratio of 1/3. On other meshes a network *of springs at rest* is another material, as Van Gelder says
@@ -37,13 +40,13 @@ jittered points come to E 2 % low and 0.29, squares all cut one way into triangl
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
 from msvalidate.lattice.corners import corner_volumes, corners_of_cell
 from msvalidate.lattice.filled import VTK_ORDER, Lattice
-from msvalidate.problem import Array, Index, Mesh, ProblemError
+from msvalidate.problem import Array, Index, Mesh, ProblemError, Shape
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import dataclass
 
@@ -87,7 +90,7 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
     mesh
         Of triangles, quadrilaterals, tetrahedra or hexahedra without mid-sides.
     rule
-        "area" for any cells; "equilateral" for triangles; "cotangent" for these and tetrahedra.
+        "area" and "cotangent" for any cells; "equilateral" for triangles.
     positive
         Whether every spring must have a stiffness above zero, as springs at rest must: by
         "cotangent" some have none or less, where two angles opposite an edge add up to 180 degrees
@@ -103,10 +106,10 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
     _refuse_other_cells(mesh, rule)
     cells = mesh.cells
     volume = corner_volumes(mesh.points, cells)
-    ends, weights = _edges(mesh.shape, cells.shape[1])
+    ends, weights = _edges(mesh.shape, cells.shape[1], rule)
     pairs = np.sort(cells[:, ends], axis=2)  # (c, edges, 2)
     gifts = (
-        _cotangents(mesh.points[cells], ends, volume.sum(axis=1))
+        _cotangents(mesh.points[cells], ends, mesh.kind)
         if rule == "cotangent"
         else _edge_contributions(mesh.points[pairs], weights, volume.sum(axis=1), rule)
     )
@@ -142,18 +145,16 @@ def _refuse_other_cells(mesh: Mesh, rule: str) -> None:
         raise ProblemError(
             f"mesh lattice: {mesh.shape} cells have mid-sides; give a mesh of straight cells"
         )
-    simplex = mesh.shape == "triangle" or (mesh.shape, rule) == ("tetra", "cotangent")
-    if rule != "area" and not simplex:
-        able = "triangles and tetrahedra" if rule == "cotangent" else "triangles"
+    if rule == "equilateral" and mesh.shape != "triangle":
         raise ProblemError(
-            f"mesh lattice: rule {rule!r} is for {able}, the cells are {mesh.shape}; take 'area'"
+            f"mesh lattice: rule {rule!r} is for triangles, the cells are {mesh.shape}; take 'area'"
         )
 
 
-def _edges(shape: str, corners: int) -> tuple[Index, Array]:
+def _edges(shape: str, corners: int, rule: str) -> tuple[Index, Array]:
     """Ends (e, 2) among a cell's corners of its springs, and their weights (e,)."""
     pairs = np.array(list(combinations(range(corners), 2)))
-    if shape not in EDGE_SHARES:
+    if shape not in EDGE_SHARES or rule == "cotangent":
         return pairs, np.ones(len(pairs))
     # Along an edge one coordinate of a cell changes, along a face's diagonal two.
     at = corners_of_cell(int(math.log2(corners)))
@@ -170,13 +171,19 @@ def _edge_contributions(ends: Array, weights: Array, volume: Array, rule: str) -
     return np.asarray(weights * volume[:, None] / square)
 
 
-def _cotangents(corners: Array, ends: Index, volume: Array) -> Array:
-    """The same (c, e) of simplices with corners (c, d + 1, d): from slopes of shape functions."""
+def _cotangents(corners: Array, ends: Index, shape: Shape) -> Array:
+    """The same (c, e) of cells with corners (c, k, d): from slopes of shape functions."""
     d = corners.shape[2]
-    slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
-    slopes = np.concatenate([-slopes.sum(axis=1, keepdims=True), slopes], axis=1)
-    product = (slopes[:, ends[:, 0]] * slopes[:, ends[:, 1]]).sum(axis=2)
-    return np.asarray(-REST_SHARE[d] * volume[:, None] * product)
+    gauss = 0.5 + np.array([-0.5, 0.5]) / math.sqrt(3)
+    at = np.array(list(product(gauss, repeat=d))) if not shape.simplex else shape.middle[None]
+    size = 1 / math.factorial(d) if shape.simplex else 1 / len(at)  # of the unit cell, by place
+    found = np.zeros((len(corners), len(ends)))
+    for slope in shape.slopes(at):
+        jacobian = np.einsum("kd,ckx->cxd", slope, corners)
+        there = slope @ np.linalg.inv(jacobian)
+        both = (there[:, ends[:, 0]] * there[:, ends[:, 1]]).sum(axis=2)
+        found -= REST_SHARE[d] * size * np.linalg.det(jacobian)[:, None] * both
+    return found
 
 
 def _refuse_slack(springs: Index, factor: Array) -> None:

@@ -244,10 +244,13 @@ def prescribed_displacements_at(
 
 
 def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None:
-    """Refuse part of a side that ends between points: less than the given part would be fixed."""
+    """Refuse part of a side that ends between points: less than the given part would be fixed.
+
+    Nodes of finer cells on a curve may reach beyond those that it was named by.
+    """
     for axis, wanted in enumerate(corners_of(support.region, problem.domain).T):
         reached = chosen[:, axis].min(), chosen[:, axis].max()
-        missed = max(abs(reached[0] - wanted.min()), abs(reached[1] - wanted.max()))
+        missed = max(reached[0] - wanted.min(), wanted.max() - reached[1])
         if missed > problem.domain.tolerance:
             raise ProblemError(
                 f"support on {support.region}: the discretised body has points from "

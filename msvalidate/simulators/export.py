@@ -293,7 +293,7 @@ def _spring_request(
             f"change of volume beside its springs; take nu within {CLOSE:g} of {nu:.6g}, which "
             "springs alone have, or write the cells too: case export --to csv"
         )
-    lattice, network, _ = make_network(near, spacing_of(near))
+    _, lattice, network, _ = make_network(near, spacing_of(near))
     refuse_cells(near, network)
     return Request(
         task="rest",

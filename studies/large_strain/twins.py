@@ -5,7 +5,7 @@ Question   A body bent by its ends, and random states: forces and displacements 
 Candidate  Equilibrium of the network, springs of no rest length beside cells under pressure (route
            "neo-Hookean"), or Green's springs.
 Reference  Linear triangles and tetrahedra of the neo-Hookean law and of St. Venant-Kirchhoff's, and
-           bilinear squares with one mean J a cell.
+           quadrilaterals and hexahedra with one mean J a cell.
 Expected   On any mesh, at any ratio and strain, the same to rounding; not so with other constants,
            and not Green's springs on squares.
 """
@@ -30,7 +30,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import patterns
 from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.green import GREEN
-from msvalidate.problem import Array
+from msvalidate.problem import SHAPES, Array
 from msvalidate.problem.records import replace
 from reference_fem.large_strain.by_cell import neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform
@@ -71,6 +71,8 @@ PAIRS = (
     Pair("tetrahedra, even", "zero-length", "T1 neo-Hookean", 0.3, 0.8, 2),
     Pair("squares, k1 = k2", "zero-length", "Q1 neo-Hookean, mean J", 0.49, 0.8, 4),
     Pair("squares, k1 = 2 k2", "zero-length", "Q1 neo-Hookean, mean J", 0.49, 0.8, 4, False),
+    Pair("quadrilaterals, uneven", "zero-length", "Q1 neo-Hookean, mean J", 0.49, 0.8, 3),
+    Pair("hexahedra, uneven", "zero-length", "H1 neo-Hookean, mean J", 0.45, 0.4, 2),
     Pair("triangular lattice", "green", "P1 St. Venant-Kirchhoff", 0.25, 0.3, 4),
     Pair("squares, k1 = k2", "green", "Q1 St. Venant-Kirchhoff", 0.25, 0.3, 4, False),
 )
@@ -180,8 +182,8 @@ def run(candidate: kit.DisplacementSolver, setting: kit.Setting) -> kit.Evidence
     same_body = (
         "With the right law a spring network is a finite element body, node for node: springs of "
         "no rest length, by cotangents, beside cells under pressure are linear elements of "
-        f"the neo-Hookean law, to {bent:.0e} of the displacement at strains of 80 %; squares with "
-        "k1 = k2 are bilinear elements with one mean J a cell."
+        f"the neo-Hookean law, to {bent:.0e} of the displacement at strains of 80 %; quadri"
+        "laterals and hexahedra are linear elements with one mean J a cell (squares: k1 = k2)."
     )
     others = f"Other constants on the same points differ by {100 * other:.2g} % or more."
     return kit.Evidence(
@@ -212,7 +214,7 @@ def compare(candidate: kit.DisplacementSolver, pair: Pair) -> dict[str, object]:
 
 def make_bodies(pair: Pair) -> tuple[kit.Problem, Network, _Solid | _MeanVolume]:
     """What is asked, the network, and the elements beside it."""
-    solid = pair.elements.startswith("T1")
+    solid = pair.elements[0] in "TH"
     d, n, box = (3 if solid else 2), pair.cells, kit.Box((SIZE,) * (3 if solid else 2))
     material = kit.Isotropic(
         E, pair.nu, "solid" if solid else "plane_strain", thickness=1.0 if solid else THICKNESS
@@ -220,11 +222,11 @@ def make_bodies(pair: Pair) -> tuple[kit.Problem, Network, _Solid | _MeanVolume]
     grid: lattice.Lattice = (
         lattice.square(box, n) if d == 2 else lattice.fill(patterns.cubic18(), box, n)
     )
-    cells, shape = np.asarray(grid.cells), "quad"
+    cells, shape = np.asarray(grid.cells), "hexahedron" if solid else "quad"
     if pair.body == "triangular lattice":
         grid = lattice.triangular(lattice.zigzag_block(SIZE, (n, n)), SIZE / n)
         cells, shape = np.asarray(grid.cells), "triangle"
-    elif not pair.body.startswith("squares"):
+    elif pair.body.startswith(("triangles", "tetrahedra")):
         shape = "tetra" if solid else "triangle"
         cells = cells[:, np.array(CUT[d])].reshape(-1, d + 1)
     points = np.array(grid.points)
@@ -297,70 +299,70 @@ class _Solid(NamedTuple):
 
 
 class _MeanVolume:
-    """Bilinear squares of the neo-Hookean law with one mean J a cell, by scikit-fem and areas.
+    """Bi- or trilinear cells of the neo-Hookean law with one mean J each, by scikit-fem.
 
-    ∫ (μ/2) F:F is a Laplacian of each component; the area of a cell is the polygon's.
+    ∫ (μ/2) F:F is a Laplacian of each component; the volume of a cell is ∫ det F by Gauss's rule.
     """
 
     def __init__(self, network: Network, material: kit.Isotropic) -> None:
         X, cells = network.points, network.resisting
-        E, nu, t = material.E, material.nu, material.thickness
+        E, nu, t, d = material.E, material.nu, material.thickness, network.dim
         self.X, self.cells, self.held = X, cells, network.held
         self.mu, self.lam = E / (2 * (1 + nu)) * t, E * nu / (1 + nu) / (1 - 2 * nu) * t
-        basis = skfem.Basis(skfem.MeshQuad(X.T.copy(), cells.T.copy()), skfem.ElementQuad1())
+        element = skfem.ElementQuad1() if d == 2 else skfem.ElementHex1()
+        # Where scikit-fem has each corner of VTK's list: hexahedra are numbered in another way.
+        unit = np.array(SHAPES["quad" if d == 2 else "hexahedron"].nodes)
+        own = np.abs(unit[:, None] - element.doflocs[None]).sum(axis=2).argmin(axis=0)
+        kind = skfem.MeshQuad if d == 2 else skfem.MeshHex
+        basis = skfem.Basis(kind(X.T.copy(), cells[:, own].T.copy()), element, intorder=3)
         A = self.mu * laplace.assemble(basis)
         at = np.empty(len(X), dtype=int)
         at[basis.nodal_dofs[0]] = np.arange(len(X))
-        self.K = kron(A[basis.nodal_dofs[0]][:, basis.nodal_dofs[0]], np.eye(2)).tocsr()
+        self.K = kron(A[basis.nodal_dofs[0]][:, basis.nodal_dofs[0]], np.eye(d)).tocsr()
+        self.weights = basis.W
+        slopes = [element.lbasis(basis.X, i)[1] for i in range(len(own))]
+        self.slopes = np.stack(slopes).transpose(2, 0, 1)[:, np.argsort(own, kind="stable")]
+        self.V0 = self._volumes(X[cells])[0]
 
-    def _areas(self, u: kit.Array) -> tuple[kit.Array, kit.Array, kit.Array]:
-        """J (c,), its slope (c, 4, 2) and area at rest (c,)."""
-        X, x = self.X[self.cells], (self.X + u)[self.cells]
-        A0, A = (
-            (
-                (a[:, :, 0] * np.roll(a[:, :, 1], -1, 1)) - np.roll(a[:, :, 0], -1, 1) * a[:, :, 1]
-            ).sum(1)
-            / 2
-            for a in (X, x)
-        )
-        step = (np.roll(x, -1, 1) - np.roll(x, 1, 1)) / 2
-        return A / A0, np.stack([step[:, :, 1], -step[:, :, 0]], -1) / A0[:, None, None], A0
+    def _volumes(self, x: kit.Array) -> tuple[kit.Array, kit.Array]:
+        """Volumes (c,) of cells with corners (c, k, d), and their slopes (c, k, d)."""
+        F = np.einsum("qke,ckx->cqxe", self.slopes, x)
+        J = np.linalg.det(F) * self.weights
+        return J.sum(axis=1), np.einsum("cq,qke,cqex->ckx", J, self.slopes, np.linalg.inv(F))
 
     def force(self, u: kit.Array) -> kit.Array:
         """(n, d) in N."""
-        J, g, A0 = self._areas(u)
-        pull = (A0 * (self.lam * np.log(J) - self.mu) / J)[:, None, None] * g
+        V, g = self._volumes((self.X + u)[self.cells])
+        J = V / self.V0
         out = np.asarray((self.K @ (self.X + u).ravel()).reshape(u.shape))
-        np.add.at(out, self.cells, pull)
+        np.add.at(out, self.cells, ((self.lam * np.log(J) - self.mu) / J)[:, None, None] * g)
         return out
 
     def tangent(self, u: kit.Array) -> kit.Array:
-        """(n·d, n·d) in N/m, by points; the second derivative of an area is a quarter turn."""
-        J, g, A0 = self._areas(u)
-        slope, bend = (
-            (self.lam * np.log(J) - self.mu) / J,
-            (self.lam + self.mu - self.lam * np.log(J)) / J**2,
-        )
-        c, flat = len(J), g.reshape(len(J), 8)
-        across = (np.roll(np.eye(4), 1, 1) - np.roll(np.eye(4), -1, 1)) / 2
-        turn = np.kron(across, np.array([[0.0, 1.0], [-1.0, 0.0]]))
-        block = (A0 * bend)[:, None, None] * flat[:, :, None] * flat[:, None] + slope[
-            :, None, None
-        ] * turn
-        dof = (2 * self.cells[:, :, None] + np.arange(2)).reshape(c, 8)
-        K = np.asarray(self.K.toarray())
-        np.add.at(K, (dof[:, :, None], dof[:, None, :]), block)
+        """(n·d, n·d) in N/m, by points; of slopes, of degree 2 at most, differences are exact."""
+        d, (V, g), k = u.shape[1], self._volumes((self.X + u)[self.cells]), self.cells.shape[1]
+        J = V / self.V0
+        slope = (self.lam * np.log(J) - self.mu) / J
+        bend = (self.lam + self.mu - self.lam * np.log(J)) / J**2 / self.V0
+        dof = d * self.cells[:, :, None] + np.arange(d)
+        K, size = np.asarray(self.K.toarray()), SIZE / len(J)
+        for corner in range(k):
+            for axis in range(d):
+                block = (bend * g[:, corner, axis])[:, None, None] * g
+                ends = []
+                for way in (size, -size):
+                    x = (self.X + u)[self.cells]
+                    x[:, corner, axis] += way
+                    ends.append(self._volumes(x)[1])
+                block += slope[:, None, None] * (ends[0] - ends[1]) / (2 * size)
+                np.add.at(K, (dof, dof[:, corner, axis][:, None, None]), block)
         return K
 
     def rest(self, moved: kit.Array) -> kit.Array:
         """Equilibrium (n, d) in m under prescribed displacements (n, d), by Newton's method."""
-        free, (x, y) = ~self.held.ravel(), self.X.T
-        right = np.flatnonzero(x == x.max())
-        right = right[np.argsort(y[right], kind="stable")]
-        on = np.stack([x / SIZE * np.interp(y, y[right], m[right]) for m in moved.T], axis=1)
-        u = 0.0 * on
+        free, u = ~self.held.ravel(), np.zeros(moved.shape)
         for _ in range(PARTS):
-            u += on / PARTS
+            u[self.held] += moved[self.held] / PARTS
             for _ in range(STEPS):
                 step = np.zeros(u.size)
                 K = self.tangent(u)[np.ix_(free, free)]

@@ -1,0 +1,99 @@
+"""Springs on a part's own mesh, which are finite elements node for node, beside the lattice's.
+
+Springs of no rest length under tension, on all edges of its cells, with cells under pressure (route
+"neo-Hookean" of `constants.routes`): what curves and supports cost a cut lattice they do not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case, spacing_of
+from msvalidate.case.springs import SpringAnswer, displacements_at, limit_of, solve_finer
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.problem import Isotropic, Mesh, ProblemError, SolverError
+from msvalidate.problem.records import dataclass, replace
+from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
+
+
+@dataclass(frozen=True, eq=False)
+class MeshSprings:
+    """Springs on meshes from coarse to fine beside elasticity, at the points of the first.
+
+    Parameters
+    ----------
+    answers
+        At rest on the mesh whose edges are nearest in length to the lattice's spacing, then on
+        meshes twice and four times as fine, all cut on the file's own curves.
+    reference
+        Elasticity at the first one's points.
+    """
+
+    answers: tuple[SpringAnswer, ...]
+    reference: Reference
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row a mesh."""
+        points, wanted = self.reference.points, self.reference.displacement.value
+        size = max_length(wanted) or 1.0
+        rows = [
+            {
+                "spacing": one.spacing,
+                "points": len(one.lattice.points),
+                "springs": len(one.lattice.springs),
+                "pushing": int((one.network.stiffness < 0).sum()),
+                "cells": len(one.lattice.cells),
+                "difference": max_length(one.at(points) - wanted) / size,
+                "uncertainty": self.reference.error,
+                "seconds": one.seconds,
+            }
+            for one in self.answers
+        ]
+        return pd.DataFrame(rows)
+
+    @property
+    def order(self) -> float:
+        """Of the difference in the spacing, as three meshes show it; NaN where they do not."""
+        values = displacements_at(self.answers, self.reference.points)
+        return limit_of(self.answers, values).order if len(values) > 2 else np.nan
+
+    @property
+    def locks(self) -> str:
+        """What makes these cells too stiff, in words; "" where nothing does."""
+        problem = self.answers[0].problem
+        simplex = isinstance(problem.domain, Mesh) and problem.domain.kind.simplex
+        near = any(
+            isinstance(law, Isotropic)
+            and law.state != "plane_stress"
+            and law.nu >= NEARLY_INCOMPRESSIBLE
+            for law in problem.materials
+        )
+        if not simplex:
+            return ""
+        if near:
+            return "linear triangles and tetrahedra lock near ratio 1/2"
+        return "linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
+
+
+def compare_on_mesh(case: Case, reference: Reference) -> tuple[MeshSprings | None, str]:
+    """Springs on a case's own mesh at about the lattice's spacing, and why there are none.
+
+    None, with no reason, of a body without a mesh or of a case whose springs are these.
+    """
+    if not isinstance(case.problem.domain, Mesh) or case.lattice == MESH_EDGES:
+        return None, ""
+    if case.problem.contacts or case.geometry == "nonlinear":
+        return None, "springs on the mesh: of loads to first order; for others take on = 'mesh'"
+    other = replace(
+        case, lattice=MESH_EDGES, route=EDGE_ROUTES[1], constants=None, volume=0.0,
+        spacing=spacing_of(case), cells=None, fracture=None,
+    )  # fmt: skip
+    try:
+        answers = solve_finer(other)
+        at = replace(reference, points=np.asarray(answers[0].lattice.points))
+        at.displacement  # noqa: B018  refuses points outside here
+    except (ProblemError, SolverError) as error:
+        return None, f"springs on the mesh: not solved: {error}"
+    return MeshSprings(answers, at), ""
