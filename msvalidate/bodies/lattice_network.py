@@ -10,6 +10,7 @@ import numpy as np
 from msvalidate.constants.zones import OneOrEach, constants_by_zone
 from msvalidate.lattice import CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
+from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.linear import LINEAR
 from msvalidate.network.laws.logarithmic import LOGARITHMIC
@@ -218,7 +219,9 @@ def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
             "end where it does; load a whole side"
         )
     traction = vectors_at(name, load.traction, corners.reshape(-1, body.dim)).reshape(corners.shape)
-    if facets.shape[1] == 3:
+    if isinstance(lattice, EdgeLattice) and lattice.rule == "cotangent" and facets.shape[1] == 3:
+        parts = (1 + np.eye(3))[None] / 12  # consistent: these springs are linear elements
+    elif facets.shape[1] == 3:
         parts = _triangle_shares(facets, corners, area, regular=lattice.regular)
     elif not twisted:
         parts = _facet_shares(facets.shape[1])

@@ -211,12 +211,15 @@ def spacing_of(case: Case) -> float:
     """Spacing (m) of the lattice that a case asks for.
 
     Where it is told by cells, the nearest one whose lines run through all supports; through their
-    ends inside a box's sides too, where that takes little.
+    ends inside a box's sides too, where that takes little. Of mesh edges the nearest mean length
+    that halving the file's cells leads to.
     """
+    domain = case.problem.domain
+    if case.lattice == MESH_EDGES and isinstance(domain, Mesh):
+        by_cells = spacing_by_cells(case) if case.cells else mean_edge(domain)
+        return float(mean_edge(domain) / 2 ** cuts_for(domain, case.spacing or by_cells))
     if case.spacing is not None:
         return float(case.spacing)
-    if case.cells is None and case.lattice == MESH_EDGES and isinstance(case.problem.domain, Mesh):
-        return mean_edge(case.problem.domain)
     asked, pattern = spacing_by_cells(case), _pattern(case)
     if pattern is None or not joins_corners(pattern):
         return asked

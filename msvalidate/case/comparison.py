@@ -222,7 +222,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
                 rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
     if isinstance(case.problem.domain, Mesh):
         progress("springs on the mesh")
-    on_mesh, why = compare_on_mesh(case, reference)
+    on_mesh, why = compare_on_mesh(case, reference, len(answers[0].lattice.points))
     notes += [why] if why else []
     bridged = say_bridged(answers[0].lattice)
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)

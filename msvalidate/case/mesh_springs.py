@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case, spacing_of
+from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
+from msvalidate.case.part_mesh import spacing_of_points
 from msvalidate.case.springs import SpringAnswer, displacements_at, limit_of, solve_finer
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Isotropic, Mesh, ProblemError, SolverError
@@ -24,8 +25,8 @@ class MeshSprings:
     Parameters
     ----------
     answers
-        At rest on the mesh whose edges are nearest in length to the lattice's spacing, then on
-        meshes twice and four times as fine, all cut on the file's own curves.
+        At rest on the mesh whose points are nearest in number to the lattice's, then on meshes
+        twice and four times as fine, all cut on the file's own curves.
     reference
         Elasticity at the first one's points.
     """
@@ -77,18 +78,19 @@ class MeshSprings:
         return "linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
 
 
-def compare_on_mesh(case: Case, reference: Reference) -> tuple[MeshSprings | None, str]:
-    """Springs on a case's own mesh at about the lattice's spacing, and why there are none.
+def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshSprings | None, str]:
+    """Springs on a case's own mesh of about so many points, and why there are none.
 
     None, with no reason, of a body without a mesh or of a case whose springs are these.
     """
-    if not isinstance(case.problem.domain, Mesh) or case.lattice == MESH_EDGES:
+    mesh = case.problem.domain
+    if not isinstance(mesh, Mesh) or case.lattice == MESH_EDGES:
         return None, ""
     if case.problem.contacts or case.geometry == "nonlinear":
         return None, "springs on the mesh: of loads to first order; for others take on = 'mesh'"
     other = replace(
         case, lattice=MESH_EDGES, route=EDGE_ROUTES[1], constants=None, volume=0.0,
-        spacing=spacing_of(case), cells=None, fracture=None,
+        spacing=spacing_of_points(mesh, count), cells=None, fracture=None,
     )  # fmt: skip
     try:
         answers = solve_finer(other)

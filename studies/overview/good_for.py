@@ -252,11 +252,14 @@ def of_solids(table: pd.DataFrame) -> pd.DataFrame:
     return tell(mine, springs, "cells_high", "against_own_body", "fem_uncertainty")
 
 
-def of_ordinary(asked: ordinary.Part) -> Callable[[pd.DataFrame], pd.DataFrame]:
-    """Rows of an ordinary part."""
+def of_ordinary(
+    asked: ordinary.Part, *, on_mesh: bool = False
+) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    """Rows of an ordinary part, of a lattice or of its own mesh's edges."""
 
     def told(table: pd.DataFrame) -> pd.DataFrame:
         mine = table[table["body"] == asked.body]
+        mine = mine[(mine["lattice"] == ordinary.ON_MESH) == on_mesh]
         springs = [models.lattice_label(name) for name in mine["lattice"]]
         return tell(mine, springs, "cells_across", "difference", "uncertainty")
 
@@ -265,9 +268,14 @@ def of_ordinary(asked: ordinary.Part) -> Callable[[pd.DataFrame], pd.DataFrame]:
 
 def other_support(tables: Tables) -> str:
     """What the same plate does at another support."""
-    held = line_of(of_ordinary(ordinary.BOLTED)(tables["ordinary"]))
-    errors = ", ".join(f"{percent(error)} at {across:g}" for across, error in held.items())
-    return f"held at a bolt hole, {errors}: use elements"
+    lattice, mesh = (
+        next(iter(line_of(of_ordinary(ordinary.BOLTED, on_mesh=own)(tables["ordinary"])).items()))
+        for own in (False, True)
+    )
+    return (
+        f"held at a bolt hole, {percent(lattice[1])} at {lattice[0]:g}; {ordinary.ON_MESH}: "
+        f"{percent(mesh[1])} at {mesh[0]:g}"
+    )
 
 
 def other_meshes(tables: Tables) -> str:
@@ -280,7 +288,8 @@ def other_meshes(tables: Tables) -> str:
 def thin_walls(tables: Tables) -> str:
     """How many cells the bracket's walls are thick."""
     mine = tables["ordinary"]
-    spacings = mine[mine["body"] == ordinary.BRACKET.body]["spacing"]
+    lattices = mine[mine["lattice"] != ordinary.ON_MESH]
+    spacings = lattices[lattices["body"] == ordinary.BRACKET.body]["spacing"]
     cells = " and ".join(f"{ordinary.MM * ordinary.WALL / h:g}" for h in spacings)
     return f"use elements: walls {cells} cells thick"
 

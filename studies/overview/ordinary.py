@@ -3,7 +3,8 @@
 Question   A plate of 120 mm by 40 mm with two holes, held at a straight side or at a hole, and a
            bracket in space: how far are springs from elasticity at the spacing that `case run`
            takes by itself, and at half of it?
-Candidate  The springs of `case run`: lattices cut to the outline.
+Candidate  The springs of `case run`: lattices cut to the outline, and beside them those on the
+           part's own mesh, which are linear elements.
 Reference  Its elements, and the error that they state of themselves.
 Expected   Springs are the material: each halving brings them nearer. But cells are counted across
            the whole body: where a wall, or the rim that holds the body, has few, they are far off.
@@ -24,18 +25,20 @@ from msvalidate.case.case import Case
 from msvalidate.case.comparison import compare_case
 from msvalidate.lattice import fill, patterns
 from msvalidate.linear_algebra.norms import max_length
+from reference_fem.mesh.from_mesh import mesh_discretisation
 
 BAND = 0.05
 LENGTH, HEIGHT = 120.0, 40.0
 """Of the plate (mm)."""
 HOLES = ((30.0, 20.0, 10.0), (85.0, 20.0, 12.0))
 """Centre and radius (mm); the first is the bolt's."""
-SIZE, ROUND = 5.0, 48
-"""Of the plate's triangles (mm), and the number of points on a hole."""
+SIZE, ROUND, RINGS = 4.0, 32, (1.0, 1.2, 1.45)
+"""Of the plate's triangles (mm), the points round a hole, and rings of them over its radius."""
 LEANING = np.array([[1.0, 0.02], [0.01, 1.0]])
 """Turns squares, which two diagonals cut equally well, into cells that one of them cuts."""
 LEG, WIDE, WALL = 50.0, 40.0, 5.0
 """Of the bracket: two walls at a right angle (mm)."""
+ON_MESH = "edges of its own mesh, no rest length"
 MM = 1e-3
 PLASTIC = kit.Isotropic(E=2e9, nu=0.4, thickness=4 * MM)
 METAL = kit.Isotropic(E=70e9, nu=0.33, state="solid")
@@ -52,22 +55,33 @@ class Part:
 
 @cache
 def plate() -> kit.Mesh:
-    """Delaunay's triangles of the plate (m), its bolt's hole named."""
-    lines = [np.linspace(0, size, round(size / SIZE) + 1) for size in (LENGTH, HEIGHT)]
-    points = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
-    turn = 2 * np.pi * np.arange(ROUND) / ROUND
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    for *centre, radius in HOLES:
-        clear = np.linalg.norm(points - centre, axis=1) > radius + SIZE / 2
-        points = np.concatenate([points[clear], centre + radius * circle])
+    """Delaunay's quadratic triangles of the plate (m), on the holes' own curves, the bolt's named.
+
+    Rings of points round the holes grow with their distance, up to a grid's.
+    """
+    x, rows = np.linspace(0, LENGTH, round(LENGTH / SIZE) + 1), round(HEIGHT / SIZE * 2 / 3**0.5)
+    staggered = [x, np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])]
+    every = [(staggered[row % 2], HEIGHT * row / rows) for row in range(rows + 1)]
+    points = np.concatenate([np.column_stack([x, np.full(len(x), y)]) for x, y in every])
+    rim, holes = [], [(np.array(centre), radius) for *centre, radius in HOLES]
+    for centre, radius in holes:
+        points = points[np.linalg.norm(points - centre, axis=1) > radius * RINGS[-1] + SIZE / 2]
+        for number, ring in enumerate(RINGS):
+            turn = 2 * np.pi * (np.arange(ROUND) + number / 2) / ROUND
+            rim.append(centre + radius * ring * np.column_stack([np.cos(turn), np.sin(turn)]))
+    points = np.concatenate([points, *rim])
     cells = Delaunay(points @ LEANING).simplices
-    middle = points[cells].mean(axis=1)
-    for *centre, radius in HOLES:
-        outside = np.linalg.norm(middle - centre, axis=1) > radius * np.cos(np.pi / ROUND)
-        cells, middle = cells[outside], middle[outside]
-    bolt = len(points) - len(HOLES) * ROUND + np.arange(ROUND)  # the first of the circles
-    rim = np.column_stack([bolt, np.roll(bolt, -1)])
-    return kit.Mesh(MM * points, cells, "triangle", {"bolt": rim})
+    for centre, radius in holes:
+        off = np.linalg.norm(points[cells].mean(axis=1) - centre, axis=1)
+        cells = cells[off > radius * np.cos(np.pi / ROUND)]
+    body = mesh_discretisation(kit.Mesh(points, cells, "triangle"), "P2")
+    x, surface, bolt = body.points.copy(), body.surface, np.zeros(0, dtype=int)
+    for centre, radius in reversed(holes):
+        off = np.linalg.norm(x - centre, axis=1)
+        bolt = np.flatnonzero((np.abs(off[surface[:, :2]] - radius) < MM).all(axis=1))
+        middle = surface[bolt, 2]
+        x[middle] = centre + radius * (x[middle] - centre) / off[middle, None]
+    return kit.Mesh(MM * x, body.cells, "triangle6", {"bolt": surface[bolt]})
 
 
 def bracket() -> kit.Mesh:
@@ -127,12 +141,23 @@ def rows(part: Part) -> list[dict[str, object]]:
             "difference": away,
             "uncertainty": uncertainty,
         })  # fmt: skip
+    on_mesh = [] if found.on_mesh is None else found.on_mesh.table[:2].to_dict("records")
+    for one in on_mesh:
+        told.append({
+            "body": part.body,
+            "lattice": ON_MESH,
+            "cells_across": round(narrowest / one["spacing"]),
+            **{name: one[name] for name in ("spacing", "difference", "uncertainty")},
+        })  # fmt: skip
     return told
 
 
 def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
     """What the tolerances judge, in their order."""
-    coarse, fine = (table.groupby("body", sort=False).nth(k).set_index("body") for k in (0, 1))
+    lattices, meshes = (table[(table["lattice"] == ON_MESH) == own] for own in (False, True))
+    coarse, fine = (lattices.groupby("body", sort=False).nth(k).set_index("body") for k in (0, 1))
+    bolted = meshes.set_index("body").loc[[BOLTED.body]]
+    order = -np.diff(np.log(bolted["difference"])) / -np.diff(np.log(bolted["spacing"]))
     advised = fine.loc[[part.body for part in ADVISED]]
     return (
         kit.Tolerance(
@@ -156,6 +181,17 @@ def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
             "parts that elements are advised for: those that agree at half of the spacing", 0, "1",
             "what springs do well is no case for elements",
             observed=kit.Observed(float((advised["difference"] <= BAND).sum())),
+        ),
+        kit.Tolerance(
+            "plate held at a bolt hole: springs on its own mesh, difference at 20 cells across",
+            0.015, "1", "linear elements of a mesh that is finer at its holes; no cell is cut",
+            layer="agreement",
+            observed=kit.Observed(float(bolted["difference"].iloc[0])),
+        ),
+        kit.Tolerance(
+            "plate held at a bolt hole: springs on its own mesh, order below 2", 0.3, "1",
+            "linear elements: 2 where nothing is singular, and the hole is smooth",
+            observed=kit.Observed(float(max(0.0, 2 - abs(order[0])))),
         ),
     )  # fmt: skip
 
