@@ -54,6 +54,8 @@ EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
 REST_SHARE = {2: 3 / 2, 3: 2.0}
 """Of E, times -V ∇φi·∇φj: the stiffness of a spring at rest by "cotangent", by axes."""
+ROUNDING = 1e-14
+"""Of what cells bring to a spring, what is left of it at least: parts of each are over the sum."""
 EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 """Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
 
@@ -115,6 +117,9 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
     )
     springs, which = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     factor = np.bincount(which.ravel(), gifts.ravel()).astype(float)
+    if rule == "cotangent":  # what cells bring cancels at right angles: kept apart from nothing
+        least = ROUNDING * np.bincount(which.ravel(), np.abs(gifts).ravel())
+        factor = np.where(np.abs(factor) < least, np.copysign(least, factor), factor)
     if positive:
         _refuse_slack(springs, factor)
     # Corners of a lattice's facets are listed the first axis fastest.

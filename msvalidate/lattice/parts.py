@@ -33,8 +33,10 @@ def spring_parts(lattice: Lattice) -> csr_array:
         If the lattice has no cells that its springs belong to.
     """
     if isinstance(lattice, EdgeLattice):
-        spring, cell, gift = lattice.of.ravel(), _numbered(lattice.of), lattice.gifts.ravel()
-    elif isinstance(lattice, CutLattice):
+        spring, cell = lattice.of.ravel(), _numbered(lattice.of)
+        part = lattice.gifts.ravel() / np.where(lattice.factor, lattice.factor, 1.0)[spring]
+        return csr_array((part, (spring, cell)), shape=(len(lattice.springs), len(lattice.cells)))
+    if isinstance(lattice, CutLattice):
         spring, cell, gift = cell_gifts(lattice)
     else:
         middle = lattice.points[lattice.springs].mean(axis=1)
@@ -87,11 +89,9 @@ def _shared(
     """Gifts of cells as parts that sum to 1 in each row."""
     gifts = csr_array((gift, (row, cell)), shape=size)
     total, covered = gifts.sum(axis=1), gifts.sum(axis=1) > 0
-    if isinstance(lattice, EdgeLattice):  # whose springs may push, or have no stiffness at all
-        covered = (total != 0) | (abs(gifts).sum(axis=1) == 0)
     if not covered.all():
         raise ProblemError(
             f"zones: the cells of the {lattice.name} lattice do not cover its springs; take one "
             "whose cells fill the body"
         )
-    return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
+    return csr_array(diags_array(1 / total) @ gifts)

@@ -295,8 +295,8 @@ def test_mean_stress_under_tension_and_pressure_is_that_of_the_reactions():
 
 
 def test_what_no_rule_serves_is_refused():
-    with refused("rule 'cotangent' is for triangles and tetrahedra, the cells are quad"):
-        mesh_lattice(grid("quad", 2), "cotangent")
+    with refused("rule 'equilateral' is for triangles, the cells are quad"):
+        mesh_lattice(grid("quad", 2), "equilateral")
     with refused("stiffness of a mesh's edges: 'other'"):
         mesh_lattice(grid("quad", 2), "other")
     with refused("make the mesh one of Delaunay's, take 'area', or springs of no rest length"):
