@@ -262,6 +262,15 @@ def draw_spacing(found: Comparison, lattices: pd.DataFrame) -> Figure:
     axis.loglog(
         there["spacing"], 100 * there["difference"], "o-", color=COLOURS[0], label="springs"
     )
+    if found.on_mesh is not None:
+        own = found.on_mesh.table
+        axis.loglog(
+            own["spacing"],
+            100 * own["difference"],
+            "s--",
+            color=COLOURS[3],
+            label="on its own mesh",
+        )
     if len(there) < len(lattices):
         limit = 100 * float(lattices["difference"].iloc[-1])
         axis.axhline(limit, color=COLOURS[2], ls="-.", label="what they close in on")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 
+import numpy as np
 import pandas as pd
 
 from msvalidate.case.budget import COLUMNS, OWN, material_off
@@ -21,6 +22,8 @@ from msvalidate.case.comparison import (
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
+from msvalidate.lattice import CutLattice
+from msvalidate.lattice.gaps import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
@@ -127,10 +130,26 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     return head, (
         _kind_sentence(found),
         _reference_sentence(found.reference),
+        *_hole_sentence(found),
         *_mesh_sentence(found),
         *_contact_sentence(found),
         *break_sentence(found.springs[0].growth),
     )
+
+
+def _hole_sentence(found: Comparison) -> tuple[str, ...]:
+    """Which hole the lattice asked for hardly knows."""
+    lattice = found.springs[0].lattice
+    holes = narrow_holes(lattice) if isinstance(lattice, CutLattice) else np.empty((0, 3))
+    if not len(holes):
+        return ()
+    x, y, wide = holes[holes[:, 2].argmin()]
+    cells = wide / found.springs[0].spacing
+    said = (
+        f"A hole at ({x:.4g}, {y:.4g}) m is {cells:.2g} cells wide: these springs hardly know it; "
+        "take a smaller spacing, or the part's own mesh."
+    )
+    return (said,)
 
 
 def _mesh_sentence(found: Comparison) -> tuple[str, ...]:

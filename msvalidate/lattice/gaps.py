@@ -1,4 +1,4 @@
-"""Gaps of a plane body that a lattice cut to it bridges, as they are narrower than its cells."""
+"""Gaps that a lattice cut to a body bridges, and holes too narrow for its cells."""
 
 from __future__ import annotations
 
@@ -7,10 +7,30 @@ import shapely
 
 from msvalidate.lattice.cut import CutLattice
 from msvalidate.lattice.outline import outline
-from msvalidate.problem import Array
+from msvalidate.problem import Array, ProblemError
 
 FILLED = 0.25
 """Part of a cell from which it is no sliver beside a curve."""
+NARROW = 2.0
+"""Cells across a hole below which it is hardly one: no whole cell lies in it wherever it is."""
+
+
+def narrow_holes(lattice: CutLattice) -> Array:
+    """Middle (h, 2) and width (h,) in m, as rows (h, 3), of holes narrower than `NARROW` cells.
+
+    Of bodies in the plane, and of prisms along z; none are looked for in others.
+    """
+    try:
+        area = outline(lattice.domain)
+    except ProblemError:
+        return np.empty((0, 3))
+    rings = [r for part in shapely.get_parts(area) for r in part.interiors]
+    if not rings:
+        return np.empty((0, 3))
+    inscribed = shapely.maximum_inscribed_circle(shapely.polygons(rings))
+    middle = shapely.get_coordinates(inscribed)[::2]
+    found = np.column_stack([middle, 2 * shapely.length(inscribed)])
+    return np.asarray(found[found[:, 2] < NARROW * lattice.spacing])
 
 
 def bridged_gaps(lattice: CutLattice) -> Array:

@@ -10,7 +10,7 @@ import pytest
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
-from msvalidate.lattice.gaps import bridged_gaps
+from msvalidate.lattice.gaps import bridged_gaps, narrow_holes
 from msvalidate.network import tangent
 from msvalidate.problem import (
     BodyForce,
@@ -280,3 +280,11 @@ def test_gaps_that_are_narrower_than_cells_are_seen():
     turn = 2 * np.pi * np.arange(60) / 60
     ring = tuple(zip(0.53 + 0.5 * np.cos(turn), 0.51 + 0.5 * np.sin(turn), strict=True))
     assert not len(gaps(ring))
+
+
+def test_holes_narrower_than_two_cells_are_told():
+    grid = fill(patterns.square(), Box((1.0, 1.0)), (5, 5))
+    frame = Mesh(grid.points, np.delete(grid.cells, 12, axis=0), "quad")  # its hole 0.2 m wide
+    assert not len(narrow_holes(cut_lattice(patterns.square(), frame, 0.099)))
+    (found,) = narrow_holes(cut_lattice(patterns.square(), frame, 0.101))
+    assert found == pytest.approx([0.5, 0.5, 0.2], rel=1e-2)
