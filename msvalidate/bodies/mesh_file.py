@@ -35,6 +35,7 @@ from xml.parsers import expat
 import meshio
 import numpy as np
 
+from msvalidate.bodies.geometry_file import GEOMETRIES, meshed_geometry
 from msvalidate.problem import SHAPES, Array, Index, Mesh, ProblemError
 from msvalidate.problem.checks import (
     LONGEST_NAME,
@@ -58,7 +59,7 @@ MOST_ZONES = 200
 """Values of an array of cell data up to which each is a zone's name."""
 
 
-def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
+def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) -> Mesh:
     """Mesh in a file, with the boundaries and zones that it names.
 
     Cells of one kind make the body; lower ones serve as names of its sides. A plane mesh may have a
@@ -68,9 +69,11 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
     Parameters
     ----------
     path
-        A .msh (2.2 or 4.1), .vtu, .vtk or .inp file.
+        A .msh (2.2 or 4.1), .vtu, .vtk or .inp file; or .step or .stl where gmsh is installed.
     unit
         Length (m) that the file's coordinates are multiples of: 1e-3 if they are in mm.
+    cell
+        Size (m) of the cells that are made of .step and .stl files.
 
     Raises
     ------
@@ -81,6 +84,12 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
     positive_number("mesh file: unit", unit, "m")
     file = _check_path(path)
     said = f"mesh file {format_value(file.name)}"
+    if file.suffix.lower() in GEOMETRIES:
+        size = None if cell is None else positive_number("mesh file: cell", cell, "m") / unit
+        with meshed_geometry(file, size) as made:
+            return read_mesh(made, unit)
+    if cell is not None:
+        raise ProblemError(f"{said}: has cells of its own; leave out cell, which is of .step files")
     content = _read_content(file, said)
     shape, cells = _body_cells(content, said)
     try:
@@ -109,8 +118,9 @@ def _check_path(path: object) -> Path:
     if not isinstance(path, str | Path):
         raise ProblemError(f"mesh file: {format_value(path)}; give a path")
     file = Path(path)
-    if file.suffix.lower() not in FORMATS:
-        raise ProblemError(f"mesh file {format_value(file.name)}: give one of {', '.join(FORMATS)}")
+    known = (*FORMATS, *GEOMETRIES)
+    if file.suffix.lower() not in known:
+        raise ProblemError(f"mesh file {format_value(file.name)}: give one of {', '.join(known)}")
     try:
         with file.open("rb") as opened:
             empty = not opened.read(1)

@@ -131,7 +131,8 @@ def _domain(source: Source, unit: float) -> Domain:
             return Box(tuple(unit * edge for edge in body.box))
         if body.polygon is not None:
             return Polygon(tuple(tuple(unit * x for x in corner) for corner in body.polygon))  # type: ignore[misc]
-        return read_mesh(_mesh_path(source, str(body.mesh)), unit)
+        cell = None if body.cell is None else unit * body.cell
+        return read_mesh(_mesh_path(source, str(body.mesh)), unit, cell)
 
 
 def _mesh_path(source: Source, name: str) -> Path:

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from scipy.spatial import KDTree
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import draw_breaks
@@ -23,7 +25,7 @@ from msvalidate.output.body_drawing import (
     draw_held_and_loaded,
 )
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
-from msvalidate.problem import Array, Index, Mask, PointForce, Traction, vectors_at
+from msvalidate.problem import Array, Index, Mask, PointForce, Traction, materials_at, vectors_at
 from reference_fem.body import Solution
 
 
@@ -142,6 +144,7 @@ def draw_body(found: Comparison) -> Figure:
     x = solution.body.points
     size = float(np.ptp(x, axis=0).max())
     figure, axis = body_axes(x, 1.3 * ARROW * size)
+    _draw_materials(axis, found)
     _draw_edges(axis, x, solution, "#666666", "body")
     lattice = found.springs[0].lattice
     if x.shape[1] == 2:
@@ -161,6 +164,25 @@ def draw_body(found: Comparison) -> Figure:
     below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 4}
     axis.legend(**below if x.shape[1] == 2 else {"loc": "upper left"})
     return figure
+
+
+def _draw_materials(axis: Axes, found: Comparison) -> None:
+    """Cells, in space their sides at the surface, of each region that is of another material."""
+    problem, body = found.case.problem, found.reference.solutions[0].body
+    corners, count = body.cells[:, : body.element.corners], len(problem.zones)
+    number = materials_at(problem, body.points[corners].mean(axis=1))
+    if body.dim == 3:
+        facets = body.surface[:, : _corners(body.surface)]
+        owner = KDTree(body.points[corners].mean(axis=1)).query(body.points[facets].mean(axis=1))[1]
+        corners, number = facets, number[owner]
+    for zone in range(1, count + 1):
+        colour, places = COLOURS[(zone + 1) % len(COLOURS)], body.points[corners[number == zone]]
+        style: dict[str, Any] = {"color": colour, "alpha": 0.35, "lw": 0}
+        if body.dim == 2:
+            axis.add_collection(PolyCollection(list(places), **style, zorder=0))
+        else:
+            axis.add_collection3d(Poly3DCollection(places[..., UPWARDS], **style))  # type: ignore[attr-defined]
+        axis.plot([], [], "s", color=colour, alpha=0.35, label=f"region {zone}")
 
 
 def _arrows(found: Comparison) -> tuple[Array, Array]:
@@ -217,6 +239,10 @@ def draw_fields(found: Comparison) -> Figure:
         axis.plot(
             *springs[:, order].T, ".", ms=1.5, color=COLOURS[0], label="springs", rasterized=True
         )
+    if not marks:
+        facets = solution.body.surface[:, : _corners(solution.body.surface)]
+        shown = moved[facets][..., UPWARDS]
+        axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
     _draw_edges(axis, x, solution, "#999999", "at rest", "--")
     axis.set_title(f"displacements {times:.3g} times as large", loc="left")
     axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 if marks else 0.02), ncols=3)

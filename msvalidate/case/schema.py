@@ -38,11 +38,12 @@ class Ball(Struct, forbid_unknown_fields=True):
 
 
 class Body(Struct, forbid_unknown_fields=True):
-    """The body: a box with a corner at the origin, an outline, or a mesh file."""
+    """The body: a box with a corner at the origin, an outline, or a file of a mesh or geometry."""
 
     box: Numbers | None = None
     polygon: list[Numbers] | None = None
     mesh: str | None = None
+    cell: float | None = None
     unit: str | float = "m"
 
 

@@ -32,6 +32,10 @@ ARROW = 0.12
 MOST_ARROWS = 40
 UPWARDS = [0, 2, 1]
 """Axes in the order in which they are drawn in space, the last upwards."""
+FLAT = 0.3
+"""Of a body's longest side, the shortest below which it is seen from its flattest side."""
+FLATTEST = ({"elev": 20, "azim": -20}, {"elev": 20, "azim": -75}, {"elev": 60, "azim": -60})
+"""Axis along which a body is shortest, as drawn -> angles (degrees) that it is seen from."""
 WIDE, TALLEST = 6.2, 6.0
 DEFORMED = "#66a9d4"
 ARROW_WIDTH = 0.08
@@ -105,6 +109,8 @@ def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
         axis.set(xlim=(low[0], high[0]), ylim=(low[2], high[2]), zlim=(low[1], high[1]))
         axis.set_box_aspect((high - low)[UPWARDS], zoom=0.9)
         parts = (high - low)[UPWARDS] / (high - low).max()
+        if parts.min() < FLAT:
+            axis.view_init(**FLATTEST[int(parts.argmin())])
         for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), parts, strict=True):
             scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
         return figure, axis

@@ -1,0 +1,95 @@
+"""Meshes of .step and .stl files by gmsh, where it is installed.
+
+Cells are quadratic, on a .step file's own faces; of an .stl file, which is its facets, linear.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from msvalidate.problem import ProblemError
+from msvalidate.problem.checks import format_value
+
+GEOMETRIES = (".step", ".stp", ".stl")
+"""Suffixes of files that hold faces and no cells."""
+CELLS, ROUND = 25, 12
+"""Cells along a body's diagonal, and round a circle, where no size is given."""
+ANGLE = math.radians(40)
+"""Between triangles of an .stl file, from which on they belong to different faces."""
+
+
+@contextlib.contextmanager
+def meshed_geometry(file: Path, size: float | None = None) -> Iterator[Path]:
+    """A Gmsh file of a body's cells, while it is needed; its faces are named "face 1", ….
+
+    Parameters
+    ----------
+    file
+        .step or .stl: a solid, or faces of one plane.
+    size
+        Of the cells, in the file's unit of length, by default a part of the body's diagonal, and
+        smaller where it is bent.
+
+    Raises
+    ------
+    ProblemError
+        If gmsh is not installed, or makes no mesh of the file.
+    """
+    said = f"mesh file {format_value(file.name)}"
+    try:
+        import gmsh  # noqa: PLC0415  an extra
+    except (ImportError, OSError) as error:
+        raise ProblemError(
+            f"{said}: gmsh makes meshes of {file.suffix} files, and is not installed; pip install "
+            "'msvalidate[gmsh]', or write .msh, .vtu, .vtk or .inp"
+        ) from error
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / f"{file.name}.msh"
+        gmsh.initialize(interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            _mesh(gmsh, file, size)
+            gmsh.write(str(made))
+        except ProblemError as error:
+            raise ProblemError(f"{said}: {error}") from error
+        except Exception as error:  # whatever gmsh says, as one line
+            why = " ".join(str(error).split())
+            raise ProblemError(f"{said}: gmsh makes no mesh of it: {why}; mend it") from error
+        finally:
+            gmsh.finalize()
+        yield made
+
+
+def _mesh(gmsh: Any, file: Path, size: float | None) -> None:
+    model = gmsh.model
+    faceted = file.suffix.lower() == ".stl"
+    if faceted:
+        gmsh.merge(str(file))
+        model.mesh.classifySurfaces(ANGLE, True, True, math.pi)
+        model.mesh.createGeometry()
+        loop = model.geo.addSurfaceLoop([tag for _, tag in model.getEntities(2)])
+        model.geo.addVolume([loop])
+        model.geo.synchronize()
+    else:
+        model.occ.importShapes(str(file))
+        model.occ.synchronize()
+    dim = 3 if model.getEntities(3) else 2
+    bodies = [tag for _, tag in model.getEntities(dim)]
+    if not bodies:
+        raise ProblemError("no solid and no face in it; export one")
+    model.addPhysicalGroup(dim, bodies, name="body")
+    word = "face" if dim == 3 else "edge"
+    for number, (_, tag) in enumerate(model.getEntities(dim - 1), 1):
+        model.addPhysicalGroup(dim - 1, [tag], name=f"{word} {number}")
+    low_high = model.getBoundingBox(-1, -1)
+    largest = size or math.dist(low_high[:3], low_high[3:]) / CELLS
+    gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ROUND)
+    gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)
+    model.mesh.generate(dim)
+    model.mesh.setOrder(1 if faceted else 2)
