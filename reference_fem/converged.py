@@ -7,12 +7,13 @@ Some questions have none, and corners where materials cross hide how slow they a
 from __future__ import annotations
 
 import time
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from math import prod
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from msvalidate.problem import (
     VOIGT,
@@ -34,20 +35,24 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, replace
-from reference_fem.body import Solution, nodal_forces, solve_problem
+from reference_fem.body import Ready, Solution, nodal_forces, solve_by, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
-from reference_fem.elasticity import stiffness
+from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.limits import acts_on_points, crossing_order, has_no_limit
-from reference_fem.materials import materials_of
+from reference_fem.materials import Materials, materials_of, numbers_of
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.mesh.outlines import outline_discretisation
-from reference_fem.mesh.subdivide import nodes_of_children, subdivide
+from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
+from reference_fem.systems.nested import Nested
+from reference_fem.systems.solver import favours_factor
 
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
+MOST_ALONE = 60_000
+"""Nodes of a mesh in space up to which a factor is thought of."""
 MOST_MIXED = 12_000
 """The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
 second mesh of plates, whose thin cells take a factor too."""
@@ -267,16 +272,44 @@ def converge(
         most = whole_number("most nodes", most_nodes, 1)
     found: list[Solution] = []
     seconds: list[float] = []
+    ready: Ready | None = None
+    finer: csr_matrix | None = None
     while True:
         began = time.perf_counter()
-        body = subdivide(found[-1].body) if found else first or first_mesh(problem)
-        found.append(solve_problem(problem, body, mixed=mixed, solver=solver))
+        if found:
+            body, finer = children_of(found[-1].body)
+        else:
+            body = first or first_mesh(problem)
+        if mixed:
+            found.append(solve_problem(problem, body, mixed=True, solver=solver))
+        else:
+            make = partial(_make_ready, solver, found, ready, finer)
+            solution, ready = solve_by(problem, body, make)
+            found.append(solution)
         seconds.append(time.perf_counter() - began)
         reference = Reference(problem, x, tuple(found), accuracy, tuple(seconds))
         known = len(found) >= LEVELS or reference.error <= ROUNDING
         enough = known and reference.resolved
         if enough or nodes_of_children(body) > most:
             return reference
+
+
+def _make_ready(
+    solver: str,
+    found: list[Solution],
+    coarser: Ready | None,
+    finer: csr_matrix | None,
+    body: Discretisation,
+    law: Materials,
+    held: Mask,
+) -> Ready:
+    """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
+    if coarser is None or finer is None or solver != "auto" or body.dim == 2:
+        return make_solver(body, law, held, solver)
+    if len(body.points) <= MOST_ALONE and favours_factor(body, held):
+        return make_solver(body, law, held, solver)
+    start = finer @ found[-1].displacement
+    return Nested(body, held, thickness_tensors(law), numbers_of(law), coarser, finer, start)
 
 
 def first_mesh(problem: Problem) -> Discretisation:
