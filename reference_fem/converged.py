@@ -7,6 +7,7 @@ Some questions have none, and corners where materials cross hide how slow they a
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from functools import cached_property, partial
 from itertools import pairwise
 from math import prod
@@ -26,6 +27,7 @@ from msvalidate.problem import (
     Problem,
     Region,
     Segment,
+    SolverError,
     prescribed_displacements,
 )
 from msvalidate.problem.checks import (
@@ -37,25 +39,32 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Ready, Solution, nodal_forces, solve_by, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
+from reference_fem.effort import free_memory
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.limits import acts_on_points, crossing_order, has_no_limit
 from reference_fem.materials import Materials, materials_of, numbers_of
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
-from reference_fem.systems.nested import Nested
+from reference_fem.systems.cells import ElasticForces
+from reference_fem.systems.nested import NESTED, Nested
 from reference_fem.systems.solver import favours_factor
 
 MOST_NODES = {2: 150_000, 3: 60_000}
-"""Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
-MOST_ALONE = 60_000
-"""Nodes of a mesh in space up to which a factor is thought of."""
+"""Nodes of the finest mesh in the plane, by default: some 5 s; in space, of one that may have a
+factor, and of the second mesh of plates before their cells are made longer than thick."""
+MEMORY = 4.0
+"""GB that the finest mesh in space may take, by default: some minute."""
+BYTES = {"H2": 12_500.0, "T2": 6_000.0}
+"""Memory a node of the next mesh, by element in space. Measured."""
 MOST_MIXED = 12_000
 """The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
 second mesh of plates, whose thin cells take a factor too."""
+GB = 1e9
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 ACROSS = 3
@@ -64,6 +73,23 @@ MOST_ALONG = 200
 """Cells of the first mesh along any side: those of slender bodies are longer than wide."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
+
+
+@dataclass(frozen=True)
+class More:
+    """What one more mesh takes, as predicted.
+
+    Parameters
+    ----------
+    unknowns, bytes
+        By the nodes that it has, the same on every machine.
+    seconds
+        As many times those of the last mesh.
+    """
+
+    unknowns: float
+    bytes: float
+    seconds: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +110,8 @@ class Reference:
         What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
     contact
         `contact.ElementContact` of an obstacle on the finest mesh, and its relative error, or None.
+    following
+        What one more mesh takes, where memory limits them.
     """
 
     problem: Problem
@@ -93,6 +121,7 @@ class Reference:
     seconds: tuple[float, ...]
     large: tuple[Array, float] | None = None
     contact: Any = None
+    following: More | None = None
 
     @cached_property
     def displacement(self) -> Converged:
@@ -118,6 +147,11 @@ class Reference:
     def resolved(self) -> bool:
         """Whether the accuracy that was asked for is reached."""
         return self.error <= self.accuracy
+
+    @property
+    def more(self) -> More | None:
+        """What it takes to know better; None where it is known as asked, or memory is no limit."""
+        return None if self.resolved or self.no_limit else self.following
 
     @property
     def finest(self) -> Solution:
@@ -193,8 +227,14 @@ class Reference:
         if solution.pressure is not None:
             inner = mixed_forces(solution.body, law, u, solution.pressure)
         else:
-            K = stiffness(solution.body, law)
-            inner = (K @ u.T.ravel()).reshape(u.shape[::-1]).T
+            apply: Callable[[Array], Array] = (
+                ElasticForces(
+                    gradients_at_points(solution.body), thickness_tensors(law), numbers_of(law)
+                )
+                if solution.solved is not None and solution.solved.choice == NESTED
+                else stiffness(solution.body, law).dot
+            )
+            inner = apply(u.T.ravel()).reshape(u.shape[::-1]).T
         held, _ = prescribed_displacements(self.problem, solution.body.points)
         return np.where(held, inner, nodal_forces(self.problem, solution.body))
 
@@ -228,6 +268,7 @@ def converge(
     points: Array,
     accuracy: float = 1e-3,
     *,
+    memory: float = MEMORY,
     most_nodes: int | None = None,
     first: Discretisation | None = None,
     mixed: bool | None = None,
@@ -243,10 +284,14 @@ def converge(
     points
         (p, d) in m, in the body.
     accuracy
-        Of the displacement, over the largest at the points. Where it takes more nodes than there
-        may be, the answer is what there is, with the error that it has.
+        Of the displacement, over the largest at the points. Where it takes more nodes or memory
+        than there may be, the answer is what there is, with the error that it has.
+    memory
+        GB (1e9 bytes) that a mesh in space may take, as predicted by its nodes: the same answer on
+        every machine that has so much.
     most_nodes
-        Of the finest mesh, by default `MOST_NODES` or `MOST_MIXED`.
+        Of the finest mesh, in place of a limit of memory; by default `MOST_NODES` in the plane and
+        `MOST_MIXED` of mixed elements in space.
     first
         A mesh to start from in place of the one made here.
     mixed
@@ -260,16 +305,20 @@ def converge(
     ProblemError
         If a point lies outside the body, or a support or load cannot be met by a mesh's nodes.
     SolverError
-        If there is no trustworthy answer on the first mesh.
+        If there is no trustworthy answer on the first mesh, or a mesh that `memory` allows takes
+        more than the machine has free.
     """
     require_type("problem", problem, Problem)
     problem.refuse_free_body()
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
-    most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
+    positive_number("memory", memory)
+    most: float = MOST_NODES[2]
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
+    elif problem.domain.dim == 3:
+        most = MOST_MIXED if mixed else np.inf
     found: list[Solution] = []
     seconds: list[float] = []
     ready: Ready | None = None
@@ -287,11 +336,35 @@ def converge(
             solution, ready = solve_by(problem, body, make)
             found.append(solution)
         seconds.append(time.perf_counter() - began)
-        reference = Reference(problem, x, tuple(found), accuracy, tuple(seconds))
+        following = None if np.isfinite(most) else _following(body, seconds[-1])
+        reference = Reference(
+            problem, x, tuple(found), accuracy, tuple(seconds), following=following
+        )
         known = len(found) >= LEVELS or reference.error <= ROUNDING
         enough = known and reference.resolved
         if enough or nodes_of_children(body) > most:
             return reference
+        if following is not None:
+            if following.bytes > memory * GB:
+                return reference
+            _refuse_short_memory(following)
+
+
+def _following(body: Discretisation, seconds: float) -> More:
+    """What a mesh with the children of a body's cells takes, if the body's took so long (s)."""
+    nodes = nodes_of_children(body)
+    each = BYTES.get(body.element.name, max(BYTES.values()))
+    return More(body.dim * nodes, nodes * each, seconds * nodes / len(body.points))
+
+
+def _refuse_short_memory(following: More) -> None:
+    free = free_memory()
+    if following.bytes > free:
+        raise SolverError(
+            f"finite elements: the next mesh, of {following.unknowns:.2g} unknowns, takes "
+            f"{following.bytes / GB:.1f} GB, and {free / GB:.1f} are free; free some, or allow it "
+            f"less: [compare] memory = {max(0.1, np.floor(10 * free / GB) / 10):g}"
+        )
 
 
 def _make_ready(
@@ -306,7 +379,7 @@ def _make_ready(
     """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
     if coarser is None or finer is None or solver != "auto" or body.dim == 2:
         return make_solver(body, law, held, solver)
-    if len(body.points) <= MOST_ALONE and favours_factor(body, held):
+    if len(body.points) <= MOST_NODES[3] and favours_factor(body, held):
         return make_solver(body, law, held, solver)
     start = finer @ found[-1].displacement
     return Nested(body, held, thickness_tensors(law), numbers_of(law), coarser, finer, start)

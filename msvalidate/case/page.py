@@ -167,7 +167,20 @@ def _reference_sentence(reference: Reference) -> str:
         f"Elasticity is known to {percent(reference.error)} ({reached}): quadratic elements on "
         f"{len(reference.solutions)} meshes, the finest of {nodes} nodes."
     )
-    return known + about
+    return known + _more_sentence(reference) + about
+
+
+def _more_sentence(reference: Reference) -> str:
+    """What it takes to know elasticity better, where memory is what limits it."""
+    more = reference.more
+    if more is None:
+        return ""
+    size, time = math.ceil(more.bytes / 1e8) / 10, more.seconds
+    took = f"{time / 60:.0f} min" if time >= 90 else f"{math.ceil(time)} s"
+    return (
+        f" Known better by one more mesh: {more.unknowns:.2g} unknowns, {size:g} GB, {took} "
+        f"([compare] memory = {size:g})."
+    )
 
 
 def _body_sentences(reference: Reference) -> str:
@@ -206,7 +219,8 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     said.append(
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
-        f"{percent(found.result.accuracy)}.{_body_sentences(found.reference)}"
+        f"{percent(found.result.accuracy)}.{_more_sentence(found.reference)}"
+        f"{_body_sentences(found.reference)}"
     )
     return head, tuple(said)
 

@@ -34,6 +34,8 @@ from reference_fem.systems.solver import (
     refuse_shapes,
 )
 
+NESTED = "nested"
+"""What `SystemSolution.choice` says of it."""
 ERROR = 1e-10
 """Displacement that one cycle makes of the residual left, over the largest, at which to stop."""
 MOST_STEPS = 200
@@ -110,7 +112,7 @@ class Nested:
         share = _largest(residual) / scale if scale else 0.0
         reason = "a mesh cut from a coarser one"
         seconds = perf_counter() - began
-        return u, SystemSolution("nested", reason, share, steps, seconds, error)
+        return u, SystemSolution(NESTED, reason, share, steps, seconds, error)
 
     def correct(self, force: Array) -> Array:
         """Nearly the displacements (n, d) in m of forces (n, d) in N, by one cycle.
