@@ -53,6 +53,8 @@ from reference_fem.systems.solver import Solver, SystemSolution
 
 Ready = Solver | Nested
 """What solves the equations of one mesh."""
+Make = Callable[[Discretisation, Materials, Mask], Ready]
+"""What makes that of a body, its materials and held components (n, d)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,9 +234,7 @@ def solve_problem(
     ]
 
 
-def solve_by(
-    problem: Problem, body: Discretisation, make: Callable[[Discretisation, Materials, Mask], Ready]
-) -> tuple[Solution, Ready]:
+def solve_by(problem: Problem, body: Discretisation, make: Make) -> tuple[Solution, Ready]:
     """The solution by what is made of a body, its materials and held components (n, d), and that.
 
     Raises

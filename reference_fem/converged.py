@@ -37,7 +37,7 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, replace
-from reference_fem.body import Ready, Solution, nodal_forces, solve_by, solve_problem
+from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
 from reference_fem.effort import free_memory
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
@@ -314,40 +314,58 @@ def converge(
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
     positive_number("memory", memory)
-    most: float = MOST_NODES[2]
+    most = _most_nodes(problem, mixed) if most_nodes is None else most_nodes
     if most_nodes is not None:
-        most = whole_number("most nodes", most_nodes, 1)
-    elif problem.domain.dim == 3:
-        most = MOST_MIXED if mixed else np.inf
-    found: list[Solution] = []
-    seconds: list[float] = []
+        whole_number("most nodes", most_nodes, 1)
+    body = first or first_mesh(problem)
     ready: Ready | None = None
     finer: csr_matrix | None = None
+    found: list[Solution] = []
+    seconds: list[float] = []
+    reference: Reference | None = None
     while True:
         began = time.perf_counter()
         if found:
-            body, finer = children_of(found[-1].body)
-        else:
-            body = first or first_mesh(problem)
-        if mixed:
-            found.append(solve_problem(problem, body, mixed=True, solver=solver))
-        else:
-            make = partial(_make_ready, solver, found, ready, finer)
-            solution, ready = solve_by(problem, body, make)
-            found.append(solution)
+            body, finer = children_of(body)
+        try:
+            if mixed:
+                found.append(solve_problem(problem, body, mixed=True, solver=solver))
+            else:
+                make = partial(_make_ready, solver, found, ready, finer)
+                solution, ready = _solve(problem, body, make, solver)
+                found.append(solution)
+        except SolverError:
+            if reference is None or len(body.points) <= MOST_NODES[3] or body.dim == 2:
+                raise
+            return replace(reference, following=None)  # cells too long, and children no less so
         seconds.append(time.perf_counter() - began)
-        following = None if np.isfinite(most) else _following(body, seconds[-1])
+        following = _following(body, seconds[-1]) if np.isinf(most) else None
         reference = Reference(
             problem, x, tuple(found), accuracy, tuple(seconds), following=following
         )
         known = len(found) >= LEVELS or reference.error <= ROUNDING
         enough = known and reference.resolved
-        if enough or nodes_of_children(body) > most:
+        if enough or nodes_of_children(body) > most or not _fits(following, memory):
             return reference
-        if following is not None:
-            if following.bytes > memory * GB:
-                return reference
-            _refuse_short_memory(following)
+
+
+def _most_nodes(problem: Problem, mixed: bool) -> float:
+    """Nodes of the finest mesh; infinite where memory limits it."""
+    if problem.domain.dim == 2:
+        return MOST_NODES[2]
+    return MOST_MIXED if mixed else np.inf
+
+
+def _solve(
+    problem: Problem, body: Discretisation, make: Make, solver: str
+) -> tuple[Solution, Ready]:
+    """The solution, on meshes that may have a factor by one where multigrid over all gives up."""
+    try:
+        return solve_by(problem, body, make)
+    except SolverError:
+        if body.dim == 2 or solver != "auto" or len(body.points) > MOST_NODES[3]:
+            raise
+    return solve_by(problem, body, partial(make_solver, choice=solver))
 
 
 def _following(body: Discretisation, seconds: float) -> More:
@@ -357,7 +375,12 @@ def _following(body: Discretisation, seconds: float) -> More:
     return More(body.dim * nodes, nodes * each, seconds * nodes / len(body.points))
 
 
-def _refuse_short_memory(following: More) -> None:
+def _fits(following: More | None, memory: float) -> bool:
+    """Whether a mesh takes no more than so many GB; raise `SolverError` if these are not free."""
+    if following is None:
+        return True
+    if following.bytes > memory * GB:
+        return False
     free = free_memory()
     if following.bytes > free:
         raise SolverError(
@@ -365,6 +388,7 @@ def _refuse_short_memory(following: More) -> None:
             f"{following.bytes / GB:.1f} GB, and {free / GB:.1f} are free; free some, or allow it "
             f"less: [compare] memory = {max(0.1, np.floor(10 * free / GB) / 10):g}"
         )
+    return True
 
 
 def _make_ready(
