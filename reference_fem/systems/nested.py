@@ -119,7 +119,7 @@ class Nested:
 
         Linear, symmetric and positive; zero where components are held.
         """
-        found, left = self._smoothed(force)
+        found, left = self._smoothed(self._free * force)
         coarse = self.finer @ self.coarser.correct(self.finer.T @ left) * self._free
         found += coarse
         return np.asarray(found + self._smoothed(left - self._forces(coarse), last=True)[0])
