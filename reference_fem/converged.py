@@ -294,8 +294,8 @@ def converge(
         GB (1e9 bytes) that a mesh in space may take, as predicted by its nodes: the same answer on
         every machine that has so much.
     most_nodes
-        Of the finest mesh, in place of a limit of memory; by default `MOST_NODES` in the plane and
-        `MOST_MIXED` of mixed elements in space.
+        Of the finest mesh, in place of a limit of memory; by default `MOST_NODES` in the plane, and
+        in space by a solver that is named; `MOST_MIXED` of mixed elements there.
     first
         A mesh to start from in place of the one made here.
     mixed
@@ -318,9 +318,13 @@ def converge(
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
     positive_number("memory", memory)
-    most = _most_nodes(problem, mixed) if most_nodes is None else most_nodes
+    most: float = (
+        MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
+    )
     if most_nodes is not None:
-        whole_number("most nodes", most_nodes, 1)
+        most = whole_number("most nodes", most_nodes, 1)
+    elif problem.domain.dim == 3 and solver == "auto" and not mixed:
+        most = np.inf  # memory limits them
     body = first or first_mesh(problem)
     ready: Ready | None = None
     finer: csr_matrix | None = None
@@ -352,13 +356,6 @@ def converge(
         enough = reference.resolved and (many or reference.error <= ROUNDING)
         if enough or more > most or not _fits(following, memory):
             return reference
-
-
-def _most_nodes(problem: Problem, mixed: bool) -> float:
-    """Nodes of the finest mesh; infinite where memory limits it."""
-    if problem.domain.dim == 2:
-        return MOST_NODES[2]
-    return MOST_MIXED if mixed else np.inf
 
 
 def _solve(

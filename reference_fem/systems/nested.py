@@ -101,17 +101,16 @@ class Nested:
                 residual = self._free * (force - inner(u.T.ravel()).reshape(u.shape[::-1]).T)
                 ahead = self.correct(residual)
                 left = _largest(ahead)
-                if left <= ERROR * _largest(u) or left >= SHRINKS * before:
+                if not ERROR * _largest(u) < left < SHRINKS * before:  # nor what is no number
                     break
                 change, taken, rate = self._conjugate_gradients(residual, ahead, u, steps)
                 u, steps, before = u + change, steps + taken, left
-        error = SAFETY * left / _largest(u) / (1 - rate) if left else 0.0
+        error = SAFETY * left / (_largest(u) or 1.0) / (1 - rate)
         scale = _largest(np.abs(self._system[1]) @ np.abs(u)[:, :, None])
         if not (error <= ACCEPTED and _largest(residual) <= RESIDUAL * scale):
             raise SolverError(describe_lost_digits(error))
-        share = _largest(residual) / scale if scale else 0.0
+        share, seconds = _largest(residual) / (scale or 1.0), perf_counter() - began
         reason = "a mesh cut from a coarser one"
-        seconds = perf_counter() - began
         return u, SystemSolution(NESTED, reason, share, steps, seconds, error)
 
     def correct(self, force: Array) -> Array:
