@@ -60,11 +60,12 @@ one that may have a factor, of a third that is solved though two are enough, and
 plates, whose cells are made longer than thick where it had more."""
 MEMORY = 4.0
 """GB that the finest mesh in space may take, by default: a minute where nothing else runs."""
-BYTES = {"H2": 11_100.0, "T2": 6_000.0}
+BYTES = {"H2": 11_100.0, "T2": 9_000.0}
 """Memory a node of the finest mesh, by element in space, nodes counted as `nodes_of_children` does.
 Measured as the peak of a process over what it held before `converge`, 0.2 GB: a bracket of H2 with
-668,865 nodes 7.8 GB, of 89,505 1.2 GB; an L of T2 with 105,633 nodes 0.7 GB. Half of it is the
-stiffness in blocks, a fifth the slopes of shape functions; the rest passes while it is summed."""
+668,865 nodes 7.8 GB, of 89,505 1.2 GB; a plate of bent T2 with 109,504 nodes 1.0 GB, an L of
+straight ones with 105,633 0.7 GB. Half is the stiffness in blocks, a fifth slopes of shape
+functions; the rest passes while it is summed."""
 MOST_MIXED = 12_000
 """The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
 second mesh of plates, whose thin cells take a factor too."""
