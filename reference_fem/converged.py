@@ -56,8 +56,11 @@ from reference_fem.systems.solver import favours_factor
 
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes by the number of axes: of the finest mesh in the plane, by default, some 5 s; in space, of
-one that may have a factor, of a third that is solved though two are enough, and of the second of
+one that is solved by itself where multigrid over all gives up, of a third that is solved though two are enough, and of the second of
 plates, whose cells are made longer than thick where it had more."""
+MOST_DIRECT = 20_000
+"""Nodes of a mesh in space, cut from another, up to which a factor is thought of: of slender bodies
+one takes some 5 s there, but a minute and 4 GB at 58,000."""
 MEMORY = 4.0
 """GB that the finest mesh in space may take, by default: a minute where nothing else runs."""
 BYTES = {"H2": 11_100.0, "T2": 9_000.0}
@@ -406,7 +409,7 @@ def _make_ready(
     """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
     if coarser is None or finer is None or solver != "auto" or body.dim == 2:
         return make_solver(body, law, held, solver)
-    if len(body.points) <= MOST_NODES[3] and favours_factor(body, held):
+    if len(body.points) <= MOST_DIRECT and favours_factor(body, held):
         return make_solver(body, law, held, solver)
     start = finer @ found[-1].displacement
     return Nested(body, held, thickness_tensors(law), numbers_of(law), coarser, finer, start)
