@@ -56,8 +56,9 @@ from reference_fem.systems.solver import favours_factor
 
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes by the number of axes: of the finest mesh in the plane, by default, some 5 s; in space, of
-one that is solved by itself where multigrid over all gives up, of a third that is solved though two are enough, and of the second of
-plates, whose cells are made longer than thick where it had more."""
+one that is solved by itself where multigrid over all gives up, of a third that is solved though two
+are enough, and of the second of plates, whose cells are made longer than thick where it had more.
+"""
 MOST_DIRECT = 20_000
 """Nodes of a mesh in space, cut from another, up to which a factor is thought of: of slender bodies
 one takes some 5 s there, but a minute and 4 GB at 58,000."""

@@ -113,12 +113,10 @@ def sparsity_pattern(cells: Index, nodes: int) -> SparsityPattern:
     return SparsityPattern(columns, start, gather, entry.tocsc().data)
 
 
-def gradient_products(
-    basis: Any, shared: SparsityPattern, cells: Mask | None = None, out: Array | None = None
-) -> Array:
+def gradient_products(basis: Any, shared: SparsityPattern, cells: Mask | None = None) -> Array:
     """∫ ∂φi/∂xc ∂φj/∂xd as entries (d, d, e) of a pattern, on a scalar basis of the library.
 
-    Over all cells, or those of a mask (c,); written to `out` (d, d, e) where it is there.
+    Over all cells, or those of a mask (c,).
     """
     measure = np.asarray(basis.dx)
     if cells is not None:
@@ -134,7 +132,7 @@ def gradient_products(
             found[part] = weighed @ other.transpose(0, 2, 1)
         return found
 
-    return shared.symmetric(len(slopes[0]), products, out)
+    return shared.symmetric(len(slopes[0]), products)
 
 
 def basis_gradients(basis: Any) -> tuple[Array, Array]:
