@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import skfem
@@ -15,6 +17,7 @@ from msvalidate.problem import (
     Domain,
     Field,
     Index,
+    Mask,
     Material,
     Mesh,
     PointForce,
@@ -45,7 +48,13 @@ from reference_fem.stress import (
     pressure_at,
     pressure_numbers,
 )
-from reference_fem.systems.solver import SystemSolution
+from reference_fem.systems.nested import Nested
+from reference_fem.systems.solver import Solver, SystemSolution
+
+Ready = Solver | Nested
+"""What solves the equations of one mesh."""
+Make = Callable[[Discretisation, Materials, Mask], Ready]
+"""What makes that of a body, its materials and held components (n, d)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,24 +220,43 @@ def solve_problem(
         If the elements lock, or the solution fails its residual check or its error may be above
         `solver.ACCEPTED`.
     """
-    _refuse_other_body(problem, body)
-    problem.refuse_free_body()
-    held, displacement = prescribed_displacements(problem, body.points)
-    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
-        force = nodal_forces(problem, body)
-    law = materials_of(problem, body)
     if mixed:
         if solver not in ("auto", "superlu"):
             raise ProblemError(
                 f"solver: {format_value(solver)}; mixed elements are indefinite, take auto or "
                 f"superlu"
             )
+        law, held, displacement, force = _asked(problem, body)
         found, pressure, solved = mixed_solution(body, law, held, displacement, force)
         return Solution(body, found, law, pressure, solved)
+    return solve_by(problem, body, partial(make_solver, choice=solver, allow_locked=allow_locked))[
+        0
+    ]
+
+
+def solve_by(problem: Problem, body: Discretisation, make: Make) -> tuple[Solution, Ready]:
+    """The solution by what is made of a body, its materials and held components (n, d), and that.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As `solve_problem`.
+    """
+    law, held, displacement, force = _asked(problem, body)
     with np.errstate(over="ignore", invalid="ignore"):
-        ready = make_solver(body, law, held, solver, allow_locked=allow_locked)
+        ready = make(body, law, held)
     found, solved = ready.solve(displacement, force)
-    return Solution(body, found, law, solved=solved)
+    return Solution(body, found, law, solved=solved), ready
+
+
+def _asked(problem: Problem, body: Discretisation) -> tuple[Materials, Mask, Array, Array]:
+    """Materials, held components (n, d), their displacements (m) and forces (N), all checked."""
+    _refuse_other_body(problem, body)
+    problem.refuse_free_body()
+    held, displacement = prescribed_displacements(problem, body.points)
+    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
+        force = nodal_forces(problem, body)
+    return materials_of(problem, body), held, displacement, force
 
 
 def _refuse_other_body(problem: Problem, body: Discretisation) -> None:

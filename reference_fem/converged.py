@@ -7,12 +7,14 @@ Some questions have none, and corners where materials cross hide how slow they a
 from __future__ import annotations
 
 import time
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, partial
 from itertools import pairwise
 from math import prod
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from msvalidate.problem import (
     VOIGT,
@@ -25,6 +27,7 @@ from msvalidate.problem import (
     Problem,
     Region,
     Segment,
+    SolverError,
     prescribed_displacements,
 )
 from msvalidate.problem.checks import (
@@ -34,23 +37,43 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, replace
-from reference_fem.body import Solution, nodal_forces, solve_problem
+from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
-from reference_fem.elasticity import stiffness
+from reference_fem.effort import free_memory
+from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.limits import acts_on_points, crossing_order, has_no_limit
-from reference_fem.materials import materials_of
+from reference_fem.materials import Materials, materials_of, numbers_of
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.mesh.outlines import outline_discretisation
-from reference_fem.mesh.subdivide import nodes_of_children, subdivide
+from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
+from reference_fem.systems.cells import ElasticForces
+from reference_fem.systems.nested import NESTED, Nested
+from reference_fem.systems.solver import favours_factor
 
 MOST_NODES = {2: 150_000, 3: 60_000}
-"""Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
+"""Nodes by the number of axes: of the finest mesh in the plane, by default, some 5 s; in space, of
+one that is solved by itself where multigrid over all gives up, of a third that is solved though two
+are enough, and of the second of plates, whose cells are made longer than thick where it had more.
+"""
+MOST_DIRECT = 20_000
+"""Nodes of a mesh in space, cut from another, up to which a factor is thought of: of slender bodies
+one takes some 5 s there, but a minute and 4 GB at 58,000."""
+MEMORY = 4.0
+"""GB that the finest mesh in space may take, by default: a minute where nothing else runs."""
+BYTES = {"H2": 11_100.0, "T2": 9_000.0}
+"""Memory a node of the finest mesh, by element in space, nodes counted as `nodes_of_children` does.
+Measured as the peak of a process over what it held before `converge`, 0.2 GB: a bracket of H2 with
+668,865 nodes 7.8 GB, of 89,505 1.2 GB; a plate of bent T2 with 109,504 nodes 1.0 GB, an L of
+straight ones with 105,633 0.7 GB. Half is the stiffness in blocks, a fifth slopes of shape
+functions; the rest passes while it is summed."""
 MOST_MIXED = 12_000
 """The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
 second mesh of plates, whose thin cells take a factor too."""
+GB = 1e9
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 ACROSS = 3
@@ -59,6 +82,23 @@ MOST_ALONG = 200
 """Cells of the first mesh along any side: those of slender bodies are longer than wide."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
+
+
+@dataclass(frozen=True)
+class More:
+    """What one more mesh takes, as predicted.
+
+    Parameters
+    ----------
+    unknowns, bytes
+        By the nodes that it has, the same on every machine.
+    seconds
+        As many times those of the last mesh.
+    """
+
+    unknowns: float
+    bytes: float
+    seconds: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +119,8 @@ class Reference:
         What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
     contact
         `contact.ElementContact` of an obstacle on the finest mesh, and its relative error, or None.
+    following
+        What one more mesh takes, where memory limits them.
     """
 
     problem: Problem
@@ -88,6 +130,7 @@ class Reference:
     seconds: tuple[float, ...]
     large: tuple[Array, float] | None = None
     contact: Any = None
+    following: More | None = None
 
     @cached_property
     def displacement(self) -> Converged:
@@ -113,6 +156,11 @@ class Reference:
     def resolved(self) -> bool:
         """Whether the accuracy that was asked for is reached."""
         return self.error <= self.accuracy
+
+    @property
+    def more(self) -> More | None:
+        """What it takes to know better; None where it is known as asked, or memory is no limit."""
+        return None if self.resolved or self.no_limit else self.following
 
     @property
     def finest(self) -> Solution:
@@ -188,8 +236,14 @@ class Reference:
         if solution.pressure is not None:
             inner = mixed_forces(solution.body, law, u, solution.pressure)
         else:
-            K = stiffness(solution.body, law)
-            inner = (K @ u.T.ravel()).reshape(u.shape[::-1]).T
+            apply: Callable[[Array], Array] = (
+                ElasticForces(
+                    gradients_at_points(solution.body), thickness_tensors(law), numbers_of(law)
+                )
+                if solution.solved is not None and solution.solved.choice == NESTED
+                else stiffness(solution.body, law).dot
+            )
+            inner = apply(u.T.ravel()).reshape(u.shape[::-1]).T
         held, _ = prescribed_displacements(self.problem, solution.body.points)
         return np.where(held, inner, nodal_forces(self.problem, solution.body))
 
@@ -223,6 +277,7 @@ def converge(
     points: Array,
     accuracy: float = 1e-3,
     *,
+    memory: float = MEMORY,
     most_nodes: int | None = None,
     first: Discretisation | None = None,
     mixed: bool | None = None,
@@ -238,10 +293,14 @@ def converge(
     points
         (p, d) in m, in the body.
     accuracy
-        Of the displacement, over the largest at the points. Where it takes more nodes than there
-        may be, the answer is what there is, with the error that it has.
+        Of the displacement, over the largest at the points. Where it takes more nodes or memory
+        than there may be, the answer is what there is, with the error that it has.
+    memory
+        GB (1e9 bytes) that a mesh in space may take, as predicted by its nodes: the same answer on
+        every machine that has so much.
     most_nodes
-        Of the finest mesh, by default `MOST_NODES` or `MOST_MIXED`.
+        Of the finest mesh, in place of a limit of memory; by default `MOST_NODES` in the plane, and
+        in space by a solver that is named; `MOST_MIXED` of mixed elements there.
     first
         A mesh to start from in place of the one made here.
     mixed
@@ -255,28 +314,106 @@ def converge(
     ProblemError
         If a point lies outside the body, or a support or load cannot be met by a mesh's nodes.
     SolverError
-        If there is no trustworthy answer on the first mesh.
+        If there is no trustworthy answer on the first mesh, or a mesh that `memory` allows takes
+        more than the machine has free.
     """
     require_type("problem", problem, Problem)
     problem.refuse_free_body()
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
-    most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
+    positive_number("memory", memory)
+    most: float = (
+        MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
+    )
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
+    elif problem.domain.dim == 3 and solver == "auto" and not mixed:
+        most = np.inf  # memory limits them
+    body = first or first_mesh(problem)
+    ready: Ready | None = None
+    finer: csr_matrix | None = None
     found: list[Solution] = []
     seconds: list[float] = []
+    reference: Reference | None = None
     while True:
         began = time.perf_counter()
-        body = subdivide(found[-1].body) if found else first or first_mesh(problem)
-        found.append(solve_problem(problem, body, mixed=mixed, solver=solver))
+        if found:
+            body, finer = children_of(body)
+        try:
+            if mixed:
+                found.append(solve_problem(problem, body, mixed=True, solver=solver))
+            else:
+                make = partial(_make_ready, solver, found, ready, finer)
+                solution, ready = _solve(problem, body, make, solver)
+                found.append(solution)
+        except SolverError:
+            if reference is None or len(body.points) <= MOST_NODES[3] or body.dim == 2:
+                raise
+            return replace(reference, following=None)  # cells too long, and children no less so
         seconds.append(time.perf_counter() - began)
-        reference = Reference(problem, x, tuple(found), accuracy, tuple(seconds))
-        known = len(found) >= LEVELS or reference.error <= ROUNDING
-        enough = known and reference.resolved
-        if enough or nodes_of_children(body) > most:
+        following = _following(body, seconds[-1]) if np.isinf(most) else None
+        reference = Reference(
+            problem, x, tuple(found), accuracy, tuple(seconds), following=following
+        )
+        more = nodes_of_children(body)
+        many = len(found) >= LEVELS or more > MOST_NODES[body.dim]
+        enough = reference.resolved and (many or reference.error <= ROUNDING)
+        if enough or more > most or not _fits(following, memory):
             return reference
+
+
+def _solve(
+    problem: Problem, body: Discretisation, make: Make, solver: str
+) -> tuple[Solution, Ready]:
+    """The solution, on meshes that may have a factor by one where multigrid over all gives up."""
+    try:
+        return solve_by(problem, body, make)
+    except SolverError:
+        if body.dim == 2 or solver != "auto" or len(body.points) > MOST_NODES[3]:
+            raise
+    return solve_by(problem, body, partial(make_solver, choice=solver))
+
+
+def _following(body: Discretisation, seconds: float) -> More:
+    """What a mesh with the children of a body's cells takes, if the body's took so long (s)."""
+    nodes = nodes_of_children(body)
+    each = BYTES.get(body.element.name, max(BYTES.values()))
+    return More(body.dim * nodes, nodes * each, seconds * nodes / len(body.points))
+
+
+def _fits(following: More | None, memory: float) -> bool:
+    """Whether a mesh takes no more than so many GB; raise `SolverError` if these are not free."""
+    if following is None:
+        return True
+    if following.bytes > memory * GB:
+        return False
+    free = free_memory()
+    if following.bytes > free:
+        raise SolverError(
+            f"finite elements: the next mesh, of {following.unknowns:.2g} unknowns, takes "
+            f"{following.bytes / GB:.1f} GB, and {free / GB:.1f} are free; free some, or allow it "
+            f"less: [compare] memory = {max(0.1, np.floor(10 * free / GB) / 10):g}"
+        )
+    return True
+
+
+def _make_ready(
+    solver: str,
+    found: list[Solution],
+    coarser: Ready | None,
+    finer: csr_matrix | None,
+    body: Discretisation,
+    law: Materials,
+    held: Mask,
+) -> Ready:
+    """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
+    if coarser is None or finer is None or solver != "auto" or body.dim == 2:
+        return make_solver(body, law, held, solver)
+    if len(body.points) <= MOST_DIRECT and favours_factor(body, held):
+        return make_solver(body, law, held, solver)
+    start = finer @ found[-1].displacement
+    return Nested(body, held, thickness_tensors(law), numbers_of(law), coarser, finer, start)
 
 
 def first_mesh(problem: Problem) -> Discretisation:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -57,6 +59,16 @@ def _breadth_first_order(graph: csr_matrix) -> Index:
     joined = csr_matrix((np.ones(len(indices)), indices, indptr), shape=(size, size))
     seen = breadth_first_order(joined, 0, return_predecessors=False)[1:] - 1
     return np.asarray(by_degree[seen[np.argsort(part[seen], kind="stable")]])
+
+
+def free_memory() -> float:
+    """Bytes that the machine says are free for a process; infinite where it does not say."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+    except OSError:
+        return math.inf
+    told = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
+    return 1024.0 * int(told[0]) if told else math.inf
 
 
 @contextmanager

@@ -369,6 +369,7 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
             quantities=tuple(compare.quantities),
             band=compare.band,
             accuracy=data.reference.accuracy,
+            memory=compare.memory,
             law=data.material.law,
             geometry=compare.geometry,  # type: ignore[arg-type]
             notes={"file": source.name, "unit of length": f"{data.body.unit}"},

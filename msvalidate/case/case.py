@@ -58,7 +58,9 @@ LAWS = ("st-venant-kirchhoff", "neo-hookean")
 GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
 ACCURACY = 1e-3
+MEMORY = 4.0
 LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
+LEAST_MEMORY, MOST_MEMORY = 0.1, 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,8 @@ class Case:
         Largest difference that agrees, over the largest displacement.
     accuracy
         Of the elements, over the largest displacement.
+    memory
+        GB that the elements' finest mesh in space may take.
     law
         Of the elements at large strain, one of `LAWS`.
     geometry
@@ -115,6 +119,7 @@ class Case:
     quantities: tuple[str, ...] = QUANTITIES
     band: float = BAND
     accuracy: float = ACCURACY
+    memory: float = MEMORY
     law: str = LAWS[0]
     geometry: Literal["linear", "nonlinear"] = "linear"
     fracture: Fracture | None = None
@@ -200,6 +205,7 @@ class Case:
                 "under loads that are raised together: leave one of them out"
             )
         finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
+        finite_number("memory", self.memory, least=LEAST_MEMORY, most=MOST_MEMORY)
 
     @property
     def name(self) -> str:

@@ -445,7 +445,7 @@ def _homogenised(
         problem = Problem(
             case.problem.domain, other, case.problem.supports, case.problem.loads, case.name
         )
-        return converge(problem, points, case.accuracy), []
+        return converge(problem, points, case.accuracy, memory=case.memory), []
     except (ProblemError, SolverError) as error:
         return None, [f"material of the springs: not found: {error}"]
 

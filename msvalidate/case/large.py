@@ -58,7 +58,7 @@ def converge_case(case: Case, points: Array, first: Discretisation | None = None
     """
     if case.problem.contacts:
         return converge_contact(case.problem, points, case.accuracy)
-    found = converge(case.problem, points, case.accuracy, first=first)
+    found = converge(case.problem, points, case.accuracy, memory=case.memory, first=first)
     if case.geometry == "linear":
         return found
     return replace(found, large=change_in_full(found, BY_NAME[case.law]))

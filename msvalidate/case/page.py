@@ -129,7 +129,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         head = f"{springs} are compared in nothing that was asked: {why}."
     return head, (
         _kind_sentence(found),
-        _reference_sentence(found.reference),
+        reference_sentence(found.reference),
         *_hole_sentence(found),
         *_mesh_sentence(found),
         *_contact_sentence(found),
@@ -193,21 +193,36 @@ def band_words(case: Case, rows: Sequence[Row]) -> str:
     return f"The band is {percent(case.band)}{own}"
 
 
-def _reference_sentence(reference: Reference) -> str:
+def reference_sentence(reference: Reference) -> str:
+    """How well elasticity is known, on what meshes, and what more would take."""
     nodes = len(reference.finest.body.points)
     about = _body_sentences(reference)
     if reference.no_limit:
         return f"Elasticity has no finite answer: {'; '.join(reference.no_limit)}.{about}"
     if not math.isfinite(reference.error):
         known = f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
-        return known + about
+        return known + _more_sentence(reference) + about
     asked_for = percent(reference.accuracy)
     reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"
     known = (
         f"Elasticity is known to {percent(reference.error)} ({reached}): quadratic elements on "
         f"{len(reference.solutions)} meshes, the finest of {nodes} nodes."
     )
-    return known + about
+    return known + _more_sentence(reference) + about
+
+
+def _more_sentence(reference: Reference) -> str:
+    """What it takes to know elasticity better, where memory is what limits it."""
+    more = reference.more
+    if more is None:
+        return ""
+    size, time = math.ceil(more.bytes / 1e8) / 10, more.seconds
+    took = f"{time / 60:.0f} min" if time >= 90 else f"{math.ceil(time)} s"
+    unknowns = f"{more.unknowns:.1e}".replace("e+0", "e")
+    return (
+        f" Known better by one more mesh: {unknowns} unknowns, {size:g} GB, {took} "
+        f"([compare] memory = {size:g})."
+    )
 
 
 def _body_sentences(reference: Reference) -> str:
@@ -242,11 +257,12 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     else:
         said.append(f"Rest: they may still change by {percent(found.residual_motion)}, as stated.")
     if found.reference.no_limit:
-        return head, (*said, _reference_sentence(found.reference))
+        return head, (*said, reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     said.append(
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
-        f"{percent(found.result.accuracy)}.{_body_sentences(found.reference)}"
+        f"{percent(found.result.accuracy)}.{_more_sentence(found.reference)}"
+        f"{_body_sentences(found.reference)}"
     )
     return head, tuple(said)
 

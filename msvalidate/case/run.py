@@ -133,6 +133,7 @@ def reference_content(reference: Reference) -> dict[str, object]:
         "asked": reference.accuracy,
         "resolved": reference.resolved,
         "nodes": len(reference.finest.body.points),
+        "more": reference.more and vars(reference.more),
     }
 
 

@@ -146,6 +146,7 @@ class Compare(Struct, forbid_unknown_fields=True):
     quantities: list[str] = msgspec.field(default_factory=lambda: list(QUANTITIES))
     band: float = 0.05
     geometry: str = "linear"
+    memory: float = 4.0
 
 
 class Reference(Struct, forbid_unknown_fields=True):

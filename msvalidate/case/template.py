@@ -62,6 +62,7 @@ cells = 20                # across the narrowest side; or spacing = 0.05
 points = "lattice"        # or "mesh", or [[1.0, 0.5], [4.0, 0.5]]
 band = 0.05               # largest difference that agrees, over the largest displacement
 # geometry = "nonlinear"  # springs and elements at rest however large the displacement
+# memory = 4.0            # GB that the elements' finest mesh in space may take
 # quantities = ["displacement", "reactions", "strain energy", "mean stress", "point stress"]
 
 [reference]

@@ -16,6 +16,9 @@ from scipy.sparse import csc_matrix, csr_matrix
 from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.records import dataclass
 
+AT_ONCE = 1000
+"""Cells whose products are made at once: all slopes of H2 take 2 kB a node, copied."""
+
 
 @dataclass(frozen=True, eq=False)
 class SparsityPattern:
@@ -45,7 +48,9 @@ class SparsityPattern:
         """The matrix (n, n) with such entries (e,)."""
         return csr_matrix((entries, self.columns, self.start), shape=(self.nodes,) * 2)
 
-    def symmetric(self, d: int, products: Callable[[int, int], Array]) -> Array:
+    def symmetric(
+        self, d: int, products: Callable[[int, int], Array], out: Array | None = None
+    ) -> Array:
         """Entries (d, d, e) of a matrix that is symmetric to the last bit.
 
         Parameters
@@ -54,8 +59,10 @@ class SparsityPattern:
             Components of a node.
         products
             What the cells bring, (c, k, k), to block [a][b]; asked for where a <= b.
+        out
+            (d, d, e) to write to, where it is there.
         """
-        found = np.empty((d, d, len(self.columns)))
+        found = np.empty((d, d, len(self.columns))) if out is None else out
         for a in range(d):
             for b in range(a, d):
                 found[a, b] = self.gather @ products(a, b).ravel()
@@ -85,12 +92,16 @@ class SparsityPattern:
 def sparsity_pattern(cells: Index, nodes: int) -> SparsityPattern:
     """Pattern of cells (c, k) on so many nodes, from two sorts that count: linear in the pairs."""
     count, k = cells.size, cells.shape[1]
+    whole = np.int32 if count * k < 2**31 else np.int64  # these are most of what assembly takes
     # A row for each node of each cell: its pairs, numbered as they come.
-    second = np.repeat(cells, k, axis=0).ravel()
-    listed = csr_matrix((np.arange(count * k), second, k * np.arange(count + 1)), (count, nodes))
-    by_second = listed.tocsc()
+    cells, number = cells.astype(whole), np.arange(count * k, dtype=whole)
+    rows = np.arange(count + 1, dtype=whole) * k
+    by_second = csr_matrix(
+        (number, np.repeat(cells, k, axis=0).ravel(), rows), (count, nodes)
+    ).tocsc()
     first = cells.ravel()[by_second.indices]
     pairs = csc_matrix((by_second.data, first, by_second.indptr), (nodes, nodes)).tocsr()
+    del number, by_second, first
     new = np.diff(pairs.indices, prepend=-1) != 0
     new[pairs.indptr[:-1]] = True
     (begin,) = new.nonzero()
@@ -98,7 +109,7 @@ def sparsity_pattern(cells: Index, nodes: int) -> SparsityPattern:
     gather = csr_matrix(
         (np.ones(count * k), pairs.data, np.append(begin, count * k)), (len(begin), count * k)
     )
-    entry = csr_matrix((np.arange(len(begin)), columns, start), (nodes, nodes))
+    entry = csr_matrix((np.arange(len(begin), dtype=whole), columns, start), (nodes, nodes))
     return SparsityPattern(columns, start, gather, entry.tocsc().data)
 
 
@@ -107,12 +118,21 @@ def gradient_products(basis: Any, shared: SparsityPattern, cells: Mask | None = 
 
     Over all cells, or those of a mask (c,).
     """
-    by_function, measure = basis_gradients(basis)
+    measure = np.asarray(basis.dx)
     if cells is not None:
         measure = np.where(cells[:, None], measure, 0.0)
-    along = np.ascontiguousarray(by_function.transpose(1, 2, 0, 3))  # (d, c, k, q)
-    weighed = along * measure[:, None]  # a weight may be negative: no root of it on either side
-    return shared.symmetric(len(along), lambda a, b: weighed[a] @ along[b].transpose(0, 2, 1))
+    slopes = [function.grad for (function,) in basis.basis]
+
+    def products(a: int, b: int) -> Array:
+        found = np.empty((len(measure), len(slopes), len(slopes)))
+        for first in range(0, len(measure), AT_ONCE):
+            part = slice(first, first + AT_ONCE)
+            along, other = (np.stack([each[i, part] for each in slopes], axis=1) for i in (a, b))
+            weighed = along * measure[part, None]  # a weight may be negative: no root of it
+            found[part] = weighed @ other.transpose(0, 2, 1)
+        return found
+
+    return shared.symmetric(len(slopes[0]), products)
 
 
 def basis_gradients(basis: Any) -> tuple[Array, Array]:

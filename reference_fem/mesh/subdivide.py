@@ -10,6 +10,7 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from msvalidate.problem import SHAPES, Array, Index, Shape
 from msvalidate.problem.checks import refuse_too_many
@@ -20,6 +21,8 @@ SEED = 20_240_229
 """Of the numbers that nodes are told apart by."""
 SCALE = 64
 """Nodes of children lie at multiples of a quarter along each axis: weights of corners are whole."""
+NO_SHARE = 1e-12
+"""Value of a shape function that is rounding of zero."""
 _TETRAHEDRON = (
     ((0, 0), (0, 1), (0, 2), (0, 3)),
     ((0, 1), (1, 1), (1, 2), (1, 3)),
@@ -44,11 +47,23 @@ def subdivide(body: Discretisation, times: int = 1) -> Discretisation:
         If memory does not suffice.
     """
     for _ in range(times):
-        kind = body.element
-        refuse_too_many("subdivided mesh", nodes_of_children(body), kind.most_nodes)
-        points, cells = _halve(body.points, body.cells, kind)
-        body = make_discretisation(points, cells, kind.name)
+        refuse_too_many("subdivided mesh", nodes_of_children(body), body.element.most_nodes)
+        body, _ = children_of(body)
     return body
+
+
+def children_of(body: Discretisation) -> tuple[Discretisation, csr_matrix]:
+    """The same body with each cell cut into 2^d, and what takes values (n,) to its nodes (m, n).
+
+    Children lie on their parent's own map, so a field of the mesh is one of the finer mesh.
+
+    Raises
+    ------
+    SolverError
+        If memory does not suffice.
+    """
+    points, cells, finer = _halve(body.points, body.cells, body.element)
+    return make_discretisation(points, cells, body.element.name), finer
 
 
 def nodes_of_children(body: Discretisation) -> float:
@@ -56,21 +71,28 @@ def nodes_of_children(body: Discretisation) -> float:
     return float(len(body.points) * 2**body.dim)
 
 
-def _halve(points: Array, cells: Index, kind: Element) -> tuple[Array, Index]:
-    """Points (n, d) in m and cells (2^d c, k) of all children."""
+def _halve(points: Array, cells: Index, kind: Element) -> tuple[Array, Index, csr_matrix]:
+    """Points (m, d) in m and cells (2^d c, k) of all children, and values (n,) at the points."""
     shape = SHAPES[kind.shape]
     corners = _children(shape)
     # Straight children of the unit cell: their nodes (children, k, dim), then the cell's own map.
     local = np.einsum("kc,hcd->hkd", shape.straight.values(shape.nodes), corners)
     flat = local.reshape(-1, shape.dim)
-    places = np.einsum("qk,ckd->cqd", shape.values(flat), points[cells])
+    value = shape.values(flat)
+    places = np.einsum("qk,ckd->cqd", value, points[cells])
     weights = np.rint(SCALE * shape.straight.values(flat)).astype(np.uint64)
     number = np.random.default_rng(SEED).integers(2**63, size=len(points), dtype=np.uint64)
     # Neighbours weigh the corners of their common side alike: whole sums, modulo 2^64, tell nodes.
     keys = weights @ number[cells[:, : shape.corners]].T
     _, first, which = np.unique(keys.T.ravel(), return_index=True, return_inverse=True)
     found = places.reshape(-1, points.shape[1])[first]
-    return found, which.reshape(-1, len(shape.nodes))
+    parent, place = np.divmod(first, len(flat))
+    value[np.abs(value) < NO_SHARE] = 0.0
+    start = np.arange(len(found) + 1) * value.shape[1]
+    entries = value[place].ravel(), cells[parent].ravel(), start
+    finer = csr_matrix(entries, shape=(len(found), len(points)))
+    finer.eliminate_zeros()
+    return found, which.reshape(-1, len(shape.nodes)), finer
 
 
 def _children(shape: Shape) -> Array:

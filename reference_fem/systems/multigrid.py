@@ -56,6 +56,11 @@ class Hierarchy:
             self._A = inside @ scaled @ inside + diags_array(1.0 - free)
             self._cycle = _cycle(body, free, self._A)
 
+    def correct(self, force: Array) -> Array:
+        """Nearly the displacements (n, d) in m of forces (n, d) in N, by one cycle."""
+        right = np.where(self._held, 0.0, force / self._unit)
+        return np.asarray((self._cycle @ right.ravel()).reshape(right.shape))
+
     def solve(
         self, load: Array, steps: int = MOST_STEPS, error: float = ERROR
     ) -> tuple[Array, int]:
@@ -101,8 +106,8 @@ def _conjugate_gradients(
     while _norm(ahead) > allowed:
         direction = ahead  # afresh, from a residual that no recursion has let drift
         while _norm(ahead) > allowed:
-            force, power = A @ direction, _dot(residual, ahead)
-            stiff = _dot(direction, force)
+            force, power = A @ direction, dot(residual, ahead)
+            stiff = dot(direction, force)
             if steps == most or not (stiff > 0 and power > 0):  # or rounding is all that is left
                 left = _norm(ahead) * error / allowed
                 raise SolverError(
@@ -113,7 +118,7 @@ def _conjugate_gradients(
             x = x + power / stiff * direction
             residual = residual - power / stiff * force
             ahead = cycle @ residual
-            direction = ahead + _dot(residual, ahead) / power * direction
+            direction = ahead + dot(residual, ahead) / power * direction
             steps += 1
         if error >= ROUGH:
             break
@@ -122,13 +127,13 @@ def _conjugate_gradients(
     return x, steps
 
 
-def _dot(a: Array, b: Array) -> float:
+def dot(a: Array, b: Array) -> float:
     """Sum of products, in one order: that of BLAS, and the last digits, depend on its threads."""
     return float(np.einsum("i,i", a, b))
 
 
 def _norm(a: Array) -> float:
-    return math.sqrt(_dot(a, a))
+    return math.sqrt(dot(a, a))
 
 
 def _cycle(body: Discretisation, free: Mask, A: csr_array) -> LinearOperator:

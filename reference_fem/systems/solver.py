@@ -235,6 +235,15 @@ class Solver:
             return lambda u: np.asarray(self.stiffness @ u)
         return ElasticForces(gradients_at_points(self.body), self.tensor, self.number)
 
+    def correct(self, force: Array) -> Array:
+        """Nearly the displacements (n, d) in m of forces (n, d) in N; zero where held.
+
+        By the factor, where there is one, or by one cycle of multigrid: linear and symmetric.
+        """
+        if self._chosen[0] == "multigrid" and "_factor" not in vars(self):
+            return self._hierarchy.correct(force)
+        return self.inverse(force.T.ravel()).reshape(self.body.dim, -1).T
+
     def _remedy(self, **given: Array) -> str:
         """What to say of a solution that fails its check."""
         for name, values in {"stiffness": self.stiffness.data, **given}.items():
@@ -307,6 +316,12 @@ class Solver:
     @cached_property
     def _hierarchy(self) -> Hierarchy:
         return Hierarchy(self.body, self.held, self.stiffness)
+
+
+def favours_factor(body: Discretisation, held: Mask) -> bool:
+    """Whether "auto" begins with a factor of a body in space with such components (n, d) held."""
+    products = MOST_PRODUCTS["superlu"] * body.dim**2 * len(body.pattern.columns)
+    return not body.in_one_piece or factor_envelope(body.links, held)[1] <= products
 
 
 def describe_lost_digits(error: float) -> str:

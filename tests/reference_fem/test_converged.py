@@ -17,6 +17,7 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Region,
+    SolverError,
     Support,
     Traction,
     Zone,
@@ -173,3 +174,22 @@ def test_materials_that_cross_are_known_to_hide_their_error():
     assert found.error > 0.05
     beside = replace(problem, zones=problem.zones[:1])
     assert converge(beside, np.array([[2.0, 2.0]]), most_nodes=5000).error < 0.05
+
+
+def test_memory_limits_meshes_in_space(monkeypatch):
+    cube = Box((1.0, 1.0, 1.0))
+    problem = Problem(
+        cube, Isotropic(1e5, 0.3, "solid"), (Support(cube.side("left"), (0.0, 0.0, 0.0)),),
+        (Traction(cube.side("right"), (0.0, 0.0, 1.0)),),
+    )  # fmt: skip
+    at = np.array([[1.0, 1.0, 1.0]])
+    found = converge(problem, at, 1e-9, memory=0.1)
+    sizes = [len(solution.body.points) for solution in found.solutions]
+    assert sizes == [343, 2197]
+    assert found.more.unknowns == 3 * 8 * 2197
+    assert 0.1e9 < found.more.bytes < 0.5e9
+    assert found.more.seconds == pytest.approx(8 * found.seconds[-1])
+    assert converge(problem, at, 0.1, memory=0.05).more is None  # known as asked
+    monkeypatch.setattr("reference_fem.converged.free_memory", lambda: 0.12e9)
+    with pytest.raises(SolverError, match=r"unknowns, takes 0\.2 GB, and 0\.1 are free.*= 0\.1"):
+        converge(problem, at, 1e-9, memory=1.0)

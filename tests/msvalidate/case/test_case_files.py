@@ -191,6 +191,7 @@ BAD = [
     (((LOAD, LOAD + '\n[compare]\nquantities = ["x"]'),), "quantity: 'x'; choose displacement"),
     (((LOAD, LOAD + "\n[compare]\nband = 0"),), "line 15: compare: band"),
     (((LOAD, LOAD + "\n[reference]\naccuracy = 1"),), "line 15: reference: accuracy: 1.0; give a"),
+    (((LOAD, LOAD + "\n[compare]\nmemory = 0"),), "compare: memory: 0.0; give a number"),
     ((('name = "beam"', 'name = ""'),), "line 2: name: problem name"),
     ((('name = "beam"', "name = 3"),), "line 2: name: 3; give a text"),
 ]  # fmt: skip

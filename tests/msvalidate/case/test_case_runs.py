@@ -21,9 +21,9 @@ from msvalidate.case.case import LAWS, Case
 from msvalidate.case.comparison import OTHER_MATERIAL, compare_case
 from msvalidate.case.fracture import Fracture, break_springs
 from msvalidate.case.large import converge_case
-from msvalidate.case.page import sentences, shown_tables
+from msvalidate.case.page import reference_sentence, sentences, shown_tables
 from msvalidate.case.results import read_result
-from msvalidate.case.run import case_files, judged_files
+from msvalidate.case.run import case_files, judged_files, reference_content
 from msvalidate.case.springs import solve_springs
 from msvalidate.lattice import patterns
 from msvalidate.linear_algebra.norms import max_length
@@ -60,6 +60,20 @@ def pulled_down(nu=0.3, state="plane_strain", force=-1000.0, **options):
     loads = (Traction(BEAM.side("right"), (0.0, force)),)
     held = (Support(BEAM.side("left"), (0.0, 0.0)),)
     return Case(Problem(BEAM, Isotropic(1e5, nu, state), held, loads), cells=10, **options)
+
+
+def test_what_one_more_mesh_takes_is_said():
+    cube = Box((1.0, 1.0, 1.0))
+    held, pull = Support(cube.side("left"), (0.0, 0.0, 0.0)), Traction(cube.side("top"), (1, 0, 0))
+    asked = Problem(cube, Isotropic(1e5, 0.3, "solid"), (held,), (pull,))
+    found = converge_case(Case(asked, accuracy=1e-6, memory=0.1), np.ones((1, 3)))
+    said = reference_sentence(found)
+    assert "Known better by one more mesh: 5.3e4 unknowns, 0.2 GB, " in said
+    assert said.endswith("([compare] memory = 0.2).")
+    assert reference_content(found)["more"]["unknowns"] == 3 * 8 * len(found.finest.body.points)
+    known = replace(found, accuracy=1.0)
+    assert "more mesh" not in reference_sentence(known)
+    assert reference_content(known)["more"] is None
 
 
 def test_a_linear_target_and_the_springs_law_make_up_large_displacements():
