@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import meshio
 import numpy as np
 import pytest
@@ -357,3 +359,30 @@ def test_files_that_include_others_are_refused(tmp_path):
         path.write_text(f"*NODE\n1, 0, 0\n{line}\n", encoding="utf-8")
         with pytest.raises(ProblemError, match="line 3 includes another file; join the files"):
             read_mesh(path)
+
+
+def test_geometry_files_need_gmsh_and_say_so(tmp_path, monkeypatch):
+    file = tmp_path / "part.step"
+    file.write_text("ISO-10303-21;")
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    with refused("'part.step': gmsh makes meshes of .step files, and is not installed"):
+        read_mesh(file)
+    with refused("has cells of its own; leave out cell"):
+        read_mesh(written(box_mesh("Q1"), tmp_path, "gmsh22")[0], cell=0.1)
+
+
+def test_a_box_of_a_step_file_has_its_volume_and_faces(tmp_path):
+    gmsh = pytest.importorskip("gmsh")
+    for name in ("box.step", "box.stl"):
+        gmsh.initialize(interruptible=False)
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.occ.addBox(0, 0, 0, 30, 20, 10)
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(tmp_path / name))
+        gmsh.finalize()
+        mesh = read_mesh(tmp_path / name, 1e-3, cell=5e-3)
+        assert mesh.shape == ("tetra10" if name.endswith("step") else "tetra")
+        assert mesh.volume == pytest.approx(6e-6)
+        assert set(mesh.boundaries) >= {f"face {i}" for i in range(1, 7)}
+        assert sum(mesh.side(n).measure(None) for n in mesh.boundaries) == pytest.approx(2.2e-3)
