@@ -74,8 +74,8 @@ class MeshSprings:
         if not simplex:
             return ""
         if near:
-            return "linear triangles and tetrahedra lock near ratio 1/2"
-        return "linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
+            return "Linear triangles and tetrahedra lock near ratio 1/2"
+        return "Linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
 
 
 def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshSprings | None, str]:

@@ -167,9 +167,8 @@ def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
         'which an engine must have; take them by [springs] on = "mesh".'
     )
     off = [row.difference for row in found.rows if row.quantity == "displacement"]
-    if own.locks and off and off[0] < first["difference"]:
-        said += f" The lattice is nearer: {own.locks}."
-    return (said,)
+    nearer = ": the lattice is nearer" if off and off[0] < first["difference"] else ""
+    return (f"{said} {own.locks}{nearer}." if own.locks else said,)
 
 
 def _contact_sentence(found: Comparison) -> tuple[str, ...]:

@@ -151,6 +151,7 @@ def verdict_content(
         "quantities": [vars(row) for row in found.rows],
         "springs": [advice_record(each) for each in found.advice],
         "reference": reference_content(found.reference),
+        "on_mesh": found.on_mesh.table.to_dict("records") if found.on_mesh else [],
         "notes": found.notes,
         "origin": dict(origin),
     }
