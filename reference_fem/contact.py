@@ -266,10 +266,12 @@ def press_closely(
     values = [
         np.array([one.half_width, one.pressure.max(), one.depth, one.total]) for one in found[-2:]
     ]
-    change = float(np.abs(values[0] / values[1] - 1).max())
+    with np.errstate(divide="ignore", invalid="ignore"):  # of one node that touches
+        change = float(np.nan_to_num(np.abs(values[0] / values[1] - 1), nan=np.inf).max())
     touched = found[-1].points[found[-1].pressure > 0]
     apart = np.sort(cdist(touched, touched), axis=1)[:, 1].max() if len(touched) > 1 else np.inf
-    return found, max(change, (float(apart) / found[-1].half_width) ** 2)
+    width = found[-1].half_width
+    return found, max(change, (float(apart) / width) ** 2 if width else np.inf)
 
 
 def converge_contact(problem: Problem, points: Array, accuracy: float) -> Reference:

@@ -499,6 +499,7 @@ WRITERS = {
 WRITING = {
     "msvalidate.case.sweep": ("journal.open(", "journal.parent.mkdir("),
     "msvalidate_check.exchange": ("",),
+    "msvalidate.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),
     "msvalidate.simulators.program": ("tempfile.TemporaryDirectory(",),

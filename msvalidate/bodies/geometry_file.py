@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from msvalidate.linear_algebra.factor import silence_library
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 
@@ -19,6 +20,8 @@ GEOMETRIES = (".step", ".stp", ".stl")
 """Suffixes of files that hold faces and no cells."""
 CELLS, ROUND = 25, 12
 """Cells along a body's diagonal, and round a circle, where no size is given."""
+MOST = 200_000
+"""Cells' sizes cubed, in the plane squared, that a body may hold."""
 ANGLE = math.radians(40)
 """Between triangles of an .stl file, from which on they belong to different faces."""
 
@@ -53,13 +56,17 @@ def meshed_geometry(file: Path, size: float | None = None) -> Iterator[Path]:
         gmsh.initialize(interruptible=False)
         try:
             gmsh.option.setNumber("General.Terminal", 0)
-            _mesh(gmsh, file, size)
-            gmsh.write(str(made))
+            with silence_library():  # what reads .step files writes to the terminal by itself
+                _mesh(gmsh, file, size)
+                gmsh.write(str(made))
         except ProblemError as error:
             raise ProblemError(f"{said}: {error}") from error
         except Exception as error:  # whatever gmsh says, as one line
-            why = " ".join(str(error).split())
-            raise ProblemError(f"{said}: gmsh makes no mesh of it: {why}; mend it") from error
+            why = " ".join(str(error).split()).replace(str(file), file.name)
+            raise ProblemError(
+                f"{said}: gmsh makes no mesh of it: {why}; export it again, whole and closed, or "
+                "mesh it elsewhere"
+            ) from error
         finally:
             gmsh.finalize()
         yield made
@@ -88,6 +95,13 @@ def _mesh(gmsh: Any, file: Path, size: float | None) -> None:
         model.addPhysicalGroup(dim - 1, [tag], name=f"{word} {number}")
     low_high = model.getBoundingBox(-1, -1)
     largest = size or math.dist(low_high[:3], low_high[3:]) / CELLS
+    room = math.prod(b - a for a, b in zip(low_high[:dim], low_high[3:], strict=False))
+    whole = room if faceted else sum(model.occ.getMass(dim, tag) for tag in bodies)
+    if whole / largest**dim > MOST:
+        raise ProblemError(
+            f"cell: some {whole / largest**dim:.2g} cells of {largest:g}, and the most is "
+            f"{MOST:g}; give a larger one"
+        )
     gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ROUND)
     gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)

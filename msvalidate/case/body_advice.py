@@ -30,7 +30,7 @@ from msvalidate.problem.records import replace
 
 EDGE_FORMULAS = {
     True: "sum of E·V/L² over its cells, V their volume",
-    False: "sum of -μ·V ∇φi·∇φj over its cells, φ linear",
+    False: "sum of -μ∫∇φi·∇φj over its cells, φ of their corners",
 }
 """Whether springs are at rest -> stiffness of a mesh's edge; V has the thickness in it."""
 FREQUENCY = 1e-4
@@ -63,7 +63,7 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
         middle = int(np.argsort(k, kind="stable")[len(k) // 2])
         edges = SpringKind(
             name=f"k, from {k.min():.6g} to {k.max():.6g} N/m, median",
-            along="the mesh's edges",
+            along="the mesh's edges, and diagonals of other cells than simplices",
             constant=float(k[middle]),
             length=float(network.rest_length[middle]),
             formula=EDGE_FORMULAS[case.route != EDGE_ROUTES[1]] if own else "",

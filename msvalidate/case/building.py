@@ -126,6 +126,8 @@ def _domain(source: Source, unit: float) -> Domain:
     if len(given) != 1:
         said = " and ".join(given) or "no shape"
         raise source.error(("body",), f"{said}; give one of box, polygon and mesh")
+    if body.cell is not None and body.mesh is None:
+        raise source.error(("body", "cell"), f"of a {given[0]}; it is of .step and .stl files")
     with source.at("body", given[0]):
         if body.box is not None:
             return Box(tuple(unit * edge for edge in body.box))
@@ -325,24 +327,41 @@ def _contact(source: Source, number: int, given: Contact, domain: Domain) -> Pro
 # The rest -----------------------------------------------------------------------------------------
 
 
+def _is_on_mesh(source: Source, problem: Problem) -> bool:
+    """Whether springs are asked for on the body's own mesh, with nothing that these have not."""
+    given, where = source.data.springs, ("springs", "on")
+    if given.on not in SPRINGS_ON:
+        raise source.error(where, f"{format_value(given.on)}; choose {' or '.join(SPRINGS_ON)}")
+    if given.on == SPRINGS_ON[0]:
+        return False
+    if not isinstance(problem.domain, Mesh):
+        raise source.error(where, f"the body is a {problem.domain}: give a mesh, or on = 'lattice'")
+    for name in ("lattice", "route", "constants", "volume"):
+        value = getattr(given, name)
+        if value not in (None, EDGE_ROUTES[1]):
+            raise source.error(
+                where, f"'mesh' with {name} {format_value(value)}; leave {name} out, as these "
+                "springs are the material's, or take on = 'lattice'"
+            )  # fmt: skip
+    if source.data.fracture is not None:
+        raise source.error(
+            where, "'mesh' with [fracture]; springs that break rest at a length: on = 'lattice'"
+        )
+    return True
+
+
 def _case(source: Source, problem: Problem, unit: float) -> Case:
     data = source.data
     springs, compare = data.springs, data.compare
     given = compare.points
     with source.at("compare", "points"):
         points = given if isinstance(given, str) else unit * finite_coordinates("points", given)
-    with source.at("springs", "on"):
-        require_one_of("on", springs.on, SPRINGS_ON)
-        if springs.on == SPRINGS_ON[1] and springs.lattice is not None:
-            raise ProblemError(f"'mesh' with lattice {springs.lattice!r}; leave one of them out")
-    on_mesh = springs.on == SPRINGS_ON[1]
-    # Springs of the material, whatever the mesh: those at rest on edges are asked for by name.
-    route = EDGE_ROUTES[1] if on_mesh and springs.constants is None else None
+    on_mesh = _is_on_mesh(source, problem)
     values = {
         "lattice": MESH_EDGES if on_mesh else springs.lattice,
         "spacing": None if springs.spacing is None else unit * springs.spacing,
         "cells": springs.cells,
-        "route": springs.route or route,
+        "route": EDGE_ROUTES[1] if on_mesh else springs.route,
         "constants": None if springs.constants is None else tuple(springs.constants),
         "volume": springs.volume or 0.0,
     }

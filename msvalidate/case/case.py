@@ -405,5 +405,5 @@ def describe_spacing(case: Case) -> str:
     """Words for the lattice and its spacing."""
     if case.lattice == MESH_EDGES:
         under = ", of no rest length" if case.route == EDGE_ROUTES[1] else ""
-        return f"a spring on each edge of the mesh{under}"
+        return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
     return f"{case.lattice}, {spacing_of(case):.6g} m"

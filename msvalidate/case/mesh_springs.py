@@ -13,7 +13,7 @@ from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
 from msvalidate.case.part_mesh import spacing_of_points
 from msvalidate.case.springs import SpringAnswer, displacements_at, limit_of, solve_finer
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Isotropic, Mesh, ProblemError, SolverError
+from msvalidate.problem import Isotropic, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
 
@@ -60,22 +60,19 @@ class MeshSprings:
         values = displacements_at(self.answers, self.reference.points)
         return limit_of(self.answers, values).order if len(values) > 2 else np.nan
 
-    @property
-    def locks(self) -> str:
-        """What makes these cells too stiff, in words; "" where nothing does."""
-        problem = self.answers[0].problem
-        simplex = isinstance(problem.domain, Mesh) and problem.domain.kind.simplex
-        near = any(
-            isinstance(law, Isotropic)
-            and law.state != "plane_stress"
-            and law.nu >= NEARLY_INCOMPRESSIBLE
-            for law in problem.materials
-        )
-        if not simplex:
-            return ""
-        if near:
-            return "Linear triangles and tetrahedra lock near ratio 1/2"
-        return "Linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
+
+def locking(problem: Problem) -> str:
+    """What makes linear elements of a problem's mesh too stiff, in words; "" where nothing does."""
+    if not (isinstance(problem.domain, Mesh) and problem.domain.kind.simplex):
+        return ""
+    if any(
+        isinstance(law, Isotropic)
+        and law.state != "plane_stress"
+        and law.nu >= NEARLY_INCOMPRESSIBLE
+        for law in problem.materials
+    ):
+        return "Linear triangles and tetrahedra lock near ratio 1/2"
+    return "Linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
 
 
 def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshSprings | None, str]:
@@ -84,7 +81,8 @@ def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshS
     None, with no reason, of a body without a mesh or of a case whose springs are these.
     """
     mesh = case.problem.domain
-    if not isinstance(mesh, Mesh) or case.lattice == MESH_EDGES:
+    these = (case.lattice, case.route) == (MESH_EDGES, EDGE_ROUTES[1])
+    if not isinstance(mesh, Mesh) or these:
         return None, ""
     if case.problem.contacts or case.geometry == "nonlinear":
         return None, "springs on the mesh: of loads to first order; for others take on = 'mesh'"

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.case.budget import COLUMNS, OWN, material_off
-from msvalidate.case.case import Case, describe_spacing
+from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case, describe_spacing
 from msvalidate.case.comparison import (
     COARSE,
     OTHER_MATERIAL,
@@ -21,6 +21,7 @@ from msvalidate.case.comparison import (
 )
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judgement
+from msvalidate.case.mesh_springs import locking
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.gaps import narrow_holes
@@ -154,7 +155,10 @@ def _hole_sentence(found: Comparison) -> tuple[str, ...]:
 
 def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
     """How far off springs on the part's own mesh are, and what an engine must have for them."""
-    own = found.on_mesh
+    own, case = found.on_mesh, found.case
+    stiff = locking(case.problem)
+    if own is None and stiff and (case.lattice, case.route) == (MESH_EDGES, EDGE_ROUTES[1]):
+        return (f'{stiff}: take cells with four or eight corners, or [springs] on = "lattice".',)
     if own is None:
         return ()
     first = own.table.iloc[0]
@@ -168,7 +172,7 @@ def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
     )
     off = [row.difference for row in found.rows if row.quantity == "displacement"]
     nearer = ": the lattice is nearer" if off and off[0] < first["difference"] else ""
-    return (f"{said} {own.locks}{nearer}." if own.locks else said,)
+    return (f"{said} {stiff}{nearer}." if stiff else said,)
 
 
 def _contact_sentence(found: Comparison) -> tuple[str, ...]:
@@ -280,7 +284,9 @@ def _kind_sentence(found: Comparison) -> str:
     off, support = material_off(found), found.support
     right = off <= found.case.band
     if found.kind == COARSE:
-        said = f"{closing}: what is left is spacing."
+        nearer = max_length(limit.displacement - found.reference.displacement.value) / size
+        left = nearer <= float(found.relative.max()) + limit.uncertainty / size
+        said = f"{closing}: {'what is left is spacing' if left else 'no nearer, in the band'}."
     elif found.kind == OTHER_MATERIAL and right:
         said = f"{closing}, though their material is right to {percent(off)}: it is the boundary."
     elif found.kind == OTHER_MATERIAL:

@@ -39,9 +39,13 @@ from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.cut import cell_weights, joins_corners
+from msvalidate.lattice.edges import EdgeLattice
+from msvalidate.lattice.parts import cell_shape
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, Problem, ProblemError, SolverError
+from msvalidate.problem.motions import format_point
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.problem.shapes import weights_at
 from msvalidate.statics.breaking import Growth
 from msvalidate.statics.contact import ContactEquilibrium, press
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
@@ -118,6 +122,16 @@ class SpringAnswer:
 
     def _between(self, places: Array) -> Array:
         lattice = self.lattice
+        if isinstance(lattice, EdgeLattice):
+            x, mesh = lattice.points[lattice.cells], lattice.domain
+            cell, weights = weights_at(cell_shape(lattice), x, places, mesh.tolerance)
+            if cell.min() < 0:
+                raise ProblemError(
+                    f"springs on the mesh: place {format_point(places[cell.argmin()])} m is in "
+                    "none of its straight cells; take a smaller spacing, or a place further inside"
+                )
+            moved = self.rest.displacement[lattice.cells[cell]]
+            return np.asarray(np.einsum("pc,pcd->pd", weights, moved))
         if not isinstance(lattice, PatternLattice) or not joins_corners(lattice.pattern):
             raise ProblemError(
                 f"springs on {lattice.name}: no displacement between points; compare at points "

@@ -105,7 +105,7 @@ def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
         If the factor does not fit in memory.
     """
     try:
-        with _silence_library():
+        with silence_library():
             lu = splu(
                 (matrix if order is None else matrix[order][:, order]).tocsc(),
                 permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
@@ -123,7 +123,7 @@ def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
 
 
 @contextmanager
-def _silence_library() -> Iterator[None]:
+def silence_library() -> Iterator[None]:
     """Keep the library's own lines, of memory that it does not get, from the terminal.
 
     Those of the whole process: what other threads write in the meantime is lost.

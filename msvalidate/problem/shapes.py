@@ -301,6 +301,20 @@ def incident_pairs(
     return cell[meets], point[meets]
 
 
+def weights_at(shape: Shape, places: Array, points: Array, tolerance: float) -> tuple[Index, Array]:
+    """A cell (n,) of some (c, k, d) for each point (n, d), -1 where none, and its shape functions.
+
+    These are (n, k), at the place of the cell that is mapped to the point.
+    """
+    cell, point = incident_pairs(shape, places, points, tolerance)
+    found = np.full(len(points), -1)
+    found[point[::-1]] = cell[::-1]
+    inside, weights = found >= 0, np.zeros((len(points), len(shape.nodes)))
+    at, _ = _nearest_place(shape, places[found[inside]], points[inside])
+    weights[inside] = shape.values(at)
+    return found, weights
+
+
 def is_on_any(shape: Shape, places: Array, points: Array, tolerance: float) -> Mask:
     """Mask (n,) of points (n, d) within `tolerance` (m) of some cells or facets (f, k, d)."""
     found = np.zeros(len(points), dtype=bool)

@@ -233,7 +233,7 @@ def test_sets_of_abaqus(first, tmp_path):
     ("name", "content", "message"),
     [
         ("none.msh", None, "No such file or directory; give a file to read"),
-        ("box.stl", b"solid", "mesh file 'box.stl': give one of .msh, .vtu, .vtk, .inp"),
+        ("box.obj", b"solid", "mesh file 'box.obj': give one of .msh, .vtu, .vtk, .inp"),
         ("box", b"solid", "mesh file 'box': give one of .msh, .vtu, .vtk, .inp"),
         ("box.msh", b"", "mesh file 'box.msh': empty; write it again"),
         ("box.msh", b"solid\n", "mesh file 'box.msh': not a whole gmsh file"),
