@@ -374,9 +374,9 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     """Where springs may be used, and where not."""
     good, other = (table[table["material"] == word] for word in ("yes", "no"))
     finest, most = good["error_fine"].max(), good["error_coarse"].max()
-    left, still = other["error_fine"].min(), other["error_fine"].max()
+    still = " to ".join(dict.fromkeys(f"{other['error_fine'].agg(f):.0%}" for f in ("min", "max")))
     near = f"come within {finest:.1%} of elasticity on the finest lattice of every body"
     return (
         f"Springs whose solid is the material {near}; the coarsest are off by up to {most:.0%}.",
-        f"Springs whose solid is another are off by {left:.0%} to {still:.0%} on the finest.",
+        f"Springs whose solid is another are off by {still} on the finest.",
     )
