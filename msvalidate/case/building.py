@@ -335,7 +335,9 @@ def _is_on_mesh(source: Source, problem: Problem) -> bool:
     if given.on == SPRINGS_ON[0]:
         return False
     if not isinstance(problem.domain, Mesh):
-        raise source.error(where, f"the body is a {problem.domain}: give a mesh, or on = 'lattice'")
+        raise source.error(
+            where, f"{problem.domain} has no mesh: give a file of one, or on = 'lattice'"
+        )
     for name in ("lattice", "route", "constants", "volume"):
         value = getattr(given, name)
         if value not in (None, EDGE_ROUTES[1]):

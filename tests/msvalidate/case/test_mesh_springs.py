@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from msvalidate.case.building import build_case
-from msvalidate.case.case import Case, laid_problem, spacing_of
+from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.comparison import compare_case
 from msvalidate.case.page import sentences
 from msvalidate.case.reading import parse_source
 from msvalidate.case.springs import solve_springs
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction, Zone
 from msvalidate.problem.normals import pressure
+from msvalidate.simulators.export import nearest_case
 from reference_fem.body import solve_problem
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 
-MM = 1e-3
-SIZE, THICK = 370 * MM, 0.2
+EXAMPLES = Path(__file__).parents[3] / "examples"
+SIZE, THICK = 0.37, 0.2
 SHAPES = {"P2": "triangle6", "Q2": "quad9", "T2": "tetra10", "H2": "hexahedron27"}
 
 
@@ -59,9 +62,11 @@ def test_springs_on_cut_cells_are_linear_elements_node_for_node(element):
         found = solve_springs(case, spacing_of(case) / times)
         mesh = found.problem.domain
         assert isinstance(mesh, Mesh)
-        elements = solve_problem(found.problem, mesh_discretisation(mesh)).displacement
-        off = np.abs(found.rest.displacement - elements).max()
-        assert off <= 1e-11 * np.abs(elements).max()
+        elements = solve_problem(found.problem, mesh_discretisation(mesh))
+        middles = mesh.points[mesh.cells].mean(axis=1)  # between points as elements do
+        for places in (mesh.points, middles):
+            wanted = elements.at(places)
+            assert np.abs(found.at(places) - wanted).max() <= 1e-11 * np.abs(wanted).max()
         assert (found.network.stiffness < 0).any()
     # Corners of cut cells lie on the file's own circles.
     radius = np.linalg.norm(mesh.points[:, :2], axis=1) / SIZE
@@ -86,32 +91,32 @@ def test_they_stand_beside_the_lattice_and_close_in_with_order_two(element):
     assert ("push" in said) == bool(own.table["pushing"].iloc[0])
 
 
-FILE = """schema = 1
-[body]
-{body}
-[material]
-E = 1e6
-nu = 0.3
-state = "plane_stress"
-[[support]]
-on = "left"
-[[load]]
-on = "right"
-traction = [1, 0]
-[springs]
-on = "mesh"
-{more}
-"""
+def test_on_mesh_is_refused_where_there_is_none():
+    text = (EXAMPLES / "box.toml").read_text(encoding="utf-8") + '[springs]\non = "mesh"\n'
+    with pytest.raises(ProblemError, match="has no mesh: give a file of one, or on = 'lattice'"):
+        build_case(parse_source("a.toml", text, EXAMPLES))
+    with pytest.raises(ProblemError, match="choose lattice or mesh"):
+        build_case(parse_source("a.toml", text.replace('"mesh"', '"grid"'), EXAMPLES))
+    with pytest.raises(ProblemError, match=r"cell: of a box; it is of \.step"):
+        build_case(parse_source("a.toml", text.replace("[body]", "[body]\ncell = 1"), EXAMPLES))
 
 
 @pytest.mark.parametrize(
     ("more", "words"),
-    [("", "has none; give a mesh file"), ('lattice = "square"', "leave one of them out")],
+    [
+        ('lattice = "square"', "leave lattice out"),
+        ("constants = [1.0]", "leave constants out"),
+        ("[fracture]\ncritical_stretch = 0.1", "springs that break rest at a length"),
+        ("spacing = 1e9", ""),
+    ],
 )
-def test_on_mesh_is_refused_where_there_is_none(tmp_path, more, words):
-    text = FILE.format(body="box = [2, 1]", more=more)
-    with pytest.raises(ProblemError, match=words):
-        build_case(parse_source("a.toml", text, tmp_path))
-    with pytest.raises(ProblemError, match="choose lattice or mesh"):
-        build_case(parse_source("a.toml", text.replace('"mesh"', '"grid"'), tmp_path))
-    assert laid_problem(Case(loaded(sector("P2"))), 1.0).domain == sector("P2")
+def test_what_these_springs_have_not_is_refused(more, words):
+    text = (EXAMPLES / "ring.toml").read_text(encoding="utf-8") + f'[springs]\non = "mesh"\n{more}'
+    if words:
+        with pytest.raises(ProblemError, match=words):
+            build_case(parse_source("a.toml", text, EXAMPLES))
+        return
+    case = build_case(parse_source("a.toml", text, EXAMPLES))
+    assert spacing_of(case) < 0.2  # never coarser than the file
+    with pytest.raises(ProblemError, match="LAMMPS has bonds alone"):
+        nearest_case(case)
