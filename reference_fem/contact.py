@@ -32,8 +32,9 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import finite_coordinates
 from msvalidate.problem.records import ReadOnly, dataclass, replace
 from reference_fem.body import Solution, loaded_sides, nodal_forces
-from reference_fem.converged import Reference, first_mesh
+from reference_fem.converged import Reference
 from reference_fem.elasticity import make_solver
+from reference_fem.first_mesh import first_mesh
 from reference_fem.materials import materials_of
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation

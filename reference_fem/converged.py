@@ -9,8 +9,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import cached_property, partial
-from itertools import pairwise
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -19,14 +17,9 @@ from scipy.sparse import csr_matrix
 from msvalidate.problem import (
     VOIGT,
     Array,
-    Box,
     Isotropic,
     Mask,
-    Mesh,
-    Polygon,
     Problem,
-    Region,
-    Segment,
     SolverError,
     prescribed_displacements,
 )
@@ -41,24 +34,17 @@ from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, so
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
 from reference_fem.effort import free_memory
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
+from reference_fem.first_mesh import MOST_MIXED, MOST_NODES, first_mesh
 from reference_fem.limits import acts_on_points, crossing_order, has_no_limit
 from reference_fem.materials import Materials, materials_of, numbers_of
-from reference_fem.mesh.boxes import box_discretisation
-from reference_fem.mesh.discretisation import Discretisation, make_discretisation
-from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
-from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
 from reference_fem.systems.cells import ElasticForces
 from reference_fem.systems.nested import NESTED, Nested
 from reference_fem.systems.solver import favours_factor
 
-MOST_NODES = {2: 150_000, 3: 60_000}
-"""Nodes by the number of axes: of the finest mesh in the plane, by default, some 5 s; in space, of
-one that is solved by itself where multigrid over all gives up, of a third that is solved though two
-are enough, and of the second of plates, whose cells are made longer than thick where it had more.
-"""
 MOST_DIRECT = 20_000
 """Nodes of a mesh in space, cut from another, up to which a factor is thought of: of slender bodies
 one takes some 5 s there, but a minute and 4 GB at 58,000."""
@@ -70,16 +56,9 @@ Measured as the peak of a process over what it held before `converge`, 0.2 GB: a
 668,865 nodes 7.8 GB, of 89,505 1.2 GB; a plate of bent T2 with 109,504 nodes 1.0 GB, an L of
 straight ones with 105,633 0.7 GB. Half is the stiffness in blocks, a fifth slopes of shape
 functions; the rest passes while it is summed."""
-MOST_MIXED = 12_000
-"""The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
-second mesh of plates, whose thin cells take a factor too."""
 GB = 1e9
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
-ACROSS = 3
-"""Cells of the first mesh across the narrowest side of a box or an outline."""
-MOST_ALONG = 200
-"""Cells of the first mesh along any side: those of slender bodies are longer than wide."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
 
@@ -321,7 +300,7 @@ def converge(
     problem.refuse_free_body()
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
-    mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
+    mixed = is_nearly_incompressible(problem) if mixed is None else mixed
     positive_number("memory", memory)
     most: float = (
         MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
@@ -416,87 +395,8 @@ def _make_ready(
     return Nested(body, held, thickness_tensors(law), numbers_of(law), coarser, finer, start)
 
 
-def first_mesh(problem: Problem) -> Discretisation:
-    """The coarsest mesh of a problem's domain: quadratic cells whose sides end where loads do."""
-    domain = problem.domain
-    if isinstance(domain, Polygon):
-        sides = [high - low for low, high in domain.span]
-        h = max(min(sides) / ACROSS, max(sides) / MOST_ALONG)
-        linear = outline_discretisation(domain, h, kept_places(problem))
-        return _raised(linear)
-    if isinstance(domain, Box):
-        h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
-        lines = grid_lines(problem, h)
-        if _nodes_of_second(lines) > MOST_NODES[domain.dim]:  # of a plate: no error were known
-            while _nodes_of_second(lines) > MOST_MIXED and h < max(domain.size):
-                h *= 1.25
-                lines = grid_lines(problem, h)
-        return _laid_grid(domain, lines)
-    own = mesh_discretisation(domain)
-    if own.element.degree > 1:
-        return own
-    return mesh_discretisation(domain, own.element.raised[0])
-
-
-def _raised(linear: Discretisation) -> Discretisation:
-    """The same cells with quadratic elements."""
-    mesh = Mesh(linear.points, linear.cells, linear.element.shape)
-    return mesh_discretisation(mesh, linear.element.raised[0])
-
-
-def kept_places(problem: Problem) -> Array:
-    """Places (k, d) in m that must be nodes: ends of parts and zones, point forces."""
-    span = problem.domain.span
-    parts = [
-        *problem.supports,
-        *problem.contacts,
-        *(load for load in problem.loads if hasattr(load, "region")),
-    ]
-    found = [
-        part.region.corners(span) for part in parts if isinstance(part.region, Region | Segment)
-    ]
-    found += [
-        zone.region.corners(span) for zone in problem.zones if isinstance(zone.region, Region)
-    ]
-    return np.concatenate(found) if found else np.empty((0, len(span)))
-
-
-def grid_lines(problem: Problem, h: float, least: int = 2) -> list[Array]:
-    """Coordinates (m) of lines along each axis, about h apart, through where parts of sides end.
-
-    Where none ends, an axis has the `least` number of cells or more.
-    """
-    domain = problem.domain
-    found = []
-    for x, (low, high) in zip(kept_places(problem).T, domain.span, strict=True):
-        stops = np.unique(np.concatenate([x[(x > low) & (x < high)], [low, high]]))
-        apart = np.concatenate([[True], np.diff(stops) > domain.tolerance])
-        stops = np.append(stops[apart][:-1], high) if apart.sum() > 1 else np.array([low, high])
-        parts = []
-        for a, b in pairwise(stops):
-            many = max(least if len(stops) == 2 else 1, round((b - a) / h))
-            parts.append(a + (b - a) * np.arange(many) / many)
-        found.append(np.append(np.concatenate(parts), high))
-    return found
-
-
-def _nodes_of_second(lines: list[Array]) -> int:
-    """About how many nodes the second mesh between lines along each axis has."""
-    return prod(4 * len(line) - 2 for line in lines)
-
-
-def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
-    """Quadratic cells between lines (m) along each axis, mid-sides amid."""
-    counts = tuple(len(line) - 1 for line in lines)
-    even = box_discretisation(box, counts, "Q2" if box.dim == 2 else "H2")
-    columns = [
-        np.interp(x / side * many, np.arange(many + 1), line)
-        for x, side, many, line in zip(even.points.T, box.size, counts, lines, strict=True)
-    ]
-    return make_discretisation(np.column_stack(columns), even.cells, even.element.name)
-
-
-def _is_nearly_incompressible(problem: Problem) -> bool:
+def is_nearly_incompressible(problem: Problem) -> bool:
+    """Whether displacement and pressure of a problem are sought together."""
     laws = problem.materials
     if not all(isinstance(law, Isotropic) and law.nu > 0 for law in laws):
         return False  # such have no pressure that grows with volume

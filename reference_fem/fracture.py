@@ -15,8 +15,8 @@ import numpy as np
 from msvalidate.problem import Array, Box, Problem, ProblemError, Traction
 from msvalidate.problem.records import dataclass
 from reference_fem.body import Solution, nodal_forces, solve_problem
-from reference_fem.converged import kept_places
 from reference_fem.elasticity import elastic_tensor, full_tensor
+from reference_fem.first_mesh import kept_places
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
 

@@ -23,7 +23,8 @@ from msvalidate_check.beside import MOST_RATIO
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
-from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference, first_mesh
+from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
+from reference_fem.first_mesh import first_mesh
 
 Known = Mapping[str, Callable[[float], Array]]
 RATIO_NODES = 10_000

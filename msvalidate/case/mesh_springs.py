@@ -13,9 +13,9 @@ from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
 from msvalidate.case.part_mesh import spacing_of_points
 from msvalidate.case.springs import SpringAnswer, displacements_at, limit_of, solve_finer
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Isotropic, Mesh, Problem, ProblemError, SolverError
+from msvalidate.problem import Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
-from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
+from reference_fem.converged import Reference, is_nearly_incompressible
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +65,7 @@ def locking(problem: Problem) -> str:
     """What makes linear elements of a problem's mesh too stiff, in words; "" where nothing does."""
     if not (isinstance(problem.domain, Mesh) and problem.domain.kind.simplex):
         return ""
-    if any(
-        isinstance(law, Isotropic)
-        and law.state != "plane_stress"
-        and law.nu >= NEARLY_INCOMPRESSIBLE
-        for law in problem.materials
-    ):
+    if is_nearly_incompressible(problem):
         return "Linear triangles and tetrahedra lock near ratio 1/2"
     return "Linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
 

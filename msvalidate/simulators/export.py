@@ -42,8 +42,8 @@ from msvalidate.problem.checks import format_value, require_one_of, whole_number
 from msvalidate.simulators.lammps import lammps_files
 from msvalidate.simulators.protocol import Request, Springs
 from reference_fem.body import nodal_forces
-from reference_fem.converged import first_mesh, grid_lines, kept_places
 from reference_fem.elasticity import solve
+from reference_fem.first_mesh import first_mesh, grid_lines, kept_places
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.elements import of_shape

@@ -29,7 +29,7 @@ from msvalidate.problem.records import replace
 from msvalidate.statics.contact import ContactEquilibrium, Pressed, Touching, press
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem import contact as elements
-from reference_fem.converged import first_mesh
+from reference_fem.first_mesh import first_mesh
 from reference_fem.large_strain import Solid, deform, neo_hookean
 from reference_fem.mesh.discretisation import make_discretisation
 

@@ -18,7 +18,7 @@ from msvalidate.problem import (
     Support,
 )
 from reference_fem.contact import contact_mesh, press, press_closely
-from reference_fem.converged import first_mesh
+from reference_fem.first_mesh import first_mesh
 from reference_fem.mesh.boxes import box_discretisation, lines_discretisation
 
 E, R = 8 / 3, 100.0

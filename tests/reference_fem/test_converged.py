@@ -22,7 +22,8 @@ from msvalidate.problem import (
     Traction,
     Zone,
 )
-from reference_fem.converged import MOST_MIXED, converge, first_mesh
+from reference_fem.converged import converge
+from reference_fem.first_mesh import MOST_MIXED, first_mesh
 from reference_fem.mesh.outlines import outline_discretisation
 from tests.reference_fem.bodies_at_random import problems
 

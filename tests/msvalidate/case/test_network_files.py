@@ -24,7 +24,7 @@ from msvalidate.cli import cases
 from msvalidate.cli.case_arguments import parse_case
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, Region, Support, Traction
-from reference_fem.converged import first_mesh
+from reference_fem.first_mesh import first_mesh
 from tests.table import table
 
 THICK = 0.2
