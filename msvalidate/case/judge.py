@@ -11,9 +11,9 @@ import pandas as pd
 
 from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
-from msvalidate.case.comparison import Row
 from msvalidate.case.large import converge_case
 from msvalidate.case.matching import Matched, match
+from msvalidate.case.quantities import Row
 from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight

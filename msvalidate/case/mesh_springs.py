@@ -6,6 +6,8 @@ Springs of no rest length under tension, on all edges of its cells, with cells u
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import pandas as pd
 
@@ -34,7 +36,7 @@ class MeshSprings:
     answers: tuple[SpringAnswer, ...]
     reference: Reference
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """A row a mesh."""
         points, wanted = self.reference.points, self.reference.displacement.value
@@ -54,7 +56,7 @@ class MeshSprings:
         ]
         return pd.DataFrame(rows)
 
-    @property
+    @cached_property
     def order(self) -> float:
         """Of the difference in the spacing, as three meshes show it; NaN where they do not."""
         values = displacements_at(self.answers, self.reference.points)

@@ -14,14 +14,13 @@ from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case, describe_spacing
 from msvalidate.case.comparison import (
     COARSE,
     OTHER_MATERIAL,
-    STRESS_BAND,
     Comparison,
-    Row,
     say_bridged,
 )
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judgement
 from msvalidate.case.mesh_springs import locking
+from msvalidate.case.quantities import STRESS_BAND, Row
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.gaps import narrow_holes
