@@ -27,6 +27,7 @@ from msvalidate.output.body_drawing import (
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
 from msvalidate.problem import Array, Index, Mask, PointForce, Traction, materials_at, vectors_at
 from reference_fem.body import Solution
+from reference_fem.converged import Reference
 
 
 def figures(
@@ -51,7 +52,7 @@ def figures(
         ),
         "difference": (
             "Difference of springs and elasticity over the largest displacement",
-            lambda: draw_difference(found.points, found.relative, found.reference.finest),
+            lambda: draw_difference(found.points, found.relative, _drawn(found.reference)),
         ),
         "spacing": (
             "Difference of springs and elasticity against their spacing",
@@ -68,7 +69,7 @@ def judged_figures(
     found: Judgement, budget: pd.DataFrame
 ) -> dict[str, tuple[str, Callable[[], Figure]]]:
     """Name of each picture of a judgement -> its caption, and what draws it."""
-    solution = found.reference.finest
+    solution = _drawn(found.reference)
     return {
         "matching": ("Points of the result in the body", lambda: draw_matching(found)),
         "difference": (
@@ -211,7 +212,7 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
 
 def draw_fields(found: Comparison) -> Figure:
     """Deformed outlines of elements with deformed springs over them, both enlarged alike."""
-    solution = found.reference.finest
+    solution = _drawn(found.reference)
     rest = found.springs[0].rest.displacement
     lattice = found.springs[0].lattice
     x = solution.body.points
@@ -247,6 +248,14 @@ def draw_fields(found: Comparison) -> Figure:
     axis.set_title(f"displacements {times:.3g} times as large", loc="left")
     axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 if marks else 0.02), ncols=3)
     return figure
+
+
+def _drawn(reference: Reference) -> Solution:
+    """The finest solution; in space on the first mesh, of whose sides there are few to draw."""
+    first, finest = reference.solutions[0], reference.finest
+    if first.body.dim == 2:
+        return finest
+    return Solution(first.body, finest.at(first.body.points))
 
 
 def draw_difference(points: Array, relative: Array, solution: Solution) -> Figure:
