@@ -32,7 +32,7 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
-from reference_fem.effort import free_memory
+from reference_fem.effort import MEMORY, More, fits_within, one_more_mesh
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.first_mesh import MOST_MIXED, MOST_NODES, first_mesh
 from reference_fem.limits import acts_on_points, crossing_order, has_no_limit
@@ -48,36 +48,10 @@ from reference_fem.systems.solver import favours_factor
 MOST_DIRECT = 20_000
 """Nodes of a mesh in space, cut from another, up to which a factor is thought of: of slender bodies
 one takes some 5 s there, but a minute and 4 GB at 58,000."""
-MEMORY = 4.0
-"""GB that the finest mesh in space may take, by default: a minute where nothing else runs."""
-BYTES = {"H2": 11_100.0, "T2": 9_000.0}
-"""Memory a node of the finest mesh, by element in space, nodes counted as `nodes_of_children` does.
-Measured as the peak of a process over what it held before `converge`, 0.2 GB: a bracket of H2 with
-668,865 nodes 7.8 GB, of 89,505 1.2 GB; a plate of bent T2 with 109,504 nodes 1.0 GB, an L of
-straight ones with 105,633 0.7 GB. Half is the stiffness in blocks, a fifth slopes of shape
-functions; the rest passes while it is summed."""
-GB = 1e9
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
-
-
-@dataclass(frozen=True)
-class More:
-    """What one more mesh takes, as predicted.
-
-    Parameters
-    ----------
-    unknowns, bytes
-        By the nodes that it has, the same on every machine.
-    seconds
-        As many times those of the last mesh.
-    """
-
-    unknowns: float
-    bytes: float
-    seconds: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,14 +305,18 @@ def converge(
                 raise
             return replace(reference, following=None)  # cells too long, and children no less so
         seconds.append(time.perf_counter() - began)
-        following = _following(body, seconds[-1]) if np.isinf(most) else None
+        nodes = nodes_of_children(body)
+        following = (
+            one_more_mesh(body.element.name, body.dim, nodes, seconds[-1] / len(body.points))
+            if np.isinf(most)
+            else None
+        )
         reference = Reference(
             problem, x, tuple(found), accuracy, tuple(seconds), following=following
         )
-        more = nodes_of_children(body)
-        many = len(found) >= LEVELS or more > MOST_NODES[body.dim]
+        many = len(found) >= LEVELS or nodes > MOST_NODES[body.dim]
         enough = reference.resolved and (many or reference.error <= ROUNDING)
-        if enough or more > most or not _fits(following, memory):
+        if enough or nodes > most or not fits_within(following, memory):
             return reference
 
 
@@ -352,29 +330,6 @@ def _solve(
         if body.dim == 2 or solver != "auto" or len(body.points) > MOST_NODES[3]:
             raise
     return solve_by(problem, body, partial(make_solver, choice=solver))
-
-
-def _following(body: Discretisation, seconds: float) -> More:
-    """What a mesh with the children of a body's cells takes, if the body's took so long (s)."""
-    nodes = nodes_of_children(body)
-    each = BYTES.get(body.element.name, max(BYTES.values()))
-    return More(body.dim * nodes, nodes * each, seconds * nodes / len(body.points))
-
-
-def _fits(following: More | None, memory: float) -> bool:
-    """Whether a mesh takes no more than so many GB; raise `SolverError` if these are not free."""
-    if following is None:
-        return True
-    if following.bytes > memory * GB:
-        return False
-    free = free_memory()
-    if following.bytes > free:
-        raise SolverError(
-            f"finite elements: the next mesh, of {following.unknowns:.2g} unknowns, takes "
-            f"{following.bytes / GB:.1f} GB, and {free / GB:.1f} are free; free some, or allow it "
-            f"less: [compare] memory = {max(0.1, np.floor(10 * free / GB) / 10):g}"
-        )
-    return True
 
 
 def _make_ready(

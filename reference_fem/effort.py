@@ -1,4 +1,4 @@
-"""Predicted work and memory of a factor, and a clear error if memory is short."""
+"""Predicted work and memory, of a factor and of a mesh, and a clear error if memory is short."""
 
 from __future__ import annotations
 
@@ -12,6 +12,55 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from msvalidate.problem import Index, Mask, SolverError
+from msvalidate.problem.records import dataclass
+
+MEMORY = 4.0
+"""GB that the finest mesh in space may take, by default: a minute where nothing else runs."""
+BYTES = {"H2": 11_100.0, "T2": 9_000.0}
+"""Memory a node of the finest mesh, by element in space, nodes counted as `nodes_of_children` does.
+Measured as the peak of a process over what it held before `converge`, 0.2 GB: a bracket of H2 with
+668,865 nodes 7.8 GB, of 89,505 1.2 GB; a plate of bent T2 with 109,504 nodes 1.0 GB, an L of
+straight ones with 105,633 0.7 GB. Half is the stiffness in blocks, a fifth slopes of shape
+functions; the rest passes while it is summed."""
+GB = 1e9
+
+
+@dataclass(frozen=True)
+class More:
+    """What one more mesh takes, as predicted.
+
+    Parameters
+    ----------
+    unknowns, bytes
+        By the nodes that it has, the same on every machine.
+    seconds
+        As many times those of the last mesh.
+    """
+
+    unknowns: float
+    bytes: float
+    seconds: float
+
+
+def one_more_mesh(element: str, dim: int, nodes: float, seconds: float) -> More:
+    """What a mesh of so many nodes takes, if a node of the last one took so many seconds."""
+    return More(dim * nodes, nodes * BYTES.get(element, max(BYTES.values())), seconds * nodes)
+
+
+def fits_within(following: More | None, memory: float) -> bool:
+    """Whether a mesh takes no more than so many GB; raise `SolverError` if these are not free."""
+    if following is None:
+        return True
+    if following.bytes > memory * GB:
+        return False
+    free = free_memory()
+    if following.bytes > free:
+        raise SolverError(
+            f"finite elements: the next mesh, of {following.unknowns:.2g} unknowns, takes "
+            f"{following.bytes / GB:.1f} GB, and {free / GB:.1f} are free; free some, or allow it "
+            f"less: [compare] memory = {max(0.1, np.floor(10 * free / GB) / 10):g}"
+        )
+    return True
 
 
 def factor_envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:

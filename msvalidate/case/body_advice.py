@@ -66,9 +66,9 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
             along="the mesh's edges, and diagonals of other cells than simplices",
             constant=float(k[middle]),
             length=float(network.rest_length[middle]),
-            formula=EDGE_FORMULAS[case.route != EDGE_ROUTES[1]] if own else "",
+            formula=EDGE_FORMULAS[case.at_rest_on_edges] if own else "",
         )
-        rule = "the rule 'area'" if case.route != EDGE_ROUTES[1] else EDGE_ROUTES[1]
+        rule = "the rule 'area'" if case.at_rest_on_edges else EDGE_ROUTES[1]
         body = (law, MESH_EDGES, answer.spacing, rule, (edges,), float(np.median(network.mass)))
         made = answer.calibration
         edge: dict[str, Any] = {"damping": damping, "undamped": why, "weights": "edges"}

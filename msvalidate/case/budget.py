@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.case import EDGE_ROUTES, LAWS, MESH_EDGES
+from msvalidate.case.case import LAWS
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import break_table
 from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
@@ -82,8 +82,7 @@ def budget(found: Comparison) -> pd.DataFrame:
 def material_off(found: Comparison) -> float:
     """How far the springs' material may take a displacement off, over the largest; or infinite."""
     case, wanted = found.case, found.first_order
-    rest = case.lattice == MESH_EDGES and case.route != EDGE_ROUTES[1]
-    if rest or (case.constants is not None and found.homogenised is None):
+    if case.at_rest_on_edges or (case.constants is not None and found.homogenised is None):
         return math.inf
     own = wanted if found.homogenised is None else found.homogenised.displacement.value
     return max_length(own - wanted) / (found.size or 1.0) + found.reference.error

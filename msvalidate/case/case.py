@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.case.fracture import Fracture
-from msvalidate.case.part_mesh import cuts_for, mean_edge, straighten
+from msvalidate.case.part_mesh import cuts_for, edge_lattice, mean_edge, straighten
 from msvalidate.case.schema import QUANTITIES
 from msvalidate.constants.routes import check_route
-from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
+from msvalidate.lattice import Lattice, cut_lattice, fill
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.patterns import all_patterns
@@ -37,6 +37,7 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, field
+from reference_fem.effort import MEMORY
 
 MESH_EDGES = "mesh edges"
 """The lattice that has a spring on each edge of the body's own mesh, cut on its own curves."""
@@ -58,7 +59,6 @@ LAWS = ("st-venant-kirchhoff", "neo-hookean")
 GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
 ACCURACY = 1e-3
-MEMORY = 4.0
 LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
 LEAST_MEMORY, MOST_MEMORY = 0.1, 1000.0
 
@@ -208,6 +208,16 @@ class Case:
         finite_number("memory", self.memory, least=LEAST_MEMORY, most=MOST_MEMORY)
 
     @property
+    def are_elements(self) -> bool:
+        """Whether the springs are linear elements on the body's own mesh."""
+        return self.lattice == MESH_EDGES and self.route == EDGE_ROUTES[1]
+
+    @property
+    def at_rest_on_edges(self) -> bool:
+        """Whether they rest on the mesh's edges, and so are the material on some meshes alone."""
+        return self.lattice == MESH_EDGES and not self.are_elements
+
+    @property
     def name(self) -> str:
         """The problem's name."""
         return self.problem.name
@@ -297,7 +307,7 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
             "a larger one"
         )
     if pattern is None:
-        return edge_lattice(laid_problem(case, spacing), case.route)
+        return edge_lattice(laid_problem(case, spacing), rests=not case.are_elements)
     if isinstance(domain, Box) and is_filled(case, spacing):
         return fill(pattern, domain, _counts(spacing * np.array(pattern.size), domain))
     if not joins_corners(pattern):
@@ -311,13 +321,6 @@ def laid_problem(case: Case, spacing: float) -> Problem:
     if case.lattice != MESH_EDGES or not isinstance(domain, Mesh):
         return case.problem
     return straighten(case.problem, cuts_for(domain, spacing))
-
-
-def edge_lattice(problem: Problem, route: str | None) -> Lattice:
-    """A spring on each edge of a problem's mesh, as a route of `EDGE_ROUTES` has them."""
-    rest = route != EDGE_ROUTES[1]
-    rule = EDGE_RULES[0] if rest else "cotangent"
-    return mesh_lattice(problem.domain, rule, positive=rest)  # type: ignore[arg-type]
 
 
 def is_filled(case: Case, spacing: float) -> bool:
@@ -348,21 +351,6 @@ def _misfit(pattern: Pattern, spacing: float, domain: Domain) -> str:
         f"a box of {' x '.join(f'{side:.12g}' for side in sides)} m, or a lattice that can be cut: "
         f"{listed}"
     )
-
-
-def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
-    """Places (p, d) in m at which a case compares, all of them in the body.
-
-    Those of a lattice, where the case says no others: by default of the case's own.
-    """
-    if not isinstance(case.points, str):
-        return case.points
-    if case.points == "mesh" and isinstance(case.problem.domain, Mesh):
-        return np.asarray(case.problem.domain.points)
-    laid = make_lattice(case, spacing_of(case)) if lattice is None else lattice
-    if isinstance(laid, CutLattice):
-        return np.asarray(laid.points[laid.inside])
-    return np.asarray(laid.points)
 
 
 def _counts(cell: Array, box: Box) -> tuple[int, ...]:
@@ -399,11 +387,3 @@ def _origin(problem: Problem) -> tuple[float, ...]:
         else:
             at[axis] = domain.span[axis][0]
     return tuple(at[:2]) if domain.dim == 3 else tuple(at)
-
-
-def describe_spacing(case: Case) -> str:
-    """Words for the lattice and its spacing."""
-    if case.lattice == MESH_EDGES:
-        under = ", of no rest length" if case.route == EDGE_ROUTES[1] else ""
-        return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
-    return f"{case.lattice}, {spacing_of(case):.6g} m"

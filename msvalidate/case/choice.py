@@ -23,13 +23,12 @@ from msvalidate.case.case import (
     MESH_EDGES,
     MOST_ASKED,
     Case,
-    compared_points,
     is_filled,
     spacing_by_cells,
     spacing_of,
 )
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.springs import ROUNDING, SpringAnswer, solve_springs
+from msvalidate.case.springs import ROUNDING, SpringAnswer, compared_points, solve_springs
 from msvalidate.lattice import PatternLattice
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.outline import outline

@@ -10,7 +10,7 @@ import numpy as np
 
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
-from msvalidate.case.case import Case, compared_points
+from msvalidate.case.case import Case
 from msvalidate.case.fracture import break_springs
 from msvalidate.case.large import converge_case
 from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
@@ -19,6 +19,7 @@ from msvalidate.case.springs import (
     ROUNDING,
     SpringAnswer,
     SpringLimit,
+    compared_points,
     displacements_at,
     limit_of,
     solve_finer,

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-from scipy.spatial import KDTree
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import draw_breaks
@@ -25,7 +24,17 @@ from msvalidate.output.body_drawing import (
     draw_held_and_loaded,
 )
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
-from msvalidate.problem import Array, Index, Mask, PointForce, Traction, materials_at, vectors_at
+from msvalidate.problem import (
+    SHAPES,
+    Array,
+    Index,
+    Mask,
+    PointForce,
+    Traction,
+    materials_at,
+    vectors_at,
+)
+from msvalidate.problem.cells import surface_facets
 from reference_fem.body import Solution
 from reference_fem.converged import Reference
 
@@ -168,16 +177,15 @@ def draw_body(found: Comparison) -> Figure:
 
 
 def _draw_materials(axis: Axes, found: Comparison) -> None:
-    """Cells, in space their sides at the surface, of each region that is of another material."""
+    """Cells, in space the sides round them, of each region that is of another material."""
     problem, body = found.case.problem, found.reference.solutions[0].body
-    corners, count = body.cells[:, : body.element.corners], len(problem.zones)
+    corners = body.cells[:, : body.element.corners]
     number = materials_at(problem, body.points[corners].mean(axis=1))
-    if body.dim == 3:
-        facets = body.surface[:, : _corners(body.surface)]
-        owner = KDTree(body.points[corners].mean(axis=1)).query(body.points[facets].mean(axis=1))[1]
-        corners, number = facets, number[owner]
-    for zone in range(1, count + 1):
-        colour, places = COLOURS[(zone + 1) % len(COLOURS)], body.points[corners[number == zone]]
+    for zone in np.unique(number[number > 0]).tolist():
+        own = corners[number == zone]
+        if body.dim == 3:
+            own = surface_facets(own, SHAPES[body.element.shape].straight)
+        colour, places = COLOURS[(zone + 1) % len(COLOURS)], body.points[own]
         style: dict[str, Any] = {"color": colour, "alpha": 0.35, "lw": 0}
         if body.dim == 2:
             axis.add_collection(PolyCollection(list(places), **style, zorder=0))

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.case.case import Case, compared_points, make_lattice, spacing_of
+from msvalidate.case.case import Case, make_lattice, spacing_of
 from msvalidate.case.results import Result
+from msvalidate.case.springs import compared_points
 from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
 from msvalidate.problem.normals import nearest_on_facets
 from msvalidate.problem.records import dataclass

@@ -78,8 +78,7 @@ def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshS
     None, with no reason, of a body without a mesh or of a case whose springs are these.
     """
     mesh = case.problem.domain
-    these = (case.lattice, case.route) == (MESH_EDGES, EDGE_ROUTES[1])
-    if not isinstance(mesh, Mesh) or these:
+    if not isinstance(mesh, Mesh) or case.are_elements:
         return None, ""
     if case.problem.contacts or case.geometry == "nonlinear":
         return None, "springs on the mesh: of loads to first order; for others take on = 'mesh'"

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.case.budget import COLUMNS, OWN, material_off
-from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case, describe_spacing
+from msvalidate.case.case import MESH_EDGES, Case, spacing_of
 from msvalidate.case.comparison import (
     COARSE,
     OTHER_MATERIAL,
@@ -116,7 +116,7 @@ def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     """What the springs of a case are good for: one sentence, and those that say why."""
-    springs = f"Springs ({describe_spacing(found.case)})"
+    springs = f"Springs ({_describe_spacing(found.case)})"
     groups = []
     for word in WORST_FIRST[:-1]:
         rows = [each for each in found.rows if each.verdict == word]
@@ -135,6 +135,14 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         *_contact_sentence(found),
         *break_sentence(found.springs[0].growth),
     )
+
+
+def _describe_spacing(case: Case) -> str:
+    """Words for the lattice and its spacing."""
+    if case.lattice == MESH_EDGES:
+        under = ", of no rest length" if case.are_elements else ""
+        return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
+    return f"{case.lattice}, {spacing_of(case):.6g} m"
 
 
 def _hole_sentence(found: Comparison) -> tuple[str, ...]:
@@ -156,7 +164,7 @@ def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
     """How far off springs on the part's own mesh are, and what an engine must have for them."""
     own, case = found.on_mesh, found.case
     stiff = locking(case.problem)
-    if own is None and stiff and (case.lattice, case.route) == (MESH_EDGES, EDGE_ROUTES[1]):
+    if own is None and stiff and case.are_elements:
         return (f'{stiff}: take cells with four or eight corners, or [springs] on = "lattice".',)
     if own is None:
         return ()
@@ -277,14 +285,14 @@ def _kind_sentence(found: Comparison) -> str:
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if limit.status == "seen" else ""
-    rest = percent(max_length(limit.displacement - found.reference.displacement.value) / size)
+    away = max_length(limit.displacement - found.reference.displacement.value) / size
+    rest = percent(away)
     uncertainty = percent(limit.uncertainty / size)
     closing = f"On finer lattices{order} they close in on {rest} ± {uncertainty}"
     off, support = material_off(found), found.support
     right = off <= found.case.band
     if found.kind == COARSE:
-        nearer = max_length(limit.displacement - found.reference.displacement.value) / size
-        left = nearer <= float(found.relative.max()) + limit.uncertainty / size
+        left = away <= float(found.relative.max()) + limit.uncertainty / size
         said = f"{closing}: {'what is left is spacing' if left else 'no nearer, in the band'}."
     elif found.kind == OTHER_MATERIAL and right:
         said = f"{closing}, though their material is right to {percent(off)}: it is the boundary."
@@ -316,7 +324,7 @@ def asked(case: Case) -> dict[str, str]:
     for each in problem.contacts:
         how = f"{each.depth:g} m deep" if each.force is None else f"pressed by {each.force:g} N"
         words["contact"] = f"{each.obstacle.shape} on {each.region}, {how}"
-    words["springs"] = describe_spacing(case)
+    words["springs"] = _describe_spacing(case)
     words["points"] = case.points if isinstance(case.points, str) else f"{len(case.points)} places"
     if case.geometry == "nonlinear":
         words["displacements"] = f"large; elements of the law {case.law}"

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from msvalidate.lattice import EDGE_RULES, Lattice, mesh_lattice
 from msvalidate.problem import Boundary, CellSet, Mesh, Part, Problem, ProblemError, Traction
 from msvalidate.problem.records import replace
 from msvalidate.problem.shapes import facet_middles
@@ -93,3 +94,9 @@ def straighten(problem: Problem, cuts: int) -> Problem:
             for zone in problem.zones
         ),
     )
+
+
+def edge_lattice(problem: Problem, *, rests: bool) -> Lattice:
+    """A spring on each edge of a problem's mesh: at rest, or as linear elements have them."""
+    rule = EDGE_RULES[0] if rests else "cotangent"
+    return mesh_lattice(problem.domain, rule, positive=rests)  # type: ignore[arg-type]

@@ -24,16 +24,14 @@ from msvalidate.bodies.contact_network import touching_points
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.case.case import (
-    EDGE_ROUTES,
     MESH_EDGES,
     Case,
-    edge_lattice,
     laid_problem,
     make_lattice,
     spacing_by_cells,
     spacing_of,
 )
-from msvalidate.case.part_mesh import mean_edge
+from msvalidate.case.part_mesh import edge_lattice, mean_edge
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
@@ -42,7 +40,7 @@ from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.lattice.parts import cell_shape
 from msvalidate.network import Network, mode_energy
-from msvalidate.problem import Array, Isotropic, Mask, Problem, ProblemError, SolverError
+from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.shapes import weights_at
@@ -235,7 +233,9 @@ def make_network(
     """
     problem = laid_problem(case, spacing)
     edges = case.lattice == MESH_EDGES
-    lattice = edge_lattice(problem, case.route) if edges else make_lattice(case, spacing)
+    lattice = (
+        edge_lattice(problem, rests=not case.are_elements) if edges else make_lattice(case, spacing)
+    )
     constants, calibration = _constants(case, lattice)
     volume = case.volume if case.constants is not None else 0.0
     build = cut_network if isinstance(lattice, CutLattice) else lattice_network
@@ -251,7 +251,7 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
         return each, each[0]
     if case.constants is not None:
         return case.constants, None
-    if case.lattice == MESH_EDGES and case.route != EDGE_ROUTES[1]:
+    if case.at_rest_on_edges:
         return None, None
     material = case.problem.material
     if not isinstance(material, Isotropic):
@@ -261,7 +261,7 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
 
 
 def _refuse_one_for_several(case: Case) -> None:
-    if case.constants is not None or (case.lattice == MESH_EDGES and case.route != EDGE_ROUTES[1]):
+    if case.constants is not None or case.at_rest_on_edges:
         what = "constants" if case.constants is not None else "springs on mesh edges"
         raise ProblemError(
             f"{what}: the body is of several materials; take a route, and for a mesh's edges route "
@@ -301,6 +301,21 @@ def _offer_cells(case: Case) -> str:
             make_network(other, spacing)
             return f"; cells = {many} (spacing {spacing:.6g} m) does"
     return ""
+
+
+def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
+    """Places (p, d) in m at which a case compares, all of them in the body.
+
+    Those of a lattice, where the case says no others: by default of the case's own.
+    """
+    if not isinstance(case.points, str):
+        return case.points
+    if case.points == "mesh" and isinstance(case.problem.domain, Mesh):
+        return np.asarray(case.problem.domain.points)
+    laid = make_lattice(case, spacing_of(case)) if lattice is None else lattice
+    if isinstance(laid, CutLattice):
+        return np.asarray(laid.points[laid.inside])
+    return np.asarray(laid.points)
 
 
 def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> list[Array]:

@@ -55,7 +55,7 @@ EDGE_RULES = ("area", "equilateral", "cotangent")
 REST_SHARE = {2: 3 / 2, 3: 2.0}
 """Of E, times -V ∇φi·∇φj: the stiffness of a spring at rest by "cotangent", by axes."""
 ROUNDING = 1e-14
-"""Of what cells bring to a spring, what is left of it at least: parts of each are over the sum."""
+"""Of what cells bring to a spring, what is left of it at least."""
 EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 """Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
 
@@ -82,8 +82,9 @@ class EdgeLattice(Lattice):
 def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> EdgeLattice:
     """Lattice of a mesh's points with a spring along every edge; its one constant is E·t, or E.
 
-    Quadrilaterals get both diagonals too, and hexahedra those of their faces: they would shear
-    freely without. Facets are the mesh's own, so loads and supports may be on named boundaries.
+    Quadrilaterals get both diagonals too, and hexahedra those of their faces, as they would shear
+    freely without; by "cotangent" all pairs of a cell's corners have one. Facets are the mesh's
+    own, so loads and supports may be on named boundaries.
 
     Source: on triangles [vanGelder1998]; its counterparts are derived above.
 
@@ -116,12 +117,7 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
         else _edge_contributions(mesh.points[pairs], weights, volume.sum(axis=1), rule)
     )
     springs, which = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
-    factor = np.bincount(which.ravel(), gifts.ravel()).astype(float)
-    if rule == "cotangent":  # what cells bring cancels at right angles: kept apart from nothing
-        least = ROUNDING * np.bincount(which.ravel(), np.abs(gifts).ravel())
-        factor = np.where(np.abs(factor) < least, np.copysign(least, factor), factor)
-    if positive:
-        _refuse_slack(springs, factor)
+    factor = _factors(springs, which.ravel(), gifts.ravel(), positive=positive)
     # Corners of a lattice's facets are listed the first axis fastest.
     surface = mesh.surface[:, VTK_ORDER[2]] if mesh.shape == "hexahedron" else mesh.surface
     return EdgeLattice(
@@ -191,11 +187,18 @@ def _cotangents(corners: Array, ends: Index, shape: Shape) -> Array:
     return found
 
 
-def _refuse_slack(springs: Index, factor: Array) -> None:
+def _factors(springs: Index, which: Index, gifts: Array, *, positive: bool) -> Array:
+    """Stiffness (m,) of springs, of what cells bring (e,) to each: refused below zero if so asked.
+
+    What cells bring cancels at right angles: a rest of it is kept, as their parts are over the sum.
+    """
+    factor = np.bincount(which, gifts).astype(float)
     slack = np.flatnonzero(factor <= 0)
-    if len(slack):
+    if positive and len(slack):
         raise ProblemError(
             f"mesh lattice: the spring between points {springs[slack[0]].tolist()} would have "
             f"{factor[slack[0]]:.3g} of E; make the mesh one of Delaunay's, take 'area', or "
             "springs of no rest length, by route 'neo-Hookean', which may push"
         )
+    least = ROUNDING * np.bincount(which, np.abs(gifts))
+    return np.where(np.abs(factor) < least, np.copysign(least, factor), factor)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.case.case import EDGE_ROUTES, Case, spacing_of
+from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.nearest_ratio import change_by_ratio, springs_ratio
 from msvalidate.case.network_files import SHAPE_OF
 from msvalidate.case.springs import SpringAnswer, make_network, solve_springs
@@ -225,7 +225,7 @@ def nearest_case(case: Case) -> Case:
     Itself too where none is to be chosen: of given constants, of a material that is no isotropic
     one or several, and of a lattice whose springs have many ratios.
     """
-    if case.route == EDGE_ROUTES[1]:
+    if case.are_elements:
         raise ProblemError(
             "springs of no rest length beside cells: LAMMPS has bonds alone; export --to csv or "
             "json, or take [springs] on = 'lattice'"

@@ -191,6 +191,6 @@ def test_memory_limits_meshes_in_space(monkeypatch):
     assert 0.1e9 < found.more.bytes < 0.5e9
     assert found.more.seconds == pytest.approx(8 * found.seconds[-1])
     assert converge(problem, at, 0.1, memory=0.05).more is None  # known as asked
-    monkeypatch.setattr("reference_fem.converged.free_memory", lambda: 0.12e9)
+    monkeypatch.setattr("reference_fem.effort.free_memory", lambda: 0.12e9)
     with pytest.raises(SolverError, match=r"unknowns, takes 0\.2 GB, and 0\.1 are free.*= 0\.1"):
         converge(problem, at, 1e-9, memory=1.0)
