@@ -15,6 +15,7 @@ from msvalidate.case.reading import parse_source
 from msvalidate.case.springs import solve_springs
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction, Zone
 from msvalidate.problem.normals import pressure
+from msvalidate.problem.records import replace
 from msvalidate.simulators.export import nearest_case
 from reference_fem.body import solve_problem
 from reference_fem.mesh.boxes import box_discretisation
@@ -120,3 +121,5 @@ def test_what_these_springs_have_not_is_refused(more, words):
     assert spacing_of(case) < 0.2  # never coarser than the file
     with pytest.raises(ProblemError, match="LAMMPS has bonds alone"):
         nearest_case(case)
+    box = build_case(parse_source("b.toml", (EXAMPLES / "box.toml").read_text("utf-8"), EXAMPLES))
+    assert nearest_case(replace(box, route="neo-Hookean")).route == "springs"  # squares have them
