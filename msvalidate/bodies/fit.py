@@ -21,7 +21,7 @@ from scipy.sparse import bsr_array
 
 from msvalidate.lattice import Constants
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError
-from msvalidate.linear_algebra.refine import LARGEST_ERROR
+from msvalidate.tangent.refine import LARGEST_ERROR
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, integers, require_type

@@ -21,7 +21,7 @@ from scipy.sparse import csr_array, diags_array
 
 from msvalidate.constants.cell_multigrid import MechanismFound, NotConverged, multigrid_relaxation
 from msvalidate.linear_algebra.factor import factorise, softest_mode
-from msvalidate.linear_algebra.refine import EPS, LARGEST_ERROR
+from msvalidate.tangent.refine import EPS, LARGEST_ERROR
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.tangent.mechanism import NO_STIFFNESS as NO_ENERGY
 

@@ -25,7 +25,8 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.tangent.multigrid import Cycle, force_against, make_cycle, restrained_tangent
+from msvalidate.linear_algebra.multigrid import Cycle
+from msvalidate.tangent.multigrid import force_against, make_cycle, restrained_tangent
 
 DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""

@@ -6,6 +6,9 @@ import numpy as np
 
 from msvalidate.problem import Array
 
+EPS = float(np.finfo(float).eps)
+"""Rounding of doubles."""
+
 
 def max_abs(values: Array) -> float:
     """Largest magnitude: 0 of no values, NaN if there is one, without an array of magnitudes."""

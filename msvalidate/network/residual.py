@@ -7,7 +7,7 @@ from copy import copy
 
 import numpy as np
 
-from msvalidate.linear_algebra.refine import EPS
+from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.checks import require_type

@@ -22,7 +22,8 @@ from msvalidate.statics.tangents import (
     refuse_mechanism,
 )
 from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, make_cycle, restrain_in_place
+from msvalidate.linear_algebra.multigrid import Cycle, conjugate_gradients, restrain_in_place
+from msvalidate.tangent.multigrid import make_cycle
 
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""
@@ -100,17 +101,17 @@ class _Multigrid:
         if held.any():  # such a load stands in a few rows, and measures none that is spread
             self.residual = 0.0
         found = conjugate_gradients(K, right, self.cycle, part)
-        run.moved(0, found.cycles)
+        run.moved(0, found.steps)
         if not found.left <= part:
             refuse_mechanism(run.network)
         if found.negative:
             raise SolverError(f"{run.title}: the tangent is not positive; {_LESS}")
         if not found.left <= part:
             raise SolverError(
-                f"{run.title}: residual {found.left:.1g} of the first after {found.cycles} cycles; "
+                f"{run.title}: residual {found.left:.1g} of the first after {found.steps} cycles; "
                 f"{_LESS}"
             )
-        self.look_after(found.cycles / max(-math.log10(part), 1.0))
+        self.look_after(found.steps / max(-math.log10(part), 1.0))
         run.cycle = self.cycle
         return np.asarray(found.solution + held).reshape(load.shape)
 

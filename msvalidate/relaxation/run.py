@@ -20,7 +20,8 @@ from msvalidate.relaxation.state import State
 from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.statics.tangents import refuse_mechanism
 from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.multigrid import Cycle, make_cycle, restrained_tangent
+from msvalidate.linear_algebra.multigrid import Cycle
+from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 LOOK_EVERY = 20
 """Steps between two looks at residual and energy, at the least."""

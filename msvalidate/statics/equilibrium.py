@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.linear_algebra.refine import InaccurateError
+from msvalidate.tangent.refine import InaccurateError
 from msvalidate.network import Configuration, Network
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
 from msvalidate.network.residual import out_of_balance_force

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.linear_algebra.refine import (
+from msvalidate.tangent.refine import (
     DOUBTFUL,
     EPS,
     STANDING,
@@ -28,7 +28,8 @@ from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import replace
 from msvalidate.tangent.cycles import ROUGHLY, Cycles, NotConvergedError
 from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.multigrid import Cycle, make_cycle, restrained_tangent
+from msvalidate.linear_algebra.multigrid import Cycle
+from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 from msvalidate.tangent.stability import negative_modes
 
 TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"

@@ -13,7 +13,8 @@ from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import refuse_mechanism_motion
 from msvalidate.tangent.inverse import Regular, Solver
 from msvalidate.tangent.mechanism import is_certain
-from msvalidate.tangent.multigrid import Cycle, restrained_tangent
+from msvalidate.linear_algebra.multigrid import Cycle
+from msvalidate.tangent.multigrid import restrained_tangent
 from msvalidate.tangent.stability import negative_modes
 
 LARGEST_TURN = 0.5

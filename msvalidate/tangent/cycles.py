@@ -8,18 +8,17 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import bsr_array
 
+from msvalidate.linear_algebra.multigrid import (
+    Cycle,
+    Iterated,
+    answer_to_random_load,
+    conjugate_gradients,
+)
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.mechanism import describe_motion, is_mechanism
-from msvalidate.tangent.multigrid import (
-    UNSEEN,
-    Cycle,
-    MultigridSolution,
-    conjugate_gradients,
-    make_cycle,
-    softest_motion,
-)
+from msvalidate.tangent.multigrid import make_cycle, softest_motion
 
 PART = 1e-5
 """Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
@@ -70,9 +69,9 @@ class Cycles:
         found = self._settled(right / size, part)
         if found.negative or not found.left <= part * min(found.lowest, 1.0):
             raise NotConvergedError(
-                f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
+                f"multigrid: {found.left:.1g} of the residual is left after {found.steps} cycles"
             )
-        self.steps = max(self.steps, found.cycles)
+        self.steps = max(self.steps, found.steps)
         return found.solution[self._free] * (size / self.cycle.unit)
 
     @property
@@ -84,17 +83,12 @@ class Cycles:
     def probed(self) -> tuple[Array, int, bool]:
         """Motion (f,) that resists least; whether one has negative energy; whether that is told.
 
-        A random load, the same every time, is solved for. Its part along a motion of negative
-        energy cannot fall in the steps of conjugate gradients (their residual is the load times a
-        polynomial that is 1 at 0 and more below): once the residual is `UNSEEN` of what each mode
-        has of the load on average, no such mode has more than that; by chance it has less once in
-        12,500 times.
+        By `answer_to_random_load`.
         """
-        weight = self.A.diagonal()[self._free]
-        weight = weight / weight.max()
-        load = weight * np.random.default_rng(0).normal(size=len(weight))
-        part = UNSEEN / math.sqrt(len(load))
-        found = self._settled(load, part)
+        found, told = answer_to_random_load(self.A, self.cycle, self._free)
+        if not (told or self.is_own):
+            self.cycle, self.is_own = make_cycle(self.A, self.at), True
+            found, told = answer_to_random_load(self.A, self.cycle, self._free)
         falling = self.cycle.indefinite_motion
         falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
         if falls or found.negative:
@@ -102,7 +96,7 @@ class Cycles:
             if not mode.any():
                 mode = falling if falls and falling is not None else found.solution
             return mode[self._free], 1, True
-        return found.solution[self._free], 0, found.left <= part
+        return found.solution[self._free], 0, told
 
     def softer(self, mode: Array) -> tuple[Array, bool]:
         """Another step of inverse iteration from a motion (f,); whether it was told."""
@@ -111,7 +105,7 @@ class Cycles:
         found = self._settled(load, ROUGHLY)
         return found.solution[self._free], not found.negative and found.left <= ROUGHLY
 
-    def _settled(self, right: Array, part: float) -> MultigridSolution:
+    def _settled(self, right: Array, part: float) -> Iterated:
         """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
         while True:
             load = np.zeros(self.A.shape[0])

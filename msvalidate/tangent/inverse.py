@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
-from msvalidate.linear_algebra.dissection import Dissection, nested_dissection
+from msvalidate.linear_algebra.order import Dissection, nested_dissection
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
-from msvalidate.linear_algebra.refine import contraction_bound
+from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
+from msvalidate.tangent.refine import contraction_bound
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.checks import require_one_of
@@ -29,13 +30,7 @@ from msvalidate.tangent.mechanism import (
     is_certain,
     relative_stiffness,
 )
-from msvalidate.tangent.multigrid import (
-    Cycle,
-    make_cycle,
-    restrain_in_place,
-    restrained_tangent,
-    softest_motion,
-)
+from msvalidate.tangent.multigrid import make_cycle, restrained_tangent, softest_motion
 
 SOLVERS = ("auto", "direct", "multigrid")
 """Names of solvers; "auto" takes one of the others."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
+from msvalidate.tangent.refine import DOUBTFUL, contraction_bound
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, format_point
 

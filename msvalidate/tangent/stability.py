@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import FACTOR_ROUNDING
+from msvalidate.tangent.refine import FACTOR_ROUNDING
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.tangent.cycles import NotConvergedError

@@ -18,7 +18,8 @@ from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import PART
 from msvalidate.tangent.inverse import Choice
-from msvalidate.tangent.multigrid import conjugate_gradients, make_cycle, restrained_tangent
+from msvalidate.linear_algebra.multigrid import conjugate_gradients
+from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 from . import bodies, fem_ways
 from .fem_ways import Found
@@ -87,7 +88,7 @@ def without_levels(net: kit.Network) -> int:
     over = 1 / A.diagonal()
     return conjugate_gradients(
         A, net.force.ravel(), lambda load: over * load, PART, most=MOST_STEPS
-    ).cycles
+    ).steps
 
 
 HALF_COUNTED, EVER_SHORTER = (

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from msvalidate.lattice import fill, patterns
-from msvalidate.linear_algebra.dissection import nested_dissection
+from msvalidate.linear_algebra.order import nested_dissection
 from msvalidate.problem import Box
 
 

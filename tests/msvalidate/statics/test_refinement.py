@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from msvalidate.dynamics.spectrum import natural_frequencies
-from msvalidate.linear_algebra.refine import LARGEST_ERROR
+from msvalidate.tangent.refine import LARGEST_ERROR
 from msvalidate.network import Configuration, spring_network
 from msvalidate.problem import Region, SolverError, Traction
 from msvalidate.statics.equilibrium import equilibrium

@@ -14,13 +14,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass
 
 LARGEST_ERROR = 1e-6
 """Error of a displacement, over the largest one, above which an answer is refused."""
-EPS = float(np.finfo(float).eps)
 ENOUGH = EPS / 2
 """Error, over the largest displacement, at which refinement stops: rounding to doubles."""
 FACTOR_ROUNDING = 8 * EPS

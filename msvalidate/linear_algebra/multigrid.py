@@ -1,0 +1,458 @@
+"""Symmetric systems of blocks by conjugate gradients, a multigrid cycle a step.
+
+Work and memory are in proportion to the unknowns, where a sparse factor's are not. Coarse spaces
+come from smoothed aggregation of near-null vectors that are given, by PyAMG, or from meshes that
+hold each other. Nothing is drawn at random, so that answers are the same at every run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh_tridiagonal
+from scipy.sparse import bsr_array, csr_array
+
+from msvalidate.problem import Array, Index, Mask
+from msvalidate.problem.records import dataclass
+
+MOST_STEPS = 300
+"""Bodies of good shape take 10 to 30; slender ones, or masses of soft springs, a few hundred."""
+UNSEEN = 1e-4
+"""Part of a mode's usual share of a random load below which the mode is overlooked. A normal
+variable is smaller than that once in 12,500 times."""
+SPAN = 8.0
+"""Highest eigenvalue over the least that Chebyshev's polynomial is for: aggregates are some 30
+points, and fields of a mesh of half the size differ by as much."""
+NO_STIFFNESS = 1e-13
+"""Stiffness over the largest one, of a block or of the coarsest level, that is rounding."""
+ORDINARY = 1e50
+"""Largest stiffness taken as it is, and one over the smallest. Others are scaled, in a copy that
+the largest systems are spared."""
+_AGGREGATION = {
+    # Weights from row sums: the default draws random vectors, so that answers differ by run. Row
+    # sums bound the highest mode of a lattice 1.5 times too high or more, which 4/3 · 1.3 makes up.
+    "smooth": ("jacobi", {"omega": 1.7, "weighting": "local"}),
+    "improve_candidates": None,
+    "strength": ("symmetric", {"theta": 0.05}),  # cells ten times as long as wide
+    "presmoother": None,
+    "postsmoother": None,
+    "max_coarse": 60,
+}
+
+Smoother = Callable[[Array | None, Array], Array]
+"""A motion nearer to the one under a load, from one (None is no motion) and the load."""
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """A system (N, N) of blocks, and its ways to smooth an error and to a coarser system.
+
+    Parameters
+    ----------
+    A
+        The matrix.
+    up, down
+        (N, M) from the unknowns of the next coarser one, and its transpose.
+    before, after
+        Smoothers: one is the other's transpose, as conjugate gradients need it.
+    """
+
+    A: bsr_array
+    up: Any
+    down: Any
+    before: Smoother
+    after: Smoother
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """One multigrid cycle: nearly the inverse of a matrix, positive definite if that is.
+
+    Parameters
+    ----------
+    levels
+        The finest first.
+    coarsest
+        Solves on the coarsest level.
+    unit
+        The levels are those of the matrix over this.
+    softest
+        Motion (N,) of the coarsest level's lowest eigenvalue, and this over its highest.
+    order
+        (N,) unknowns as the levels have them; None where they are in the given order.
+    floating
+        Components of translations that meet nothing, and are taken out; 0 where there are none.
+    """
+
+    levels: Sequence[Level]
+    coarsest: Callable[[Array], Array]
+    unit: float = 1.0
+    softest: tuple[Array, float] | None = None
+    order: Index | None = None
+    floating: int = 0
+
+    def __call__(self, force: Array) -> Array:
+        """Motion that nearly balances a force, both (N,) or (N, v) of v at once."""
+        ordered = force if self.order is None else force[self.order]
+        found = self._down(0, ordered / self.unit)
+        if self.floating:
+            parts = found.reshape(-1, self.floating, *force.shape[1:])
+            found = (parts - parts.mean(axis=0)).reshape(force.shape)
+        return found if self.order is None else self._restored(found)
+
+    @property
+    def indefinite_motion(self) -> Array | None:
+        """A motion (N,) of negative energy, if the coarsest level has one: so does the matrix."""
+        if self.softest is None or self.softest[1] >= -10 * NO_STIFFNESS:
+            return None
+        return self.softest[0] if self.order is None else self._restored(self.softest[0])
+
+    def _restored(self, ordered: Array) -> Array:
+        back = np.empty_like(ordered)
+        back[self.order] = ordered
+        return back
+
+    def _down(self, depth: int, load: Array) -> Array:
+        """One W, each coarse level visited twice.
+
+        That takes a tenth more than a V, and spares steps that grow with levels and slenderness.
+        """
+        if depth == len(self.levels):
+            return self.coarsest(load)
+        here = self.levels[depth]
+        x: Array | None = None
+        for _ in range(2 if depth else 1):  # whole cycles, which keep it symmetric
+            x = here.before(x, load)
+            x += here.up @ self._down(depth + 1, here.down @ (load - here.A @ x))
+            x = here.after(x, load)
+        assert x is not None
+        return x
+
+
+def aggregate(
+    A: bsr_array,
+    near_null: Array,
+    order: Index | None = None,
+    *,
+    floating: int = 0,
+    highest: float | None = None,
+) -> Cycle:
+    """A cycle whose coarse spaces hold vectors that meet little: by smoothed aggregation.
+
+    The same system has the same cycle, to the last digit.
+
+    Source: [Vanek1996].
+
+    Parameters
+    ----------
+    A
+        (N, N) in square blocks, every point with one on the diagonal.
+    near_null
+        (N, r), such as rigid motions.
+    order
+        (n,) points as they are to be aggregated, neighbours near each other.
+    floating
+        Components of a point, where translations meet nothing; then smoothing is by products alone,
+        for many right-hand sides at once, and 0 otherwise.
+    highest
+        Bound on the eigenvalues of A over its diagonal blocks, where one is known.
+
+    Raises
+    ------
+    MeetsNothingError
+        If translations are free, and another motion meets nothing but rounding.
+    """
+    from pyamg import smoothed_aggregation_solver  # noqa: PLC0415  half a second for one method
+
+    size = A.blocksize[0]
+    largest = float(A.data.max())
+    unit = 1.0 if 1 / ORDINARY < largest < ORDINARY else largest  # squares are to have numbers
+    scaled = A if unit == 1 else bsr_array((A.data / unit, A.indices, A.indptr), shape=A.shape)
+    unknowns = None
+    if order is not None:
+        scaled = _permute_blocks(scaled, order)
+        unknowns = (order[:, None] * size + np.arange(size)).ravel()
+        near_null = near_null[unknowns]
+    scaled.has_canonical_format = True  # or it is looked through at every use
+    found = smoothed_aggregation_solver(scaled, B=near_null, **_AGGREGATION).levels
+    above: list[Any] = []
+    levels = []
+    for here in found[:-1]:
+        if floating:
+            smoothers = _by_products(here.A, highest, above)
+            highest = None
+        else:
+            smoothers = _by_sweeps(here.A)
+        levels.append(Level(here.A, here.P, here.R, *smoothers))
+        above.append(here.P)
+    matrix = found[-1].A.toarray()
+    shift = np.linalg.qr(found[-1].B)[0] if floating else np.zeros((len(matrix), 0))
+    stiffened = matrix + np.abs(matrix).max() * shift @ shift.T
+    values, motions = np.linalg.eigh(stiffened)
+    top = float(np.abs(values).max(initial=0.0)) or 1.0
+    softest = _prolong(motions[:, 0], above), float(values[0]) / top
+    if floating and not softest[1] > NO_STIFFNESS:
+        raise MeetsNothingError(softest[0][:, None])
+    there = np.abs(values) > NO_STIFFNESS * top
+    values, motions = values[there], motions[:, there]
+
+    def coarsest(load: Array) -> Array:
+        held = load - shift @ (shift.T @ load)
+        share = (motions.T @ held).T / values
+        return np.asarray(motions @ share.T)
+
+    return Cycle(levels, coarsest, unit, softest, unknowns, floating)
+
+
+class MeetsNothingError(Exception):
+    """A motion (N, 1) meets no stiffness but rounding."""
+
+    def __init__(self, motion: Array | None = None) -> None:
+        super().__init__("some motion meets no stiffness but rounding")
+        self.motion = motion
+
+
+def _prolong(motion: Array, up: list[Any]) -> Array:
+    """A motion of a coarse level on the finest."""
+    for each in up[::-1]:
+        motion = np.asarray(each @ motion)
+    return motion
+
+
+def _by_sweeps(A: bsr_array) -> tuple[Smoother, Smoother]:
+    """Gauss and Seidel's method by blocks, forward and back.
+
+    There and back is symmetric, at half the price of both ways twice.
+    """
+    from pyamg.relaxation.relaxation import block_gauss_seidel  # noqa: PLC0415
+    from pyamg.util.utils import get_block_diag  # noqa: PLC0415
+
+    size = A.blocksize[0]
+    inverse = get_block_diag(A, blocksize=size, inv_flag=True)
+
+    def smooth(x: Array | None, load: Array, *, sweep: str) -> Array:
+        x = np.zeros_like(load) if x is None else x
+        block_gauss_seidel(A, x, load, sweep=sweep, blocksize=size, Dinv=inverse)
+        return x
+
+    return partial(smooth, sweep="forward"), partial(smooth, sweep="backward")
+
+
+def _by_products(A: bsr_array, highest: float | None, up: list[Any]) -> tuple[Smoother, Smoother]:
+    """Chebyshev's polynomial of second degree in the matrix over its diagonal blocks.
+
+    Sums of blocks bound its eigenvalues if the highest is not known: over the roots of diagonal
+    blocks, their norms over rows.
+    """
+    own, row = diagonal_blocks(A)
+    values, motions = np.linalg.eigh(own)
+    worst = int((values[:, 0] - NO_STIFFNESS * values[:, -1]).argmin())
+    if not values[worst, 0] > NO_STIFFNESS * values[worst, -1]:
+        motion = np.zeros(own.shape[:2])
+        motion[worst] = motions[worst, :, 0]
+        raise MeetsNothingError(_prolong(motion.reshape(-1, 1), up))
+    if highest is None:
+        root = (motions / np.sqrt(values)[:, None]).transpose(0, 2, 1)
+        blocks = root[row] @ A.data @ root[A.indices].transpose(0, 2, 1)
+        highest = float(np.bincount(row, np.linalg.norm(blocks, axis=(1, 2), ord=2)).max())
+    smooth = chebyshev(A, (motions / values[:, None]) @ motions.transpose(0, 2, 1), highest)
+    return smooth, smooth
+
+
+def chebyshev(A: bsr_array, inverse: Array, highest: float) -> Smoother:
+    """A smoother by products alone, from inverses (n, d, d) of diagonal blocks.
+
+    Source: [Adams2003].
+    """
+    middle, half = (0.5 * highest * (1 + way / SPAN) for way in (1, -1))
+    turn = 1 / (2 * middle**2 / half**2 - 1)
+
+    def over_own(force: Array) -> Array:
+        parts = force.reshape(len(inverse), inverse.shape[1], -1)
+        return np.asarray(np.matmul(inverse, parts).reshape(force.shape))
+
+    def smooth(x: Array | None, load: Array) -> Array:
+        force = load if x is None else load - A @ x
+        first = over_own(force) / middle
+        change = (1 + turn) * first
+        change += (2 * middle * turn / half**2) * over_own(force - A @ first)
+        return change if x is None else x + change
+
+    return smooth
+
+
+def diagonal_blocks(A: bsr_array) -> tuple[Array, Index]:
+    """The diagonal blocks (n, d, d), 0 where there is none, and the rows of all blocks."""
+    rows = len(A.indptr) - 1
+    row = np.repeat(np.arange(rows), np.diff(A.indptr))
+    own = np.zeros((rows, *A.blocksize))
+    at = A.indices == row
+    own[row[at]] = A.data[at]
+    return own, row
+
+
+def restrain_in_place(K: bsr_array, free: Mask) -> None:
+    """Cut off in K (n·d, n·d) itself what is not `free` (n, d), but for positive diagonal entries.
+
+    Rows that are held stay, so that every point has its block.
+    """
+    held = ~np.asarray(free.all(axis=1))
+    at = np.flatnonzero(np.repeat(held, np.diff(K.indptr)) | held[K.indices])
+    row, column = np.searchsorted(K.indptr, at, side="right") - 1, K.indices[at]
+    K.data[at] *= free[row][:, :, None] * free[column][:, None, :]
+    own = row == column
+    unit = float(K.data.max(initial=0.0)) or 1.0
+    K.data[at[own]] += unit * (np.eye(free.shape[1]) * ~free[row[own]][:, :, None])
+
+
+def _permute_blocks(A: bsr_array, points: Index) -> bsr_array:
+    """A with the blocks of its points (n,) in another order."""
+    n = len(points)
+    where = csr_array((np.arange(len(A.indices)), A.indices, A.indptr), shape=(n, n))
+    where = where[points][:, points]
+    where.sort_indices()
+    return bsr_array((A.data[where.data], where.indices, where.indptr), shape=A.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Iterated:
+    """What conjugate gradients found.
+
+    Parameters
+    ----------
+    solution
+        (N,) or (N, v).
+    steps
+        Each with one cycle and one product.
+    left
+        Residual and error, the larger of all columns, relative to those of no motion.
+    negative
+        Whether a motion of no or negative energy was met: then the system is not positive definite.
+    lowest
+        Lowest eigenvalue of the matrix times a cycle, as far as the load has it; infinite where
+        it was not asked for.
+    direction
+        In which such a motion was met, or the last one.
+    """
+
+    solution: Array
+    steps: int
+    left: float
+    negative: bool = False
+    lowest: float = math.inf
+    direction: Array | None = None
+
+
+def conjugate_gradients(
+    A: Any,
+    force: Array,
+    cycle: Callable[[Array], Array],
+    part: float,
+    *,
+    most: int = MOST_STEPS,
+    spectral: bool = False,
+    stop: Callable[[Array], bool] | None = None,
+) -> Iterated:
+    """Solve A x = force, (N,) or columns (N, v), each by steps of its own.
+
+    Until the residual and the error are `part` of the first, or a residual is small enough for
+    `stop`. The error is what a cycle makes of the residual: that hardly knows of a slender body's
+    bending. If `spectral`, both are to be smaller by the lowest eigenvalue, of which the error may
+    be one over as large: conjugate gradients know it (Lanczos; [GolubVanLoan2013], section 11.3).
+
+    Source: [HestenesStiefel1952].
+    """
+    x, residual = np.zeros_like(force), force.copy()
+    ahead = cycle(residual)
+    first = [np.sqrt(_dots(each, each)) for each in (force, ahead)]
+    direction, power, lowest = ahead.copy(), _dots(residual, ahead), math.inf
+    there = (first[0] > 0) & (first[1] > 0)
+    if not there.any():  # no load, or one whose squares are too small for numbers
+        return Iterated(x, 0, float(force.any()))
+    left = there.astype(float)
+    lengths: list[float] = []
+    turns: list[float] = []
+    for steps in range(most + 1):
+        going = left > part * min(lowest, 1.0)
+        if stop(residual) if stop else not going.any():
+            break
+        if steps == most:
+            break
+        push = A @ direction
+        stiff = _dots(direction, push)
+        if not ((stiff > 0) & (power > 0))[going].all():
+            worst = float(np.max(left))
+            negative = bool(((stiff <= 0) | (power <= 0))[going].any())
+            return Iterated(x, steps, worst, negative, lowest, direction)
+        length = np.where(going, power / np.where(going, stiff, 1.0), 0.0)
+        x += length * direction
+        push *= length
+        residual -= push
+        ahead = cycle(residual)
+        now = [np.sqrt(_dots(each, each)) for each in (residual, ahead)]
+        over = [np.where(there, a / np.where(there, b, 1.0), 0.0) for a, b in zip(now, first)]
+        left = np.where(going, np.maximum(*over), left)
+        power, before = _dots(residual, ahead), power
+        turn = np.where(going, power / np.where(going, before, 1.0), 0.0)
+        direction *= turn
+        direction += ahead
+        if spectral:
+            lengths.append(float(length))
+            turns.append(float(turn))
+            if left <= part:
+                lowest = _lowest_eigenvalue(np.array(lengths), np.array(turns))
+    return Iterated(x, steps, float(np.max(left)), lowest=lowest, direction=direction)
+
+
+def answer_to_random_load(
+    A: bsr_array, cycle: Callable[[Array], Array], free: Mask, floating: int = 0
+) -> tuple[Iterated, bool]:
+    """The answer to a random load, the same every time, and whether it tells of every motion.
+
+    Its part along a motion without stiffness never falls, nor does that along one of negative
+    energy (the residual is a polynomial in the matrix, 1 at 0 and more below, times the load). Each
+    component of the load is random as the root of what it meets by itself, so along each motion it
+    has the same spread: once the residual is `UNSEEN` of that, no such motion is overlooked but
+    once in 12,500 times.
+
+    Parameters
+    ----------
+    A, cycle
+        (N, N), and nearly its inverse.
+    free
+        (N,) what may move.
+    floating
+        As of the cycle.
+    """
+    own = np.where(free, np.abs(A.diagonal()), 0.0)
+    unit = float(own.max(initial=0.0)) or 1.0
+    load = np.sqrt(own / unit) * np.random.default_rng(0).normal(size=own.shape)
+    if floating:
+        parts = load.reshape(-1, floating)
+        load = (parts - parts.mean(axis=0)).ravel()
+    weight = np.divide(unit, own, out=np.zeros_like(own), where=own > 0)
+    found = conjugate_gradients(
+        A, load, cycle, 0.0, stop=lambda left: bool(left**2 @ weight <= UNSEEN**2)
+    )
+    return found, not found.negative and found.steps < MOST_STEPS
+
+
+def _lowest_eigenvalue(lengths: Array, turns: Array) -> float:
+    """Lowest eigenvalue that steps of conjugate gradients have met, by their Lanczos matrix.
+
+    Source: [Lanczos1950].
+    """
+    diagonal = 1 / lengths
+    diagonal[1:] += turns[:-1] / lengths[:-1]
+    beside = np.sqrt(np.abs(turns[:-1])) / lengths[:-1]
+    values = eigh_tridiagonal(diagonal, beside, eigvals_only=True, select="i", select_range=(0, 0))
+    return float(values[0])
+
+
+def _dots(a: Array, b: Array) -> Array:
+    """a·b, () or (v,) of columns; not by BLAS: its threads change the last digits, and wait."""
+    return np.asarray(np.einsum("i...,i...->...", a, b))
