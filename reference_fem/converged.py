@@ -344,7 +344,7 @@ def _make_ready(
     """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
     if coarser is None or finer is None or solver != "auto" or body.dim == 2:
         return make_solver(body, law, held, solver)
-    if len(body.points) <= MOST_DIRECT and favours_factor(body, held):
+    if len(body.points) <= MOST_DIRECT and favours_factor(body):
         return make_solver(body, law, held, solver)
     start = finer @ found[-1].displacement
     return Nested(body, held, thickness_tensors(law), numbers_of(law), coarser, finer, start)

@@ -102,6 +102,6 @@ def multigrid_relaxation(
         size = np.abs(force).max(axis=0, initial=0.0)
         found = conjugate_gradients(A, force / np.where(size > 0, size, 1.0), cycle, PART)
         refuse_unsettled(found, settled=not found.negative and found.left <= PART)
-        return -size * found.solution
+        return np.asarray(-size * found.solution)
 
     return relieve

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
 from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
+from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Network, configuration_at, tangent
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
@@ -25,7 +26,6 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.tangent.multigrid import force_against, make_cycle, restrained_tangent
 
 DENSE = 600

@@ -1,4 +1,7 @@
-"""Symmetric sparse systems: factor, inertia, and the mode that resists least."""
+"""Symmetric sparse systems: factor, inertia, and the mode that resists least.
+
+By SciPy's SuperLU, or CHOLMOD where cvxopt is there. Source: [SuperLU]; [CHOLMOD], by [cvxopt].
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array
+from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, SolverError
@@ -21,10 +24,12 @@ SWEEPS = 2
 all but zero where that mode has no stiffness."""
 NO_NUMBER = 1e-280
 """Entries below which a matrix has no digits left for a fraction of them."""
-
-
 MOST_SIGNED = 1.5e8
 """Entries of both triangles up to which pivots are looked at: the library copies them for that."""
+
+
+STIFFENED = 2.0**-48
+"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
 
 
 class NoMemoryError(SolverError):
@@ -37,14 +42,20 @@ class Factor:
 
     Parameters
     ----------
-    lu
-        SuperLU's factor.
+    name
+        "superlu" or "cholmod".
+    inverse
+        Solutions for right-hand sides, both in the order of elimination.
     order
         (f,) unknowns in the order of elimination; None where the library chose it.
+    lu
+        SuperLU's factor; None of a Cholesky factor, which only a positive matrix has.
     """
 
-    lu: Any
+    name: str
+    inverse: Callable[[Array], Array]
     order: Index | None = None
+    lu: Any = None
 
     @cached_property
     def negative(self) -> int:
@@ -55,27 +66,33 @@ class Factor:
         SolverError
             If there is no memory for the library's copy of the factor.
         """
-        if self.lu.nnz > MOST_SIGNED:
+        if self.lu is None:
+            return 0
+        if not self.is_signed:
             raise SolverError(NOT_SIGNED.format(self.lu.shape[0]))
         try:
             negative = int((self.lu.U.diagonal() < 0).sum())
         except MemoryError as error:
             raise SolverError(NOT_SIGNED.format(self.lu.shape[0])) from error
         # A zero on the diagonal, where another row was taken: not positive definite.
-        exchanged = not np.array_equal(self.lu.perm_r, self.lu.perm_c)
-        return max(negative, 1) if exchanged else negative
+        return max(negative, 1) if self.is_exchanged else negative
+
+    @property
+    def is_exchanged(self) -> bool:
+        """Whether a pivot was zero, so that another row's was taken: pivots then tell no signs."""
+        return self.lu is not None and not np.array_equal(self.lu.perm_r, self.lu.perm_c)
 
     @property
     def is_signed(self) -> bool:
         """Whether the signs of the pivots are known."""
-        return bool(self.lu.nnz <= MOST_SIGNED)
+        return self.lu is None or bool(self.lu.nnz <= MOST_SIGNED)
 
     def solve(self, right: Array) -> Array:
-        """Solution of the system for a right-hand side (f,)."""
+        """Solution of the system for a right-hand side (f,), or (f, r) of r at once."""
         if self.order is None:
-            return np.asarray(self.lu.solve(right))
+            return np.asarray(self.inverse(right))
         found = np.empty_like(right)
-        found[self.order] = self.lu.solve(right[self.order])
+        found[self.order] = self.inverse(right[self.order])
         return found
 
 
@@ -85,7 +102,18 @@ NOT_SIGNED = (
 )
 
 
-def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
+def has_cholmod() -> bool:
+    """Whether cvxopt, which brings CHOLMOD, is installed."""
+    try:
+        import cvxopt.cholmod  # noqa: F401, PLC0415  optional
+    except ImportError:
+        return False
+    return True
+
+
+def factorise(
+    matrix: csr_array, order: Index | None = None, name: str = "superlu", *, mend: bool = False
+) -> Factor:
     """Factor with pivots on the diagonal, in a symmetric ordering: faster than the general default.
 
     Parameters
@@ -93,9 +121,12 @@ def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
     matrix
         (f, f), symmetric.
     order
-        (f,) in which its unknowns are eliminated, such as that of
-        `inverse.elimination_order`; by default of minimum degree, which is as good for a few
-        thousand unknowns.
+        (f,) in which its unknowns are eliminated, such as that of `order.free_unknowns`; by
+        default of minimum degree, which is as good for a few thousand unknowns.
+    name
+        "superlu", or "cholmod" of a matrix that is known to be positive definite.
+    mend
+        Whether to add `STIFFENED` of the diagonal where rounding has made the matrix singular.
 
     Raises
     ------
@@ -106,20 +137,46 @@ def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
     """
     try:
         with silence_library():
+            ordered = matrix if order is None else matrix[order][:, order]
+            if name == "cholmod":
+                return Factor(name, _cholesky(ordered), order)
             lu = splu(
-                (matrix if order is None else matrix[order][:, order]).tocsc(),
+                ordered.tocsc(),
                 permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
                 diag_pivot_thresh=0.0,
                 options={"SymmetricMode": True},
             )
-    except (MemoryError, RuntimeError) as error:
-        if isinstance(error, RuntimeError) and "MALLOC" not in str(error):
-            raise  # a pivot of zero
-        raise NoMemoryError(
-            f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
-            "solver 'multigrid' where there is a choice, or fewer points"
-        ) from error
-    return Factor(lu, order)
+    except (ArithmeticError, MemoryError, RuntimeError) as error:
+        if isinstance(error, MemoryError) or "MALLOC" in str(error):
+            raise NoMemoryError(
+                f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
+                "solver 'multigrid' where there is a choice, or fewer points"
+            ) from error
+        if not mend:
+            raise RuntimeError(*error.args) from error  # a pivot of zero
+        stiffened = matrix + diags_array(STIFFENED * np.abs(matrix.diagonal()))
+        return factorise(csr_array(stiffened), order, name)
+    return Factor(name, lu.solve, order, lu)
+
+
+def _cholesky(matrix: csr_array) -> Callable[[Array], Array]:
+    """L Lᵀ of a symmetric matrix as it is ordered."""
+    from cvxopt import cholmod, spmatrix  # noqa: PLC0415  optional
+    from cvxopt import matrix as dense  # noqa: PLC0415
+
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    below = matrix.indices <= row
+    entries = matrix.data[below], row[below], matrix.indices[below].astype(np.int64)
+    lower = spmatrix(*(dense(each) for each in entries), matrix.shape)
+    factor = cholmod.symbolic(lower, p=dense(np.arange(matrix.shape[0])))
+    cholmod.numeric(lower, factor)
+
+    def inverse(load: Array) -> Array:
+        found = dense(load)
+        cholmod.solve(factor, found)
+        return np.array(found).reshape(load.shape)
+
+    return inverse
 
 
 @contextmanager

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import eigh_tridiagonal
 from scipy.sparse import bsr_array, csr_array
 
+from msvalidate.linear_algebra.norms import dots
 from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.records import dataclass
 
@@ -66,6 +67,12 @@ class Level:
     down: Any
     before: Smoother
     after: Smoother
+
+    def once(self, x: Array | None, load: Array, coarser: Callable[[Array], Array]) -> Array:
+        """A motion nearer to the one under a load: smoothed, corrected, smoothed again."""
+        x = self.before(x, load)
+        x += self.up @ coarser(self.down @ (load - self.A @ x))
+        return self.after(x, load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,13 +131,8 @@ class Cycle:
         if depth == len(self.levels):
             return self.coarsest(load)
         here = self.levels[depth]
-        x: Array | None = None
-        for _ in range(2 if depth else 1):  # whole cycles, which keep it symmetric
-            x = here.before(x, load)
-            x += here.up @ self._down(depth + 1, here.down @ (load - here.A @ x))
-            x = here.after(x, load)
-        assert x is not None
-        return x
+        x = here.once(None, load, partial(self._down, depth + 1))
+        return here.once(x, load, partial(self._down, depth + 1)) if depth else x
 
 
 def aggregate(
@@ -368,8 +370,8 @@ def conjugate_gradients(
     """
     x, residual = np.zeros_like(force), force.copy()
     ahead = cycle(residual)
-    first = [np.sqrt(_dots(each, each)) for each in (force, ahead)]
-    direction, power, lowest = ahead.copy(), _dots(residual, ahead), math.inf
+    first = [np.sqrt(dots(each, each)) for each in (force, ahead)]
+    direction, power, lowest = ahead.copy(), dots(residual, ahead), math.inf
     there = (first[0] > 0) & (first[1] > 0)
     if not there.any():  # no load, or one whose squares are too small for numbers
         return Iterated(x, 0, float(force.any()))
@@ -383,7 +385,7 @@ def conjugate_gradients(
         if steps == most:
             break
         push = A @ direction
-        stiff = _dots(direction, push)
+        stiff = dots(direction, push)
         if not ((stiff > 0) & (power > 0))[going].all():
             worst = float(np.max(left))
             negative = bool(((stiff <= 0) | (power <= 0))[going].any())
@@ -393,10 +395,13 @@ def conjugate_gradients(
         push *= length
         residual -= push
         ahead = cycle(residual)
-        now = [np.sqrt(_dots(each, each)) for each in (residual, ahead)]
-        over = [np.where(there, a / np.where(there, b, 1.0), 0.0) for a, b in zip(now, first)]
+        now = [np.sqrt(dots(each, each)) for each in (residual, ahead)]
+        over = [
+            np.where(there, a / np.where(there, b, 1.0), 0.0)
+            for a, b in zip(now, first, strict=True)
+        ]
         left = np.where(going, np.maximum(*over), left)
-        power, before = _dots(residual, ahead), power
+        power, before = dots(residual, ahead), power
         turn = np.where(going, power / np.where(going, before, 1.0), 0.0)
         direction *= turn
         direction += ahead
@@ -451,8 +456,3 @@ def _lowest_eigenvalue(lengths: Array, turns: Array) -> float:
     beside = np.sqrt(np.abs(turns[:-1])) / lengths[:-1]
     values = eigh_tridiagonal(diagonal, beside, eigvals_only=True, select="i", select_range=(0, 0))
     return float(values[0])
-
-
-def _dots(a: Array, b: Array) -> Array:
-    """a·b, () or (v,) of columns; not by BLAS: its threads change the last digits, and wait."""
-    return np.asarray(np.einsum("i...,i...->...", a, b))

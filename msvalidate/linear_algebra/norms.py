@@ -10,6 +10,14 @@ EPS = float(np.finfo(float).eps)
 """Rounding of doubles."""
 
 
+def dots(a: Array, b: Array) -> Array:
+    """a·b, () of vectors or (v,) of columns.
+
+    Not by BLAS: its threads change the last digits, and wait for each other.
+    """
+    return np.asarray(np.einsum("i...,i...->...", a, b))
+
+
 def max_abs(values: Array) -> float:
     """Largest magnitude: 0 of no values, NaN if there is one, without an array of magnitudes."""
     return abs(float(max(values.max(), -values.min()))) if values.size else 0.0

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem import Array, Index
+from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.records import dataclass
 
-SMALL = 12
+SMALL = 4
 """Points of a piece that is cut no further."""
 MIDDLE = 0.2
 """Part of a piece on either side of its middle within which it is cut."""
@@ -34,13 +34,13 @@ class Dissection:
     Parameters
     ----------
     order
-        (n,) points, the first to be eliminated first; None where the count was broken off.
+        (n,) points, the first to be eliminated first; (0,) where the count was broken off.
     entries, products
         Of the triangular factor of a matrix with one number a point: its entries, and the products
         that make it. Blocks of d x d have d² and d³ times as many.
     """
 
-    order: Index | None
+    order: Index
     entries: float
     products: float
 
@@ -62,7 +62,8 @@ def nested_dissection(points: Array, pairs: Index, most: float = np.inf) -> Diss
     place = _scale_by_spacing(points, pairs)
     n = len(place)
     path, depth = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
-    inner, outer = pairs, np.zeros((0, 2), dtype=pairs.dtype)
+    inner = np.array(pairs.T, dtype=np.intp, order="C")
+    outer = inner[:, :0]
     order, entries, products = np.arange(n), 0.0, 0.0
     for level in range(LEVELS):
         start = np.flatnonzero(np.diff(path[order], prepend=-1))
@@ -80,7 +81,7 @@ def nested_dissection(points: Array, pairs: Index, most: float = np.inf) -> Diss
         entries += float((width * (width + 1) / 2 + width * beyond).sum())
         products += float((width**3 / 3 + width**2 * beyond + width * beyond**2).sum())
         if products > most:
-            return Dissection(None, entries, products)
+            return Dissection(order[:0], entries, products)
         path[order] = 4 * path[order] + taken[order]
         depth[order] += 1
         order = order[taken[order] != CUT]
@@ -89,6 +90,23 @@ def nested_dissection(points: Array, pairs: Index, most: float = np.inf) -> Diss
         inner, outer = _remaining_pairs(taken, inner, outer)
     path <<= 2 * (LEVELS - depth)
     return Dissection(np.argsort(path, kind="stable"), entries, products)
+
+
+def pairs_in(cells: Index) -> Index:
+    """Pairs (p, 2) of points that cells (c, k) join, each as often as it is in one."""
+    first, second = np.triu_indices(cells.shape[1], 1)
+    return np.stack([cells[:, first].ravel(), cells[:, second].ravel()], axis=1)
+
+
+def free_unknowns(order: Index, held: Mask, *, by_component: bool = False) -> Index:
+    """Free components (f,) in the order (n,) of their points, as positions among the free ones.
+
+    `held` (n, d) are those that are not; they are counted by point, or else by component.
+    """
+    counted = held.T if by_component else held
+    number = (np.cumsum(~counted.ravel()) - 1).reshape(counted.shape)
+    number = number.T if by_component else number
+    return np.asarray(number[order][~held[order]])
 
 
 def _scale_by_spacing(points: Array, pairs: Index) -> Array:
@@ -128,13 +146,9 @@ def _second_half_start(gap: Array, start: Index, size: Index, which: Index) -> I
 
 def _make_separator(side: Index, piece: Index, inner: Index, pieces: int) -> None:
     """Make the ends of what joins two halves a cut, on the side where they are fewer."""
-    i, j = inner.T
-    across = side[i] != side[j]
-    ends = inner[across]
-    right = np.where(side[ends[:, 0]] == RIGHT, ends[:, 0], ends[:, 1])
-    left = np.where(side[ends[:, 0]] == RIGHT, ends[:, 1], ends[:, 0])
+    of_first, of_second = side[inner]
     on_cut = np.zeros(len(side), dtype=bool)
-    on_cut[right] = on_cut[left] = True
+    on_cut[inner[:, of_first != of_second]] = True
     (at,) = np.nonzero(on_cut)
     count = np.bincount(2 * piece[at] + side[at], minlength=2 * pieces).reshape(-1, 2)
     fewer = (count[:, 1] < count[:, 0]).astype(np.int64)
@@ -144,15 +158,14 @@ def _make_separator(side: Index, piece: Index, inner: Index, pieces: int) -> Non
 def _adjacent_separators(piece: Index, outer: Index, pieces: int) -> Array:
     """Points of earlier cuts (p,) that each piece is joined to."""
     n = len(piece)
-    key = piece[outer[:, 0]] * n + outer[:, 1]
+    key = piece[outer[0]] * n + outer[1]
     return np.bincount(np.unique(key) // n, minlength=pieces).astype(float)
 
 
 def _remaining_pairs(taken: Index, inner: Index, outer: Index) -> tuple[Index, Index]:
     """What joins points that are left to each other, and to cuts, now that a cut is taken out."""
-    cut = taken == CUT
-    i, j = inner.T
-    gone = np.concatenate(
-        [outer[~cut[outer[:, 0]]], inner[~cut[i] & cut[j]], inner[cut[i] & ~cut[j]][:, ::-1]]
-    )
-    return inner[~cut[i] & ~cut[j]], gone
+    first, second = (taken == CUT)[inner]
+    still = np.compress(taken[outer[0]] != CUT, outer, axis=1)
+    ahead = np.compress(~first & second, inner, axis=1)
+    behind = np.compress(first & ~second, inner, axis=1)[::-1]
+    return np.compress(~(first | second), inner, axis=1), np.hstack([still, ahead, behind])

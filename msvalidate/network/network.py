@@ -13,8 +13,8 @@ from typing import Concatenate, ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.network.blocks import Blocks, blocks_of
 from msvalidate.linear_algebra.norms import EPS
+from msvalidate.network.blocks import Blocks, blocks_of
 from msvalidate.network.checks import (
     broadcast_values,
     check_cells,

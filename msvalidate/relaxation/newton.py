@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from msvalidate.linear_algebra.multigrid import Cycle, conjugate_gradients, restrain_in_place
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.method import Method
@@ -22,7 +23,6 @@ from msvalidate.statics.tangents import (
     refuse_mechanism,
 )
 from msvalidate.tangent.inverse import Solver
-from msvalidate.linear_algebra.multigrid import Cycle, conjugate_gradients, restrain_in_place
 from msvalidate.tangent.multigrid import make_cycle
 
 NEWTON_STEPS = 50

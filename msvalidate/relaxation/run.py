@@ -12,6 +12,7 @@ import numpy as np
 
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, replace
@@ -20,7 +21,6 @@ from msvalidate.relaxation.state import State
 from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.statics.tangents import refuse_mechanism
 from msvalidate.tangent.inverse import Solver
-from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 LOOK_EVERY = 20

@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
+from msvalidate.linear_algebra.choice import MOST_ENTRIES, MOST_IN_NEED, Choice
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.tangent.refine import InaccurateError
 from msvalidate.network import Configuration, Network
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
 from msvalidate.network.residual import out_of_balance_force
@@ -19,8 +19,9 @@ from msvalidate.statics.following import PathResult, follow_path
 from msvalidate.statics.path import Path, load_path
 from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, refine_linear
 from msvalidate.tangent.cycles import NotConvergedError
-from msvalidate.tangent.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
+from msvalidate.tangent.inverse import Solver
 from msvalidate.tangent.mechanism import is_certain
+from msvalidate.tangent.refine import InaccurateError
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,24 +12,23 @@ import math
 
 import numpy as np
 
-from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.tangent.refine import (
-    DOUBTFUL,
-    EPS,
-    STANDING,
-    Refined,
-    error_amplification,
-    refine_solution,
-    refuse_inaccurate,
-)
+from msvalidate.linear_algebra.multigrid import Cycle
+from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Configuration, Network
 from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import replace
 from msvalidate.tangent.cycles import ROUGHLY, Cycles, NotConvergedError
 from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
+from msvalidate.tangent.refine import (
+    DOUBTFUL,
+    STANDING,
+    Refined,
+    error_amplification,
+    refine_solution,
+    refuse_inaccurate,
+)
 from msvalidate.tangent.stability import negative_modes
 
 TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"

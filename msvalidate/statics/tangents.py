@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.linear_algebra.factor import Factor
+from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
@@ -13,7 +14,6 @@ from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import refuse_mechanism_motion
 from msvalidate.tangent.inverse import Regular, Solver
 from msvalidate.tangent.mechanism import is_certain
-from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.tangent.multigrid import restrained_tangent
 from msvalidate.tangent.stability import negative_modes
 

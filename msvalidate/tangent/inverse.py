@@ -1,26 +1,23 @@
 """How a network's tangent is inverted: by a factor, or by multigrid, and which of them.
 
-A factor is certain, and cheap while it stays sparse: in the plane, of slender and of small bodies.
-In space its entries grow as n^(4/3) and its work as n², which are counted before it is made
-(`dissection`); conjugate gradients with multigrid take work in proportion to n. Both notice what
-has no stiffness, and what has negative stiffness: by pivots, or by what a random load meets.
+`linear_algebra.choice` says which. Both notice what has no stiffness, and what has negative
+stiffness: by pivots, or by what a random load meets.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import bsr_array, csr_array, diags_array
+from scipy.sparse import bsr_array, csr_array
 
-from msvalidate.linear_algebra.order import Dissection, nested_dissection
+from msvalidate.linear_algebra import choice
+from msvalidate.linear_algebra.choice import ASKED, BYTES, Choice, choose
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
-from msvalidate.tangent.refine import contraction_bound
+from msvalidate.linear_algebra.order import Dissection, free_unknowns, nested_dissection, pairs_in
 from msvalidate.network import Configuration, Network
-from msvalidate.problem import Array, Index, Mask, SolverError
+from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
@@ -31,40 +28,21 @@ from msvalidate.tangent.mechanism import (
     relative_stiffness,
 )
 from msvalidate.tangent.multigrid import make_cycle, restrained_tangent, softest_motion
+from msvalidate.tangent.refine import contraction_bound
 
 SOLVERS = ("auto", "direct", "multigrid")
 """Names of solvers; "auto" takes one of the others."""
-MOST_PRODUCTS = 1.5e3
-"""Products of a factor for each entry of the tangent that take as long as multigrid with its looks
-for stability and its corrections: on plates and cubes it is 1e3 to 2e3, reached by 120,000 points
-in the plane and 1,500 in space. Where both take as long, a factor is the more certain."""
-MOST_ENTRIES = 6e7
-"""Entries of one triangle up to which a factor is chosen: both take 1.5 GB, and as much again while
-their pivots are looked at. A plate of 300,000 points has so many."""
-MOST_IN_NEED = 2e8
-"""Entries up to which a factor is made where multigrid fails: 5 GB."""
-BYTES = 24
-"""Of an entry in one triangle and its like in the other."""
 SOFT = 1e-7
 """What the answer to a random load may meet, over what its points meet one by one, so that the
 softest motion, of which it has most, need not be looked for: solid bodies have 1e-5 and more."""
 WORN = 2.0
 """Times the first count of cycles at which a hierarchy of another place is made anew."""
-STIFFENED = 2.0**-48
-"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
 
 
 UNTOLD = (
     "sparse factor: the pivots of {} unknowns are too many to look at, and multigrid does not tell "
     "whether the network is stable; take fewer points, or bring stiffnesses closer together"
 )
-
-
-class Choice(NamedTuple):
-    """The solver that was taken, "direct" or "multigrid", and the reason in words."""
-
-    name: str
-    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +184,8 @@ class Solver:
         self._looked = True
         return found
 
-    def inverse(self, at: Configuration, K: bsr_array) -> Factor | Cycles:
-        """Inverse of the free part of K that nobody has looked at.
+    def inverse(self, at: Configuration, K: bsr_array, *, mend: bool = False) -> Factor | Cycles:
+        """Inverse of the free part of K that nobody has looked at; `mend` as of `factorise`.
 
         Raises
         ------
@@ -222,11 +200,11 @@ class Solver:
         if not self.is_direct:
             return self._multigrid(at, K)
         if self._order is None:
-            self._dissected(np.inf)
+            self._order = self._dissected().order
         A = csr_array(K)[inside][:, inside]
-        return factorise(A, _free_components(self._order, network.held))
+        return factorise(A, free_unknowns(self._order, network.held), mend=mend)
 
-    def give_way(self, error: SolverError, most: float = MOST_IN_NEED) -> None:
+    def give_way(self, error: SolverError, most: float = np.inf) -> None:
         """Use a factor from now on, since multigrid failed; raise its error if none can be made.
 
         `most` entries are the largest that is taken.
@@ -237,12 +215,12 @@ class Solver:
         self._cycle = self._last = None
         self.choice = Choice("direct", f"multigrid gave up: {error}")
 
-    def refuse_too_large(self, what: str, most: float = MOST_IN_NEED) -> None:
+    def refuse_too_large(self, what: str, most: float = np.inf) -> None:
         """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
         if self.wanted == "direct":
             return
-        entries = self._network.dim**2 * self._dissected(np.inf).entries
-        if entries > min(most, MOST_IN_NEED):
+        entries = self._network.dim**2 * self._dissected().entries
+        if entries > min(most, choice.MOST_IN_NEED):
             raise SolverError(
                 f"{what}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
                 "'direct' where there is so much"
@@ -250,31 +228,19 @@ class Solver:
 
     def _chosen(self) -> Choice:
         if self.wanted != "auto":
-            return Choice(self.wanted, "asked for")
+            return Choice(self.wanted, ASKED)
         network, d = self._network, self._network.dim
         entries = d**2 * len(network.blocks.column)
-        most = MOST_PRODUCTS * entries / d**3
-        if MOST_PRODUCTS:
-            found = self._dissected(most)
-            if found.order is not None and d**2 * found.entries <= MOST_ENTRIES:
-                return Choice("direct", "a factor of so small, plane or slender a body is cheap")
-        return Choice("multigrid", "a large body, whose factor fills up")
+        chosen, found = choose(network.points, connected_pairs(network), d, entries)
+        self._order = found.order if len(found.order) else None
+        return chosen
 
-    def _dissected(self, most: float) -> Dissection:
-        found = nested_dissection(self._network.points, connected_pairs(self._network), most)
-        self._order = found.order
-        return found
+    def _dissected(self) -> Dissection:
+        return nested_dissection(self._network.points, connected_pairs(self._network))
 
     def _direct(self, at: Configuration, K: bsr_array) -> Regular:
         diagonal = K.diagonal()[~at.network.held.ravel()]
-        try:
-            factor = self.inverse(at, K)
-        except SolverError:
-            raise
-        except RuntimeError:  # by a mechanism, or by rounding alone
-            stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
-            factor = self.inverse(at, stiffened)
-        found = Regular(at, factor, diagonal)
+        found = Regular(at, self.inverse(at, K, mend=True), diagonal)
         _ = found.softness  # a mechanism is refused here
         return found
 
@@ -322,14 +288,12 @@ class Once(Solver):
 def elimination_order(network: Network) -> Index:
     """Free components (f,) of a network in the order to eliminate them."""
     found = nested_dissection(network.points, connected_pairs(network))
-    return _free_components(found.order, network.held)
+    return free_unknowns(found.order, network.held)
 
 
 def connected_pairs(network: Network) -> Index:
     """Pairs (p, 2) of points that springs and cells join."""
-    cells = network.resisting
-    pairs = [cells[:, [a, b]] for a, b in combinations(range(cells.shape[1]), 2)]
-    return np.concatenate([network.springs, *pairs])
+    return np.concatenate([network.springs, pairs_in(network.resisting)])
 
 
 def _refuse_unsettled(told: bool) -> None:
@@ -357,13 +321,3 @@ def _refuse_unsupported(network: Network, diagonal: Array, inside: Index) -> Non
         mode = np.zeros(network.points.size)
         mode[inside[int(np.flatnonzero(diagonal == 0)[0])]] = 1.0
         raise SolverError(describe_motion(network, mode))
-
-
-def _free_components(order: Index | None, held: Mask) -> Index:
-    """Free components (f,) in the order of their points (n,)."""
-    n, d = held.shape
-    points = np.arange(n) if order is None else order
-    free = ~held.ravel()
-    number = np.cumsum(free) - 1
-    each = (points[:, None] * d + np.arange(d)).ravel()
-    return np.asarray(number[each[free[each]]])

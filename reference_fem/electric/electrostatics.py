@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
+from msvalidate.linear_algebra.factor import Factor
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, format_point
 from msvalidate.problem.checks import boolean_mask, finite, format_value, integers, require_type
 from msvalidate.problem.records import ReadOnly, dataclass, field
@@ -26,7 +27,6 @@ from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points
 from reference_fem.stress import displacement_gradient
-from reference_fem.systems.factor import Factor
 from reference_fem.systems.refined import Refined, refine_solution, share_left
 from reference_fem.systems.solver import RESIDUAL
 
@@ -227,7 +227,7 @@ class Dielectric:
         """Potentials (n,) of charges (n,) at the free nodes, all others at 0 V."""
         phi = np.zeros(len(charge))
         if len(self._free):
-            phi[self._free] = self._factor(charge[self._free])
+            phi[self._free] = self._factor.solve(charge[self._free])
         return phi
 
     def _nodal(self, name: str, values: ArrayLike) -> Array:

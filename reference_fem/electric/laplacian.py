@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from msvalidate.linear_algebra.factor import Factor
 from msvalidate.problem import Array, Index
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.assembly import basis_gradients
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.systems.dissection import elimination_order
-from reference_fem.systems.factor import Factor, factorise
+from reference_fem.systems.order import elimination_order
+from reference_fem.systems.solver import factor_of
 
 
 def weighted_laplacian(body: Discretisation, weight: Array) -> csr_matrix:
@@ -27,5 +28,4 @@ def scalar_factor(body: Discretisation, K: csr_matrix, free: Index) -> Factor:
     held = np.ones((len(body.points), 1), dtype=bool)
     held[free] = False
     with fits_in_memory(len(free), "unknowns"):
-        order = elimination_order(body, held)
-    return factorise(body, free, order, K, "superlu")
+        return factor_of(body, K[free][:, free], elimination_order(body, held), free)

@@ -109,7 +109,7 @@ class SlabMesh:
         K = weighted_laplacian(self.body, 1 / self.body.basis.dx.sum(axis=1))
         factor = scalar_factor(self.body, K, self.air)
         return _Follow(
-            lambda load: np.column_stack([factor(column) for column in load.T]),
+            factor.solve,
             K[self.air][:, self.nodes],
         )
 

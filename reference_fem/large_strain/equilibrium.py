@@ -12,14 +12,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from msvalidate.linear_algebra.factor import factorise
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import positive_number, require_type, whole_number
 from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.large_strain.solid import Solid
 from reference_fem.locking import refuse_locked
-from reference_fem.systems.factor import Apply, signed_factor
-from reference_fem.systems.refined import LEAST
+from reference_fem.systems.refined import LEAST, Vectors
 from reference_fem.systems.solver import ACCEPTED, refuse_shapes
 
 TOLERANCE = 1e-11
@@ -245,7 +245,7 @@ def _newton(
     return None, ITERATIONS, f"Newton's method did not converge in {ITERATIONS} steps", np.inf
 
 
-def _error(solid: Solid, u: Array, balance: Array, inverse: Apply | None) -> float:
+def _error(solid: Solid, u: Array, balance: Array, inverse: Vectors | None) -> float:
     """Twice what a tangent makes of the forces left, relative to the displacement, and `LEAST`."""
     largest = float(np.abs(u).max())
     if inverse is None or not largest:
@@ -279,7 +279,7 @@ def _refuse_at_rest(u: Array) -> None:
 
 def _step(
     solid: Solid, u: Array, balance: Array, ahead: Array
-) -> tuple[Array | None, int, Apply | None]:
+) -> tuple[Array | None, int, Vectors | None]:
     """Newton step (n, d) in m, held ones moving as `ahead` says; negative modes; inverse."""
     K, free = solid.tangent(u), solid.free
     step = ahead.T.ravel().copy()
@@ -287,7 +287,10 @@ def _step(
         A = K[free][:, free]
         A.sort_indices()
         try:
-            inverse, negative = signed_factor(A)
+            factor = factorise(A, np.arange(len(free)))
+            if factor.is_exchanged:  # a pivot was zero: signs tell nothing
+                return None, 0, None
+            inverse, negative = factor.solve, factor.negative
         except (ArithmeticError, RuntimeError):
             return None, 0, None
         step[free] = inverse((balance.T.ravel() - K @ step)[free])

@@ -15,8 +15,16 @@ from functools import cached_property
 from time import perf_counter
 
 import numpy as np
-from scipy.sparse import bsr_array, csr_matrix
+from scipy.sparse import bsr_array, csr_array, csr_matrix, diags_array, eye_array, kron
 
+from msvalidate.linear_algebra.multigrid import (
+    Level,
+    chebyshev,
+    conjugate_gradients,
+    diagonal_blocks,
+    restrain_in_place,
+)
+from msvalidate.linear_algebra.norms import dots
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
@@ -24,7 +32,6 @@ from reference_fem.mesh.assembly import AT_ONCE, sparsity_pattern
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.systems.cells import ElasticForces
-from reference_fem.systems.multigrid import dot
 from reference_fem.systems.solver import (
     ACCEPTED,
     RESIDUAL,
@@ -39,13 +46,12 @@ NESTED = "nested"
 ERROR = 1e-10
 """Displacement that one cycle makes of the residual left, over the largest, at which to stop."""
 MOST_STEPS = 200
+PART = 1e-3
+"""Of an error, what steps leave before the residual is summed cell by cell again."""
 SAFETY = 4.0
 """Factor on what the last cycle makes of the residual, which is less than the error left."""
 SHRINKS = 0.5
 """Share of what was left before from which on it is rounding, which no step mends."""
-DEGREE, SMOOTHED = 2, 8.0
-"""Degree of the smoother, and the ratio of the largest eigenvalue to the least that it is made for.
-Of degrees 2 to 4 and ratios from 5 to 20 the fewest products for a digit, on a bracket of H2."""
 POWERS, MARGIN = 10, 1.1
 """Steps of the power method for the largest eigenvalue, and a factor on what they find: from below,
 off by 5 % at most as seen."""
@@ -97,14 +103,24 @@ class Nested:
             u = np.where(self.held, displacement, self.start)
             while True:
                 residual = self._free * (force - inner(u.T.ravel()).reshape(u.shape[::-1]).T)
-                ahead = self.correct(residual)
-                left = _largest(ahead)
+                left = _largest(self.correct(residual))
                 if not ERROR * _largest(u) < left < SHRINKS * before:  # nor what is no number
                     break
-                change, taken, rate = self._conjugate_gradients(residual, ahead, u, steps)
-                u, steps, before = u + change, steps + taken, left
+                part = min(ERROR * _largest(u) / left, PART)
+                found = conjugate_gradients(
+                    self._level.A, residual.ravel(), self._cycle, part, most=MOST_STEPS - steps
+                )
+                steps += found.steps
+                if found.negative or not found.left <= part:
+                    raise SolverError(
+                        f"finite elements: error {found.left * left / _largest(u):.1g} of the "
+                        f"displacement after {steps} steps over nested meshes; take cells of "
+                        "better shape, or a smaller nu"
+                    )
+                rate = found.left ** (1 / max(found.steps, 1))
+                u, before = u + found.solution.reshape(u.shape), left
         error = SAFETY * left / (_largest(u) or 1.0) / (1 - rate)
-        scale = _largest(np.abs(self._system[1]) @ np.abs(u)[:, :, None])
+        scale = _largest(np.abs(diagonal_blocks(self._level.A)[0]) @ np.abs(u)[:, :, None])
         if not (error <= ACCEPTED and _largest(residual) <= RESIDUAL * scale):
             raise SolverError(describe_lost_digits(error))
         share, seconds = _largest(residual) / (scale or 1.0), perf_counter() - began
@@ -116,87 +132,36 @@ class Nested:
 
         Linear, symmetric and positive; zero where components are held.
         """
-        found, left = self._smoothed(self._free * force)
-        coarse = self.finer @ self.coarser.correct(self.finer.T @ left) * self._free
-        found += coarse
-        return np.asarray(found + self._smoothed(left - self._forces(coarse), last=True)[0])
+        return self._cycle(force.ravel()).reshape(force.shape)
 
-    def _conjugate_gradients(
-        self, residual: Array, ahead: Array, u: Array, done: int
-    ) -> tuple[Array, int, float]:
-        """Correction (n, d) of u, the steps it took, and by what share one makes the error fall."""
-        found, direction, steps = np.zeros_like(u), ahead, 0
-        first, power = _largest(ahead), dot(residual.ravel(), ahead.ravel())
-        left = first
-        while left > ERROR / 2 * _largest(u + found):
-            force = self._forces(direction)
-            stiff = dot(direction.ravel(), force.ravel())
-            if done + steps == MOST_STEPS or not (stiff > 0 and power > 0):
-                raise SolverError(
-                    f"finite elements: error {left / _largest(u + found):.1g} of the "
-                    f"displacement after {done + steps} steps over nested meshes; take cells of "
-                    "better shape, or a smaller nu"
-                )
-            found += power / stiff * direction
-            residual = residual - power / stiff * force
-            ahead = self.correct(residual)
-            before, power = power, dot(residual.ravel(), ahead.ravel())
-            direction = ahead + power / before * direction
-            left, steps = _largest(ahead), steps + 1
-        return found, steps, (left / first) ** (1 / steps) if steps else 0.0
+    def _cycle(self, force: Array) -> Array:
+        d, free = self.body.dim, self._free.ravel()
 
-    def _smoothed(self, residual: Array, *, last: bool = False) -> tuple[Array, Array]:
-        """Displacements (n, d) of forces by Chebyshev's polynomial, and the forces left.
+        def coarser(load: Array) -> Array:
+            return self.coarser.correct(load.reshape(-1, d)).ravel()
 
-        The last have no forces left that were made for nothing.
-        """
-        _, _, inverse, largest = self._system
-        middle, half = (largest + largest / SMOOTHED) / 2, (largest - largest / SMOOTHED) / 2
-        share, found = half / middle, np.zeros_like(residual)
-        change = _by_node(inverse, residual) / middle
-        for step in range(1, DEGREE + 1):
-            found += change
-            if last and step == DEGREE:
-                break
-            residual = residual - self._forces(change)
-            following = 1 / (2 * middle / half - share)
-            more = _by_node(inverse, residual)
-            change = following * (share * change + 2 / half * more)
-            share = following
-        return found, residual
-
-    def _forces(self, u: Array) -> Array:
-        """Forces (n, d) in N on the free components of displacements (n, d) in m."""
-        return np.asarray(self._free * (self._system[0] @ u.ravel()).reshape(u.shape))
+        return free * self._level.once(None, free * force, coarser)
 
     @cached_property
     def _free(self) -> Array:
         return (~self.held).astype(float)
 
     @cached_property
-    def _system(self) -> tuple[bsr_array, Array, Array, float]:
-        """Stiffness by node, its blocks (n, d, d) on the diagonal, inverse ones, an eigenvalue.
-
-        The inverse leaves out what is held; the eigenvalue is the largest of what it scales.
-        """
-        free, d = self._free, self.body.dim
-        with fits_in_memory(self.held.size, "unknowns"):
+    def _level(self) -> Level:
+        """The stiffness by node, what is held cut off, and its smoother."""
+        size, identity = self.held.size, eye_array(self.body.dim)
+        with fits_in_memory(size, "unknowns"):
             K = _block_stiffness(self.body, self.tensor, self.number)
-            row = np.repeat(np.arange(len(free), dtype=K.indices.dtype), np.diff(K.indptr))
-            own = K.data[K.indices == row]
-            kept = own * free[:, :, None] * free[:, None]
-            kept[:, range(d), range(d)] += 1 - free
-            inverse = np.linalg.inv(kept)
-        largest, ahead = 1.0, np.cos(1.7 * np.arange(free.size)).reshape(free.shape)
+            restrain_in_place(K, ~self.held)
+            inverse = np.linalg.inv(diagonal_blocks(K)[0])
+            up = csr_array(diags_array(self._free.ravel()) @ kron(self.finer, identity))
+        largest, ahead = 1.0, np.cos(1.7 * np.arange(size)).reshape(-1, self.body.dim, 1)
         for _ in range(POWERS):  # by a wave of every length in no proportion to the mesh
-            ahead = _by_node(inverse, free * (K @ (free * ahead).ravel()).reshape(free.shape))
-            largest = dot(ahead.ravel(), ahead.ravel()) ** 0.5
+            ahead = inverse @ (K @ ahead.ravel()).reshape(ahead.shape)
+            largest = float(np.sqrt(dots(ahead.ravel(), ahead.ravel())))
             ahead /= largest or 1.0
-        return K, own, inverse, MARGIN * largest
-
-
-def _by_node(blocks: Array, values: Array) -> Array:
-    return np.asarray(np.einsum("nab,nb->na", blocks, values))
+        smooth = chebyshev(K, np.asarray(inverse, dtype=float), MARGIN * largest)
+        return Level(K, up, up.T, smooth, smooth)
 
 
 def _largest(values: Array) -> float:

@@ -7,18 +7,41 @@ from functools import cached_property, partial
 from time import perf_counter
 
 import numpy as np
-from scipy.sparse import csr_matrix, issparse
+from scipy.sparse import bsr_array, csr_matrix, issparse
 
-from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
+from msvalidate.linear_algebra import choice as limits
+from msvalidate.linear_algebra.choice import ASKED, Choice
+from msvalidate.linear_algebra.factor import (
+    Factor,
+    NoMemoryError,
+    factorise,
+    has_cholmod,
+    inverse_iteration,
+)
+from msvalidate.linear_algebra.multigrid import (
+    Cycle,
+    aggregate,
+    conjugate_gradients,
+    restrain_in_place,
+)
+from msvalidate.linear_algebra.order import Dissection
+from msvalidate.problem import (
+    Array,
+    Index,
+    Mask,
+    ProblemError,
+    SolverError,
+    format_point,
+    refuse_free_motions,
+    rigid_motions,
+)
 from msvalidate.problem.checks import format_value, require_one_of, require_type, shaped
 from msvalidate.problem.records import dataclass
-from reference_fem.effort import factor_envelope, fits_in_memory
+from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.systems.cells import ElasticForces
-from reference_fem.systems.dissection import elimination_order
-from reference_fem.systems.factor import Apply, Factor, factorise, has_cholmod
-from reference_fem.systems.multigrid import MOST_STEPS, Hierarchy
+from reference_fem.systems.order import choose_solver, elimination_order, factor_entries
 from reference_fem.systems.refined import (
     FIRST,
     SHRINKS,
@@ -41,22 +64,13 @@ ROUGH_ENOUGH = 3e-11
 ROUGHLY = (0.1, 1e-4)
 """Error to which multigrid makes corrections, which are rounding themselves as a rule; the second
 where a known motion does not come back by the first."""
-WORTH_CHOLMOD = 20_000
-"""Unknowns from which on CHOLMOD is taken where it is there. Below, either factor takes a second at
-most, and answers are the same bits with it and without."""
-MOST_PRODUCTS = {"superlu": 2e4, "cholmod": 2e4}
-"""Products of a factor's envelope for each entry of the stiffness, in space, that take as long as
-multigrid does with well-shaped cells; as measured on cubes, bars and plates of all elements. Cubes
-of 15 hexahedra a side have so many. CHOLMOD's would be ten times as many on a still machine, but in
-`cost` multigrid took a third of its time on a cube of 24, and a quarter of its memory on one of 45.
-In the plane a factor is faster to a million unknowns and more."""
-A_STEP = {"superlu": 500.0, "cholmod": 5000.0}
-"""Products for each entry of the stiffness that take no less time than a step of multigrid."""
-LEAST_STEPS = 60
-"""Steps that multigrid is always given: well-shaped cells take 40."""
-MOST_ENTRIES = 2e8
-"""Entries of a factor's envelope up to which one is made where multigrid fails: it takes 5 bytes
-for each in hexahedra, 15 in tetrahedra, 3 GB at most. A cube of 26 x 26 x 26 has 2e8."""
+ITERATED = 5e-12
+"""Error and residual at which the first steps of multigrid stop."""
+PATIENCE, MOST_STEPS = 120, 1000
+"""Steps of multigrid where a factor fits, and where none does. Cells of good shape take 20, cells
+ten times as long as wide 100, and nu = .499 takes 200."""
+NO_STIFFNESS = 1e-14
+"""Strain energy of a mode that is rounding, relative to what its components cost one by one."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +120,9 @@ class Solver:
         Components (n, d) that are held.
     choice
         "superlu", a factor by SciPy; "cholmod", one by cvxopt, which is faster and optional;
-        "multigrid"; or "auto": a factor in the plane and of slender or small bodies in space,
-        multigrid of others. All of them agree to 1e-9, and in bodies whose condition allows no
-        factor more than 1e-8, such as beams of 100:1, to that.
+        "multigrid"; or "auto": a factor of small, plane or slender bodies, multigrid of others. All
+        of them agree to 1e-9, and in bodies whose condition allows no factor more than 1e-8, such
+        as beams of 100:1, to that.
     tensor
         C (d, d, d, d) in Pa that the stiffness was made with, thickness included, as `measured`
         gives it. With it residuals are summed cell by cell, which slender bodies need; without it,
@@ -204,7 +218,7 @@ class Solver:
     @cached_property
     def _directly(self) -> tuple[Vectors, float]:
         """Displacements (d·n,) of forces by the factor, and what that leaves of an error."""
-        return self._tried(self._factor)
+        return self._tried(self._factor.solve)
 
     @cached_property
     def _roughly(self) -> tuple[Vectors, float]:
@@ -216,9 +230,9 @@ class Solver:
         return found
 
     def _iterated(self, error: float, force: Array) -> Array:
-        return self._hierarchy.solve(force, error=error)[0]
+        return self._by_cycles(force, error, MOST_STEPS)[0]
 
-    def _tried(self, solve: Apply) -> tuple[Vectors, float]:
+    def _tried(self, solve: Vectors) -> tuple[Vectors, float]:
         free, body = self._free, self.body
 
         def inverse(force: Array) -> Array:
@@ -240,8 +254,9 @@ class Solver:
 
         By the factor, where there is one, or by one cycle of multigrid: linear and symmetric.
         """
-        if self._chosen[0] == "multigrid" and "_factor" not in vars(self):
-            return self._hierarchy.correct(force)
+        if self._planned[0].name == "multigrid" and "_factor" not in vars(self):
+            moved = self._cycle(np.where(self.held, 0.0, force).ravel()).reshape(force.shape)
+            return np.asarray(np.where(self.held, 0.0, moved))
         return self.inverse(force.T.ravel()).reshape(self.body.dim, -1).T
 
     def _remedy(self, **given: Array) -> str:
@@ -253,75 +268,136 @@ class Solver:
 
     def _found(self, load: Array) -> tuple[Array, int, str, str]:
         """Free displacements (f,) under forces (f,); steps, the solver and the reason."""
-        choice, reason = self._chosen
+        choice, reason = self._planned[0]
         if choice == "multigrid":
             if "_factor" in vars(self):  # multigrid gave up before
                 reason = "its factor was made for another load"
             else:
+                most = MOST_STEPS if self.choice == "multigrid" else PATIENCE
                 try:
-                    return *self._hierarchy.solve(load, self._patience), choice, reason
+                    return *self._by_cycles(load, ITERATED, most), choice, reason
                 except SolverError as error:  # thin cells, or nu near 1/2: no matter to a factor
-                    if self.choice == "multigrid" or not self._fits:
+                    if self.choice == "multigrid":
                         raise
+                    if not self._fits:
+                        return *self._by_cycles(load, ITERATED, MOST_STEPS), choice, reason
                     reason = f"multigrid gave up: {error}"
-        return self._factor(load), 0, self._factor.name, reason
+        return self._factor.solve(load), 0, self._factor.name, reason
 
     @cached_property
-    def _chosen(self) -> tuple[str, str]:
-        """The solver to begin with, and why."""
+    def _planned(self) -> tuple[Choice, Dissection | None]:
+        """The solver to begin with, and what a factor takes where that was counted."""
         if self.choice != "auto":
-            return self.choice, "asked for"
-        if self.body.dim == 2:
-            return self._direct, "in the plane a factor is faster"
+            return Choice("multigrid" if self.choice == "multigrid" else "direct", ASKED), None
         if not self.body.in_one_piece:
-            return self._direct, "parts that hang by edges may be mechanisms, which a factor shows"
-        if self._effort[1] <= MOST_PRODUCTS[self._direct] * self.stiffness.nnz:
-            return self._direct, "small or slender: a factor is faster"
-        return "multigrid", "a large solid, whose factor fills up"
-
-    @cached_property
-    def _direct(self) -> str:
-        """The factor to take where one is taken."""
-        if self.choice in ("superlu", "cholmod"):
-            return self.choice
-        return "cholmod" if len(self._free) >= WORTH_CHOLMOD and has_cholmod() else "superlu"
+            why = "parts that hang by edges may be mechanisms, which a factor shows"
+            return Choice("direct", why), None
+        return choose_solver(self.body)
 
     @cached_property
     def _free(self) -> Index:
         return np.flatnonzero(~self.held.T.ravel())
 
-    @cached_property
-    def _effort(self) -> tuple[float, float]:
-        return factor_envelope(self.body.links, self.held)
-
     @property
     def _fits(self) -> bool:
         """Whether a factor is small enough to be made where multigrid fails."""
-        return self._effort[0] <= MOST_ENTRIES
-
-    @property
-    def _patience(self) -> int:
-        """Steps after which multigrid has taken as long as a factor would have."""
-        if self.choice == "multigrid" or not self._fits:
-            return MOST_STEPS
-        steps = int(self._effort[1] / (A_STEP[self._direct] * self.stiffness.nnz))
-        return min(max(LEAST_STEPS, steps), MOST_STEPS)
+        return factor_entries(self.body) <= limits.MOST_IN_NEED
 
     @cached_property
     def _factor(self) -> Factor:
+        """Of the free part, in nested dissection; refused where a part moves without strain."""
+        large = len(self._free) >= limits.WORTH_CHOLMOD and has_cholmod()
+        name = "cholmod" if self.choice == "cholmod" or (large and self.choice == "auto") else ""
+        counted = self._planned[1]
         with fits_in_memory(len(self._free), "unknowns"):
-            order = elimination_order(self.body, self.held)
-        return factorise(self.body, self._free, order, self.stiffness, self._direct)
+            whole = counted if counted is not None and len(counted.order) else None
+            order = elimination_order(self.body, self.held, whole)
+            A = self.stiffness[self._free][:, self._free]
+            return factor_of(self.body, A, order, self._free, name or "superlu")
 
     @cached_property
-    def _hierarchy(self) -> Hierarchy:
-        return Hierarchy(self.body, self.held, self.stiffness)
+    def _blocks(self) -> bsr_array:
+        """The stiffness by node: what is held keeps its rows, so that every node has a block."""
+        d = self.body.dim
+        by_node = np.arange(self.held.size).reshape(d, -1).T.ravel()
+        with fits_in_memory(len(self._free), "unknowns"):
+            A = bsr_array(self.stiffness[by_node][:, by_node], blocksize=(d, d))
+            restrain_in_place(A, ~self.held)
+        return A
+
+    @cached_property
+    def _cycle(self) -> Cycle:
+        A, free = self._blocks, ~self.held
+        centred = self.body.points - self.body.points.mean(axis=0)
+        rigid = rigid_motions(centred / np.abs(centred).max()).reshape(free.size, -1)
+        with fits_in_memory(len(self._free), "unknowns"):
+            return aggregate(A, rigid * free.reshape(-1, 1))
+
+    def _by_cycles(self, load: Array, error: float, most: int) -> tuple[Array, int]:
+        """Free displacements (f,) under forces (f,) by multigrid, and the steps taken."""
+        largest = float(np.abs(load).max(initial=0.0))
+        stiff = float(np.abs(self.stiffness.data).max(initial=0.0))
+        if not largest:
+            return np.zeros(load.shape), 0
+        if not np.isfinite([largest, stiff]).all() or stiff < np.finfo(float).tiny:
+            return np.full(load.shape, np.nan), 0  # which no residual allows
+        right = np.zeros(self.held.shape)
+        right.T[~self.held.T] = load / largest
+        cycle = self._cycle
+        with fits_in_memory(len(load), "unknowns"):
+            found = conjugate_gradients(
+                self._blocks, right.ravel() * cycle.unit, cycle, error, most=most
+            )
+        if found.negative or not found.left <= error:
+            raise SolverError(
+                f"finite elements: error {found.left:.1g} of the displacement after {found.steps} "
+                "steps of conjugate gradients; take cells of better shape, fewer of them, or a "
+                "smaller nu"
+            )
+        moved = found.solution.reshape(self.held.shape).T[~self.held.T]
+        return np.asarray(moved * (largest / cycle.unit)), found.steps
 
 
-def favours_factor(body: Discretisation, held: Mask) -> bool:
-    """Whether "auto" begins with a factor of a body in space with such components (n, d) held."""
-    products = MOST_PRODUCTS["superlu"] * body.dim**2 * len(body.pattern.columns)
-    return not body.in_one_piece or factor_envelope(body.links, held)[1] <= products
+def factor_of(
+    body: Discretisation, A: csr_matrix, order: Index, free: Index, name: str = "superlu"
+) -> Factor:
+    """Factor of the free part (f, f) of a body's stiffness, its unknowns taken in an order (f,).
+
+    `free` (f,) are the numbers of its components. Cells that hang together by whole sides have no
+    motion without strain, so rounding alone makes such a matrix singular: then it is mended.
+
+    Raises
+    ------
+    SolverError
+        If part of the body can move without strain, or memory does not suffice.
+    """
+    if not np.isfinite(A.data).all():
+        return Factor(name, lambda load: np.full(load.shape, np.nan))  # which no residual allows
+    mend = body.in_one_piece and bool((A.diagonal() > 0).all())
+    try:
+        factor = factorise(A, order, name, mend=mend)
+    except NoMemoryError as error:
+        raise MemoryError from error
+    except RuntimeError as error:
+        raise SolverError(
+            "finite elements: the stiffness is singular: a part of the body can move without "
+            "strain; join the parts or hold each"
+        ) from error
+    if not body.in_one_piece:
+        # A zero-energy mode hides from the residual, but not from two inverse iterations.
+        mode = inverse_iteration(factor.solve, A.shape[0])
+        if abs(mode @ (A @ mode)) <= NO_STIFFNESS * (mode**2 @ A.diagonal()):
+            place = body.points[free[np.abs(mode).argmax()] % len(body.points)]
+            raise SolverError(
+                f"finite elements: the part of the body around {format_point(place)} can move "
+                "without strain; join it to the rest by an edge, or hold it"
+            )
+    return factor
+
+
+def favours_factor(body: Discretisation) -> bool:
+    """Whether "auto" begins with a factor."""
+    return not body.in_one_piece or choose_solver(body)[0].name == "direct"
 
 
 def describe_lost_digits(error: float) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from msvalidate import kit
+from msvalidate.linear_algebra.factor import has_cholmod
 from reference_fem import Solver
-from reference_fem.systems import has_cholmod
 
 from .timing import ABSENT
 

@@ -11,14 +11,14 @@ import numpy as np
 from msvalidate import kernels, kit
 from msvalidate.dynamics.integrators import LEAPFROG
 from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate.linear_algebra.choice import Choice
+from msvalidate.linear_algebra.multigrid import conjugate_gradients
 from msvalidate.network import Configuration
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import Run
 from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import PART
-from msvalidate.tangent.inverse import Choice
-from msvalidate.linear_algebra.multigrid import conjugate_gradients
 from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 from . import bodies, fem_ways

@@ -11,10 +11,10 @@ from scipy.spatial import Delaunay
 
 from msvalidate.dynamics import spectrum
 from msvalidate.dynamics.spectrum import extreme_frequencies, natural_frequencies
+from msvalidate.linear_algebra import choice
 from msvalidate.network import spring_network
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.tangent import inverse
 from tests.table import table
 
 
@@ -23,7 +23,7 @@ def solver(request, monkeypatch):
     """Every test runs through all solvers."""
     monkeypatch.setattr(spectrum, "DENSE", 10**9 if request.param == "dense" else 0)
     if request.param == "multigrid":
-        monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+        monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     return request.param
 
 

@@ -8,7 +8,10 @@ import pytest
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
 from msvalidate.linear_algebra.factor import factorise, softest_mode
-from msvalidate.problem import SolverError
+from msvalidate.network import spring_network, tangent
+from msvalidate.problem import Box, Isotropic, SolverError
+from reference_fem import box_discretisation
+from reference_fem.elasticity import stiffness
 
 
 def test_softest_mode_of_a_singular_matrix_is_its_null_vector():
@@ -29,6 +32,83 @@ def test_a_given_order_changes_nothing_but_the_way():
     factor = factorise(matrix, rng.permutation(9))
     np.testing.assert_allclose(matrix @ factor.solve(load), load, rtol=0, atol=1e-10)
     assert factor.negative == 0
+
+
+def spring_tangent(seed, dim, push):
+    """Tangent of a random network whose springs are pushed, so that some of its motions fall."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(size=(9, dim))
+    springs = np.array([(i, j) for j in range(9) for i in range(j) if rng.uniform() < 0.8])
+    length = np.linalg.norm(points[springs[:, 1]] - points[springs[:, 0]], axis=1)
+    held = np.zeros(points.shape, dtype=bool)
+    held[:dim] = True
+    stiffness = 10.0 ** rng.uniform(-1, 1, len(springs))
+    network = spring_network(points, springs, stiffness, rest_length=push * length, held=held)
+    free = ~held.ravel()
+    return tangent(network, points)[free][:, free]
+
+
+def element_stiffness(seed, dim, shift):
+    """Stiffness of a box of elements less a part of its mass, as of a wave."""
+    cells, element = ((4, 3), "Q2") if dim == 2 else ((3, 2, 2), "T1")
+    body = box_discretisation(Box((1.0, 0.7, 0.8)[:dim]), cells, element)
+    nu = np.random.default_rng(seed).uniform(-0.3, 0.4)
+    K = stiffness(body, Isotropic(1.0, nu, "solid" if dim == 3 else "plane_strain"))
+    free = np.flatnonzero((np.repeat(body.points[:, :1], dim, axis=1) > 0).T)
+    return K[free][:, free] - shift * eye_array(len(free))
+
+
+def with_eigenvalues(values, seed):
+    """A full matrix of given eigenvalues."""
+    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(len(values),) * 2))
+    return (Q * values) @ Q.T
+
+
+MATRICES = {
+    "networks": [spring_tangent(s, 2 + s % 2, p) for s in range(15) for p in (1.0, 1.3, 1.8)],
+    "elements": [
+        element_stiffness(s, 2 + s % 2, c) for s in range(12) for c in (0, 0.02, 0.1, 0.4)
+    ],
+    "one negative": [with_eigenvalues(np.r_[-1.0, 1:12], s) for s in range(30)],
+    "repeated": [with_eigenvalues(np.repeat([-2.0, 1.0, 3.0], s % 4 + 1), s) for s in range(30)],
+    "nearly singular": [
+        with_eigenvalues(np.r_[sign * 10.0 ** -(6 + s % 6), 1:12], s)
+        for s in range(24)
+        for sign in (1, -1)
+    ],
+}
+
+
+@pytest.mark.parametrize("kind", MATRICES)
+def test_signs_of_pivots_are_those_of_eigenvalues(kind):
+    """Of all 201; in any order, by the factor that both sides take, and its answers with it."""
+    assert sum(map(len, MATRICES.values())) >= 200
+    counts = []
+    for number, matrix in enumerate(MATRICES[kind]):
+        A = csr_array(matrix)
+        order = np.random.default_rng(number).permutation(A.shape[0])
+        factor, values = factorise(A, order), np.linalg.eigvalsh(A.toarray())
+        counts.append((factor.negative, int((values < 0).sum())))
+        load = np.ones((A.shape[0], 2))
+        left = np.abs(A @ factor.solve(load) - load).max()
+        assert left <= 1e-10 * np.abs(values).max() / np.abs(values).min()
+    assert [found for found, _ in counts] == [wanted for _, wanted in counts]
+    assert {min(wanted, 1) for _, wanted in counts} >= ({1} if kind != "elements" else {0, 1})
+
+
+@pytest.mark.parametrize("rows", [[[0, 1], [1, 0]], [[1, 1, 0], [1, 1, 1], [0, 1, 1]]])
+def test_a_pivot_of_zero_is_one_negative_motion_at_least(rows):
+    """One eigenvalue is below zero: by rows exchanged, none of the pivots would be."""
+    factor = factorise(csr_array(np.array(rows, dtype=float)), np.arange(len(rows)))
+    assert factor.is_exchanged
+    assert factor.negative == 1
+
+
+def test_a_matrix_that_rounding_made_singular_has_a_factor_if_asked():
+    singular = csr_array(np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    with pytest.raises(RuntimeError):
+        factorise(singular)
+    assert np.isfinite(factorise(singular, mend=True).solve(np.ones(2))).all()
 
 
 def test_a_lack_of_memory_is_one_line_and_the_library_is_quiet(capfd):

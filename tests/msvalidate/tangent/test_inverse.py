@@ -9,6 +9,7 @@ import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
+from msvalidate.linear_algebra import choice
 from msvalidate.linear_algebra.factor import factorise
 from msvalidate.network import configuration_at, spring_network, tangent
 from msvalidate.problem import (
@@ -99,8 +100,8 @@ def test_components_are_in_the_order_of_their_points():
 @pytest.fixture
 def by_multigrid(monkeypatch):
     """Every body counts as too large for a factor, even in need."""
-    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
-    monkeypatch.setattr(inverse, "MOST_IN_NEED", 0)
+    monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(choice, "MOST_IN_NEED", 0)
 
 
 def hinged_cubes(cells):
@@ -159,7 +160,7 @@ def test_multigrid_tells_what_prestress_makes_unstable(strain, stable):
 
 def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
     """No cycle is allowed: the same answer, and the reason told; where none fits, its size is."""
-    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     network = BODIES["cube"]()
     expected = equilibrium(network, solver="direct").displacement
     real = cycles.conjugate_gradients
@@ -174,7 +175,7 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
     np.testing.assert_array_equal(found.displacement, expected)
     with pytest.raises(SolverError, match=r"^multigrid: .*; take solver 'direct'$"):
         equilibrium(network, solver="multigrid")
-    monkeypatch.setattr(inverse, "MOST_IN_NEED", 0)
+    monkeypatch.setattr(choice, "MOST_IN_NEED", 0)
     with pytest.raises(SolverError, match=r"a factor would take .* GB: take solver 'direct' where"):
         equilibrium(network)
 
@@ -182,7 +183,7 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
 @pytest.mark.parametrize("where", ["statics.tangents", "tangent.stability"])
 def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, monkeypatch):
     """The loaded tangent's softest motion may be rounding where that at the start is not."""
-    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     monkeypatch.setattr(f"msvalidate.{where}.is_certain", lambda _: False)
     monkeypatch.setattr("msvalidate.tangent.stability.is_certain", lambda _: False)
     network = BODIES["cube"]()
@@ -208,7 +209,7 @@ def test_an_answer_does_not_hang_on_the_size_where_multigrid_begins(monkeypatch)
     arch = spring_network(points, [[0, 1], [1, 2]], 1.0, held=held, force=force)
     expected = equilibrium(arch, "nonlinear")
     assert expected.passed_limit is not None
-    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     found = equilibrium(arch, "nonlinear")
     assert found.passed_limit == expected.passed_limit
     np.testing.assert_allclose(found.displacement, expected.displacement, rtol=1e-12)

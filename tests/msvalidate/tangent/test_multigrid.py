@@ -7,16 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.linear_algebra import factor
+from msvalidate.linear_algebra import choice, factor
 from msvalidate.linear_algebra.factor import factorise
+from msvalidate.linear_algebra.multigrid import conjugate_gradients
 from msvalidate.network import Configuration, configuration_at, spring_network, tangent
 from msvalidate.problem import Box, Region, SolverError, Traction
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable, refuse_mechanism
-from msvalidate.tangent import inverse
-from msvalidate.linear_algebra.multigrid import conjugate_gradients
 from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 SHEET = Box((2.0, 1.0))
@@ -42,7 +41,7 @@ without_factors = pytest.mark.usefixtures("only_multigrid")
 @pytest.fixture
 def only_multigrid(monkeypatch):
     """Every network counts as too large for a factor."""
-    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
 
 
 def test_cycles_of_a_solution_and_of_a_verdict_do_not_grow(lattice_body):
@@ -138,7 +137,7 @@ def test_methods_take_the_same_steps_without_factors(lattice_body, monkeypatch, 
     """What large networks ask of multigrid: frequencies to plan by, and a verdict at rest."""
     network = sheet(lattice_body, 20)  # too large for dense frequencies as well
     by_factor = relax(network, RELAXATIONS[name], tolerance=1e-8)
-    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     monkeypatch.setattr(factor, "splu", None)
     by_multigrid = relax(network, RELAXATIONS[name], tolerance=1e-8)
     assert by_multigrid.steps == pytest.approx(by_factor.steps, rel=0.01)

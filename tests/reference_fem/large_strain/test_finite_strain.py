@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError, SolverError
 from reference_fem import box_discretisation, make_discretisation
@@ -21,7 +20,6 @@ from reference_fem.large_strain import (
     st_venant_kirchhoff,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
-from reference_fem.systems import signed_factor
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -225,27 +223,6 @@ def test_a_column_is_stable_below_its_critical_load_alone():
         except SolverError as error:
             results.append("without stiffness" if "without stiffness" in str(error) else str(error))
     assert results == ["stable", "without stiffness"]
-
-
-def stored(rows):
-    """A matrix as the solver takes it."""
-    A = csr_matrix(np.array(rows, dtype=float))
-    A.sort_indices()
-    return A
-
-
-def test_negative_motions_are_counted_and_zero_pivots_told():
-    rng = np.random.default_rng(4)
-    for _ in range(20):
-        A = rng.normal(size=(6, 6))
-        A += A.T
-        inverse, count = signed_factor(stored(A))
-        assert count == (np.linalg.eigvalsh(A) < 0).sum()
-        assert np.abs(A @ inverse(np.ones(6)) - 1).max() <= 1e-9
-    # One eigenvalue of each is below zero: by rows exchanged, none of the pivots would be.
-    for A in ([[0, 1], [1, 0]], [[1, 1, 0], [1, 1, 1], [0, 1, 1]]):
-        with pytest.raises(RuntimeError, match="pivot is zero"):
-            signed_factor(stored(A))
 
 
 # --- bad input ------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Isotropic
 from reference_fem.elasticity import stiffness
-from reference_fem.systems.dissection import elimination_order
+from reference_fem.systems.order import elimination_order
 
 
 def entries(body, ordering):

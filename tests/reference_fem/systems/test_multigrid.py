@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_matrix, diags_array
 
 import reference_fem
 from msvalidate.problem import (
@@ -18,7 +17,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from reference_fem.effort import factor_envelope
 from reference_fem.mesh import make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 
@@ -44,9 +42,7 @@ PROMISED = 1e-9
 
 
 def answer(problem, body, most, monkeypatch):
-    monkeypatch.setattr(
-        "reference_fem.systems.solver.MOST_PRODUCTS", {"superlu": most, "cholmod": most}
-    )
+    monkeypatch.setattr("msvalidate.linear_algebra.choice.MOST_PRODUCTS", most)
     return reference_fem.solve_problem(problem, body, allow_locked=True).displacement
 
 
@@ -74,7 +70,7 @@ def test_both_solvers_agree(element, grading, material, supports, monkeypatch):
         BOX, 7 if ELEMENTS[element].degree == 1 else 4, element, grading
     )
     with monkeypatch.context() as only:
-        only.setattr("reference_fem.systems.solver.Hierarchy", refused)
+        only.setattr("reference_fem.systems.solver.aggregate", refused)
         direct = answer(problem, body, np.inf, only)
     monkeypatch.setattr("reference_fem.systems.solver.factorise", refused)
     iterated = answer(problem, body, 0, monkeypatch)
@@ -112,10 +108,10 @@ def test_what_multigrid_finds_hard_is_solved_directly(size, cells, grading, nu, 
     problem, body = pulled(size, cells, grading, nu)
     assert body.points.size > 4000
     with monkeypatch.context() as only:
-        only.setattr("reference_fem.systems.solver.Hierarchy", refused)
+        only.setattr("reference_fem.systems.solver.aggregate", refused)
         direct = reference_fem.solve_problem(problem, body, allow_locked=True).displacement
     # The same where multigrid is asked first, and is wrong or stalls.
-    monkeypatch.setattr("reference_fem.systems.solver.LEAST_STEPS", 5)
+    monkeypatch.setattr("reference_fem.systems.solver.PATIENCE", 5)
     again = answer(problem, body, 0, monkeypatch)
     np.testing.assert_array_equal(again, direct)
 
@@ -135,7 +131,7 @@ def test_multigrid_keeps_its_promise_or_says_that_it_cannot(size, cells, grading
     problem, body = pulled(size, cells, grading, nu)
     direct = answer(problem, body, np.inf, monkeypatch)
     monkeypatch.setattr("reference_fem.systems.solver.factorise", refused)
-    monkeypatch.setattr("reference_fem.systems.solver.MOST_ENTRIES", 0)
+    monkeypatch.setattr("msvalidate.linear_algebra.choice.MOST_IN_NEED", 0)
     iterated = answer(problem, body, 0, monkeypatch)
     assert np.abs(iterated - direct).max() <= PROMISED * np.abs(direct).max()
 
@@ -146,7 +142,7 @@ def test_large_bodies_in_space_are_iterated_and_others_are_not(monkeypatch):
     found = reference_fem.solve_problem(Problem(BOX, SOFT, CLAMP, (PULL,)), large)
     assert np.isfinite(found.displacement).all()
     monkeypatch.undo()
-    monkeypatch.setattr("reference_fem.systems.solver.Hierarchy", refused)
+    monkeypatch.setattr("reference_fem.systems.solver.aggregate", refused)
     plate = Box((1.0, 1.0))
     held = (Support(plate.side("left"), (0.0, 0.0)),)
     flat = Problem(plate, Isotropic(1.0, 0.3), held, (BodyForce((0.0, -1.0)),))
@@ -164,7 +160,7 @@ def test_too_little_memory_is_told(monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr("pyamg.smoothed_aggregation_solver", no_memory)
-    monkeypatch.setattr("reference_fem.systems.factor.splu", no_memory)
+    monkeypatch.setattr("msvalidate.linear_algebra.factor.splu", no_memory)
     body = reference_fem.box_discretisation(BOX, 4, "H1")
     with pytest.raises(SolverError, match="300 unknowns take more memory than there is; take "):
         answer(Problem(BOX, SOFT, CLAMP, (PULL,)), body, 0, monkeypatch)
@@ -188,21 +184,6 @@ def test_one_piece_is_told_from_several(element):
     assert not make_discretisation(
         body.points[used], kept.reshape(cells.shape), element
     ).in_one_piece
-
-
-def test_envelope_of_a_chain_and_of_a_full_graph():
-    chain = csr_matrix(diags_array([np.ones(9), np.ones(10), np.ones(9)], offsets=(-1, 0, 1)))
-    held = np.zeros((10, 2), dtype=bool)
-    # Two components a node: each row but the first two reaches over two nodes, 4 entries.
-    assert factor_envelope(chain, held) == (4 * 1 + 4 * 9 * 2, 8 * 1 + 8 * 9 * 4)
-    shuffled = np.random.default_rng(0).permutation(10)
-    assert factor_envelope(chain[shuffled][:, shuffled], held) == factor_envelope(chain, held)
-    held[0] = True  # the last of a chain of nine is left
-    assert factor_envelope(chain, held) == (4 * 1 + 4 * 8 * 2, 8 * 1 + 8 * 8 * 4)
-    held[1, 0] = True  # one component is free still
-    assert factor_envelope(chain, held) == (4 * 1 + 4 * 8 * 2, 8 * 1 + 8 * 8 * 4)
-    full = csr_matrix(np.ones((5, 5)))
-    assert factor_envelope(full, np.zeros((5, 1), dtype=bool)) == (15, 55)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import reference_fem
+from msvalidate.linear_algebra.factor import has_cholmod
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -18,7 +19,6 @@ from msvalidate.problem import (
     Support,
 )
 from reference_fem.elasticity import solve_on, stiffness
-from reference_fem.systems import has_cholmod
 from reference_fem.systems.solver import RESIDUAL, SOLVERS
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -82,11 +82,8 @@ def test_every_choice_agrees(body, choice):
 
 
 def test_multigrid_that_stalls_gives_way_to_a_factor_once(monkeypatch):
-    monkeypatch.setattr(
-        "reference_fem.systems.solver.MOST_PRODUCTS", {"superlu": 0.0, "cholmod": 0.0}
-    )
-    monkeypatch.setattr("reference_fem.systems.solver.LEAST_STEPS", 2)
-    monkeypatch.setattr("reference_fem.systems.solver.A_STEP", {"superlu": 1e9, "cholmod": 1e9})
+    monkeypatch.setattr("msvalidate.linear_algebra.choice.MOST_PRODUCTS", 0.0)
+    monkeypatch.setattr("reference_fem.systems.solver.PATIENCE", 2)
     solver, displacement, force = clamped((1.0, 1.0, 1.0), 5, "H1")
     found, how = solver.solve(displacement, force)
     assert how.choice == "superlu"
@@ -188,7 +185,7 @@ def test_no_number_is_refused(size, choice):
 
 def test_an_absent_package_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cvxopt", None)  # what importing then finds is its absence
-    monkeypatch.setattr("reference_fem.systems.solver.WORTH_CHOLMOD", 1)
+    monkeypatch.setattr("msvalidate.linear_algebra.choice.WORTH_CHOLMOD", 1)
     assert not has_cholmod()
     with pytest.raises(ProblemError, match=r"not installed; pip install 'msvalidate\[fast\]', or"):
         clamped((1.0, 1.0), 3, "Q1", choice="cholmod")
@@ -212,7 +209,7 @@ def test_too_little_memory_is_told(choice, monkeypatch):
     def no_memory(*_args, **_options):
         raise MemoryError
 
-    monkeypatch.setattr("reference_fem.systems.factor.splu", no_memory)
+    monkeypatch.setattr("msvalidate.linear_algebra.factor.splu", no_memory)
     if choice == "cholmod":
         monkeypatch.setattr("cvxopt.cholmod.numeric", no_memory)
     with pytest.raises(SolverError, match="24 unknowns take more memory than there is"):
