@@ -24,10 +24,10 @@ SWEEPS = 2
 all but zero where that mode has no stiffness."""
 NO_NUMBER = 1e-280
 """Entries below which a matrix has no digits left for a fraction of them."""
-MOST_SIGNED = 1.5e8
-"""Entries of both triangles up to which pivots are looked at: the library copies them for that."""
-
-
+NO_MEMORY = (
+    "sparse factor: {} unknowns take more memory than there is; take solver 'multigrid' where "
+    "there is a choice, or fewer points"
+)
 STIFFENED = 2.0**-48
 """Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
 
@@ -68,12 +68,10 @@ class Factor:
         """
         if self.lu is None:
             return 0
-        if not self.is_signed:
-            raise SolverError(NOT_SIGNED.format(self.lu.shape[0]))
-        try:
+        try:  # the library copies both triangles for that
             negative = int((self.lu.U.diagonal() < 0).sum())
         except MemoryError as error:
-            raise SolverError(NOT_SIGNED.format(self.lu.shape[0])) from error
+            raise NoMemoryError(NO_MEMORY.format(self.lu.shape[0])) from error
         # A zero on the diagonal, where another row was taken: not positive definite.
         return max(negative, 1) if self.is_exchanged else negative
 
@@ -82,11 +80,6 @@ class Factor:
         """Whether a pivot was zero, so that another row's was taken: pivots then tell no signs."""
         return self.lu is not None and not np.array_equal(self.lu.perm_r, self.lu.perm_c)
 
-    @property
-    def is_signed(self) -> bool:
-        """Whether the signs of the pivots are known."""
-        return self.lu is None or bool(self.lu.nnz <= MOST_SIGNED)
-
     def solve(self, right: Array) -> Array:
         """Solution of the system for a right-hand side (f,), or (f, r) of r at once."""
         if self.order is None:
@@ -94,12 +87,6 @@ class Factor:
         found = np.empty_like(right)
         found[self.order] = self.inverse(right[self.order])
         return found
-
-
-NOT_SIGNED = (
-    "sparse factor: the pivots of {} unknowns take more memory than there is; take solver "
-    "'multigrid', which needs none"
-)
 
 
 def has_cholmod() -> bool:
@@ -148,10 +135,7 @@ def factorise(
             )
     except (ArithmeticError, MemoryError, RuntimeError) as error:
         if isinstance(error, MemoryError) or "MALLOC" in str(error):
-            raise NoMemoryError(
-                f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
-                "solver 'multigrid' where there is a choice, or fewer points"
-            ) from error
+            raise NoMemoryError(NO_MEMORY.format(matrix.shape[0])) from error
         if not mend:
             raise RuntimeError(*error.args) from error  # a pivot of zero
         stiffened = matrix + diags_array(STIFFENED * np.abs(matrix.diagonal()))

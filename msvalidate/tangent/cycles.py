@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.linear_algebra.multigrid import (
+    MOST_STEPS,
     Cycle,
     Iterated,
     answer_to_random_load,
@@ -24,6 +25,8 @@ PART = 1e-5
 """Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
 each with a residual of its own, which costs as much as two cycles."""
 ROUGHLY = 1e-3
+WORN = 60
+"""Steps by a cycle of another place at which one of this place is made."""
 
 
 class NotConvergedError(SolverError):
@@ -110,7 +113,8 @@ class Cycles:
         while True:
             load = np.zeros(self.A.shape[0])
             load[self._free] = right * self.cycle.unit
-            found = conjugate_gradients(self.A, load, self.cycle, part, spectral=True)
+            most = MOST_STEPS if self.is_own else WORN
+            found = conjugate_gradients(self.A, load, self.cycle, part, most=most, spectral=True)
             if self.is_own or not (found.negative or found.left > part):
                 return found
             self.cycle, self.is_own = make_cycle(self.A, self.at), True

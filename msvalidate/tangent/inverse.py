@@ -27,7 +27,7 @@ from msvalidate.tangent.mechanism import (
     is_certain,
     relative_stiffness,
 )
-from msvalidate.tangent.multigrid import make_cycle, restrained_tangent, softest_motion
+from msvalidate.tangent.multigrid import make_cycle, softest_motion
 from msvalidate.tangent.refine import contraction_bound
 
 SOLVERS = ("auto", "direct", "multigrid")
@@ -35,14 +35,6 @@ SOLVERS = ("auto", "direct", "multigrid")
 SOFT = 1e-7
 """What the answer to a random load may meet, over what its points meet one by one, so that the
 softest motion, of which it has most, need not be looked for: solid bodies have 1e-5 and more."""
-WORN = 2.0
-"""Times the first count of cycles at which a hierarchy of another place is made anew."""
-
-
-UNTOLD = (
-    "sparse factor: the pivots of {} unknowns are too many to look at, and multigrid does not tell "
-    "whether the network is stable; take fewer points, or bring stiffnesses closer together"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,15 +71,9 @@ class Regular:
         own = 0.0 if isinstance(self.inverse, Factor) else PART
         return max(own, contraction_bound(self.softness))
 
-    @cached_property
+    @property
     def negative(self) -> int:
         """Number of negative eigenvalues, or 1 where there are some and nobody counted."""
-        if isinstance(self.inverse, Factor) and not self.inverse.is_signed:
-            A = restrained_tangent(self.at)
-            _, negative, told = Cycles(A, self.at, make_cycle(A, self.at), is_own=True).probed
-            if not told:
-                raise SolverError(UNTOLD.format(len(self.diagonal)))
-            return negative
         return self.inverse.negative
 
     @cached_property
@@ -143,7 +129,7 @@ class Solver:
         """Whether multigrid met a tangent that is not positive, and did not go on."""
         self._cycle = cycle
         self._last: Cycles | None = None
-        self._usual, self._looked = 0, False
+        self._looked = False
         self._order: Index | None = None
         self.choice = self._chosen()
 
@@ -245,18 +231,10 @@ class Solver:
         return found
 
     def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
-        last = self._last
-        if last is not None:
-            self._usual = self._usual or last.steps
-            worn = last.steps > WORN * self._usual
-            self._cycle = None if worn and not last.is_own else last.cycle
-            if worn:
-                self._usual = 0
+        last = self._last.cycle if self._last else self._cycle
         A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
         restrain_in_place(A, ~at.network.held)
-        own = self._cycle is None
-        cycle = self._cycle or make_cycle(A, at)
-        self._last = Cycles(A, at, cycle, own)
+        self._last = Cycles(A, at, last or make_cycle(A, at), last is None)
         return self._last
 
 

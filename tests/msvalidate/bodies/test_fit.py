@@ -60,7 +60,7 @@ def test_a_network_that_multigrid_finds_no_end_of_is_not_called_loose(monkeypatc
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     real = cycles.conjugate_gradients
     monkeypatch.setattr(
-        cycles, "conjugate_gradients", lambda *args, **rest: real(*args, most=0, **rest)
+        cycles, "conjugate_gradients", lambda *args, **rest: real(*args, **{**rest, "most": 0})
     )
     found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
     assert found.constants == expected.constants
