@@ -42,8 +42,8 @@ from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
 from reference_fem.systems.cells import ElasticForces
+from reference_fem.systems.direct import favours_factor
 from reference_fem.systems.nested import NESTED, Nested
-from reference_fem.systems.solver import favours_factor
 
 MOST_DIRECT = 20_000
 """Nodes of a mesh in space, cut from another, up to which a factor is thought of: of slender bodies

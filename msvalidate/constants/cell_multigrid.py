@@ -12,13 +12,12 @@ from collections.abc import Callable
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear_algebra.multigrid import (
+from msvalidate.linear_algebra.conjugate_gradients import (
     Iterated,
-    MeetsNothingError,
-    aggregate,
     answer_to_random_load,
     conjugate_gradients,
 )
+from msvalidate.linear_algebra.multigrid import MeetsNothingError, aggregate
 from msvalidate.problem import Array
 
 PART = 1e-4

@@ -1,4 +1,4 @@
-"""Symmetric systems of blocks by conjugate gradients, a multigrid cycle a step.
+"""Multigrid cycles for symmetric systems of blocks, a step of conjugate gradients each.
 
 Work and memory are in proportion to the unknowns, where a sparse factor's are not. Coarse spaces
 come from smoothed aggregation of near-null vectors that are given, by PyAMG, or from meshes that
@@ -7,24 +7,16 @@ hold each other. Nothing is drawn at random, so that answers are the same at eve
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eigh_tridiagonal
 from scipy.sparse import bsr_array, csr_array
 
-from msvalidate.linear_algebra.norms import dots
 from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.records import dataclass
 
-MOST_STEPS = 300
-"""Bodies of good shape take 10 to 30; slender ones, or masses of soft springs, a few hundred."""
-UNSEEN = 1e-4
-"""Part of a mode's usual share of a random load below which the mode is overlooked. A normal
-variable is smaller than that once in 12,500 times."""
 SPAN = 8.0
 """Highest eigenvalue over the least that Chebyshev's polynomial is for: aggregates are some 30
 points, and fields of a mesh of half the size differ by as much."""
@@ -318,141 +310,3 @@ def _permute_blocks(A: bsr_array, points: Index) -> bsr_array:
     where = where[points][:, points]
     where.sort_indices()
     return bsr_array((A.data[where.data], where.indices, where.indptr), shape=A.shape)
-
-
-@dataclass(frozen=True, eq=False)
-class Iterated:
-    """What conjugate gradients found.
-
-    Parameters
-    ----------
-    solution
-        (N,) or (N, v).
-    steps
-        Each with one cycle and one product.
-    left
-        Residual and error, the larger of all columns, relative to those of no motion.
-    negative
-        Whether a motion of no or negative energy was met: then the system is not positive definite.
-    lowest
-        Lowest eigenvalue of the matrix times a cycle, as far as the load has it; infinite where
-        it was not asked for.
-    direction
-        In which such a motion was met, or the last one.
-    """
-
-    solution: Array
-    steps: int
-    left: float
-    negative: bool = False
-    lowest: float = math.inf
-    direction: Array | None = None
-
-
-def conjugate_gradients(
-    A: Any,
-    force: Array,
-    cycle: Callable[[Array], Array],
-    part: float,
-    *,
-    most: int = MOST_STEPS,
-    spectral: bool = False,
-    stop: Callable[[Array], bool] | None = None,
-) -> Iterated:
-    """Solve A x = force, (N,) or columns (N, v), each by steps of its own.
-
-    Until the residual and the error are `part` of the first, or a residual is small enough for
-    `stop`. The error is what a cycle makes of the residual: that hardly knows of a slender body's
-    bending. If `spectral`, both are to be smaller by the lowest eigenvalue, of which the error may
-    be one over as large: conjugate gradients know it (Lanczos; [GolubVanLoan2013], section 11.3).
-
-    Source: [HestenesStiefel1952].
-    """
-    x, residual = np.zeros_like(force), force.copy()
-    ahead = cycle(residual)
-    first = [np.sqrt(dots(each, each)) for each in (force, ahead)]
-    direction, power, lowest = ahead.copy(), dots(residual, ahead), math.inf
-    there = (first[0] > 0) & (first[1] > 0)
-    if not there.any():  # no load, or one whose squares are too small for numbers
-        return Iterated(x, 0, float(force.any()))
-    left = there.astype(float)
-    lengths: list[float] = []
-    turns: list[float] = []
-    for steps in range(most + 1):
-        going = left > part * min(lowest, 1.0)
-        if stop(residual) if stop else not going.any():
-            break
-        if steps == most:
-            break
-        push = A @ direction
-        stiff = dots(direction, push)
-        if not ((stiff > 0) & (power > 0))[going].all():
-            worst = float(np.max(left))
-            negative = bool(((stiff <= 0) | (power <= 0))[going].any())
-            return Iterated(x, steps, worst, negative, lowest, direction)
-        length = np.where(going, power / np.where(going, stiff, 1.0), 0.0)
-        x += length * direction
-        push *= length
-        residual -= push
-        ahead = cycle(residual)
-        now = [np.sqrt(dots(each, each)) for each in (residual, ahead)]
-        over = [
-            np.where(there, a / np.where(there, b, 1.0), 0.0)
-            for a, b in zip(now, first, strict=True)
-        ]
-        left = np.where(going, np.maximum(*over), left)
-        power, before = dots(residual, ahead), power
-        turn = np.where(going, power / np.where(going, before, 1.0), 0.0)
-        direction *= turn
-        direction += ahead
-        if spectral:
-            lengths.append(float(length))
-            turns.append(float(turn))
-            if left <= part:
-                lowest = _lowest_eigenvalue(np.array(lengths), np.array(turns))
-    return Iterated(x, steps, float(np.max(left)), lowest=lowest, direction=direction)
-
-
-def answer_to_random_load(
-    A: bsr_array, cycle: Callable[[Array], Array], free: Mask, floating: int = 0
-) -> tuple[Iterated, bool]:
-    """The answer to a random load, the same every time, and whether it tells of every motion.
-
-    Its part along a motion without stiffness never falls, nor does that along one of negative
-    energy (the residual is a polynomial in the matrix, 1 at 0 and more below, times the load). Each
-    component of the load is random as the root of what it meets by itself, so along each motion it
-    has the same spread: once the residual is `UNSEEN` of that, no such motion is overlooked but
-    once in 12,500 times.
-
-    Parameters
-    ----------
-    A, cycle
-        (N, N), and nearly its inverse.
-    free
-        (N,) what may move.
-    floating
-        As of the cycle.
-    """
-    own = np.where(free, np.abs(A.diagonal()), 0.0)
-    unit = float(own.max(initial=0.0)) or 1.0
-    load = np.sqrt(own / unit) * np.random.default_rng(0).normal(size=own.shape)
-    if floating:
-        parts = load.reshape(-1, floating)
-        load = (parts - parts.mean(axis=0)).ravel()
-    weight = np.divide(unit, own, out=np.zeros_like(own), where=own > 0)
-    found = conjugate_gradients(
-        A, load, cycle, 0.0, stop=lambda left: bool(left**2 @ weight <= UNSEEN**2)
-    )
-    return found, not found.negative and found.steps < MOST_STEPS
-
-
-def _lowest_eigenvalue(lengths: Array, turns: Array) -> float:
-    """Lowest eigenvalue that steps of conjugate gradients have met, by their Lanczos matrix.
-
-    Source: [Lanczos1950].
-    """
-    diagonal = 1 / lengths
-    diagonal[1:] += turns[:-1] / lengths[:-1]
-    beside = np.sqrt(np.abs(turns[:-1])) / lengths[:-1]
-    values = eigh_tridiagonal(diagonal, beside, eigvals_only=True, select="i", select_range=(0, 0))
-    return float(values[0])

@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from msvalidate.linear_algebra.multigrid import Cycle, conjugate_gradients, restrain_in_place
+from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
+from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.method import Method

@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import bsr_array
 
-from msvalidate.linear_algebra.multigrid import (
+from msvalidate.linear_algebra.conjugate_gradients import (
     MOST_STEPS,
-    Cycle,
     Iterated,
     answer_to_random_load,
     conjugate_gradients,
 )
+from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import dataclass

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import bsr_array
 
+from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.multigrid import (
     Cycle,
     aggregate,
-    conjugate_gradients,
     diagonal_blocks,
     restrain_in_place,
 )

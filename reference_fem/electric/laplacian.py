@@ -10,8 +10,7 @@ from msvalidate.problem import Array, Index
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.assembly import basis_gradients
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.systems.order import elimination_order
-from reference_fem.systems.solver import factor_of
+from reference_fem.systems.direct import elimination_order, factor_of
 
 
 def weighted_laplacian(body: Discretisation, weight: Array) -> csr_matrix:

@@ -20,7 +20,7 @@ from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws, stre
 from reference_fem.mesh.assembly import sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points
-from reference_fem.systems.order import elimination_order
+from reference_fem.systems.direct import elimination_order
 from reference_fem.systems.solver import refuse_no_mask
 
 ROUNDED = 4 * float(np.finfo(float).eps)

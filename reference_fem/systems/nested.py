@@ -17,10 +17,10 @@ from time import perf_counter
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, csr_matrix, diags_array, eye_array, kron
 
+from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.multigrid import (
     Level,
     chebyshev,
-    conjugate_gradients,
     diagonal_blocks,
     restrain_in_place,
 )

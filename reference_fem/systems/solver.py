@@ -11,19 +11,12 @@ from scipy.sparse import bsr_array, csr_matrix, issparse
 
 from msvalidate.linear_algebra import choice as limits
 from msvalidate.linear_algebra.choice import ASKED, Choice
+from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.factor import (
     Factor,
-    NoMemoryError,
-    factorise,
     has_cholmod,
-    inverse_iteration,
 )
-from msvalidate.linear_algebra.multigrid import (
-    Cycle,
-    aggregate,
-    conjugate_gradients,
-    restrain_in_place,
-)
+from msvalidate.linear_algebra.multigrid import Cycle, aggregate, restrain_in_place
 from msvalidate.linear_algebra.order import Dissection
 from msvalidate.problem import (
     Array,
@@ -31,7 +24,6 @@ from msvalidate.problem import (
     Mask,
     ProblemError,
     SolverError,
-    format_point,
     refuse_free_motions,
     rigid_motions,
 )
@@ -41,7 +33,7 @@ from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.systems.cells import ElasticForces
-from reference_fem.systems.order import choose_solver, elimination_order, factor_entries
+from reference_fem.systems.direct import choose_solver, elimination_order, factor_entries, factor_of
 from reference_fem.systems.refined import (
     FIRST,
     SHRINKS,
@@ -69,8 +61,6 @@ ITERATED = 5e-12
 PATIENCE, MOST_STEPS = 120, 1000
 """Steps of multigrid where a factor fits, and where none does. Cells of good shape take 20, cells
 ten times as long as wide 100, and nu = .499 takes 200."""
-NO_STIFFNESS = 1e-14
-"""Strain energy of a mode that is rounding, relative to what its components cost one by one."""
 
 
 @dataclass(frozen=True)
@@ -356,48 +346,6 @@ class Solver:
             )
         moved = found.solution.reshape(self.held.shape).T[~self.held.T]
         return np.asarray(moved * (largest / cycle.unit)), found.steps
-
-
-def factor_of(
-    body: Discretisation, A: csr_matrix, order: Index, free: Index, name: str = "superlu"
-) -> Factor:
-    """Factor of the free part (f, f) of a body's stiffness, its unknowns taken in an order (f,).
-
-    `free` (f,) are the numbers of its components. Cells that hang together by whole sides have no
-    motion without strain, so rounding alone makes such a matrix singular: then it is mended.
-
-    Raises
-    ------
-    SolverError
-        If part of the body can move without strain, or memory does not suffice.
-    """
-    if not np.isfinite(A.data).all():
-        return Factor(name, lambda load: np.full(load.shape, np.nan))  # which no residual allows
-    mend = body.in_one_piece and bool((A.diagonal() > 0).all())
-    try:
-        factor = factorise(A, order, name, mend=mend)
-    except NoMemoryError as error:
-        raise MemoryError from error
-    except RuntimeError as error:
-        raise SolverError(
-            "finite elements: the stiffness is singular: a part of the body can move without "
-            "strain; join the parts or hold each"
-        ) from error
-    if not body.in_one_piece:
-        # A zero-energy mode hides from the residual, but not from two inverse iterations.
-        mode = inverse_iteration(factor.solve, A.shape[0])
-        if abs(mode @ (A @ mode)) <= NO_STIFFNESS * (mode**2 @ A.diagonal()):
-            place = body.points[free[np.abs(mode).argmax()] % len(body.points)]
-            raise SolverError(
-                f"finite elements: the part of the body around {format_point(place)} can move "
-                "without strain; join it to the rest by an edge, or hold it"
-            )
-    return factor
-
-
-def favours_factor(body: Discretisation) -> bool:
-    """Whether "auto" begins with a factor."""
-    return not body.in_one_piece or choose_solver(body)[0].name == "direct"
 
 
 def describe_lost_digits(error: float) -> str:

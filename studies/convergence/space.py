@@ -28,7 +28,7 @@ from msvalidate import kit
 from msvalidate.judging.counting import TIGHT
 from msvalidate.output.figures import COLOURS
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.systems.order import node_order
+from reference_fem.systems.direct import node_order
 
 from . import bodies, elimination, steps
 

@@ -12,7 +12,7 @@ from msvalidate import kernels, kit
 from msvalidate.dynamics.integrators import LEAPFROG
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.linear_algebra.choice import Choice
-from msvalidate.linear_algebra.multigrid import conjugate_gradients
+from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.network import Configuration
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import Run

@@ -21,7 +21,7 @@ from msvalidate.output.baseline import baseline_files
 from msvalidate.problem import SolverError
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from reference_fem.systems.order import node_order
+from reference_fem.systems.direct import node_order
 
 QUICK = Setting(quick=True)
 

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from scipy.sparse import bsr_array, csr_array
 
-from msvalidate.linear_algebra import multigrid
+from msvalidate.linear_algebra.conjugate_gradients import answer_to_random_load, conjugate_gradients
 from msvalidate.linear_algebra.multigrid import (
     MeetsNothingError,
     aggregate,
-    answer_to_random_load,
     chebyshev,
-    conjugate_gradients,
     diagonal_blocks,
     restrain_in_place,
 )
@@ -161,7 +159,6 @@ def test_a_motion_of_negative_energy_is_not_overlooked(part):
     found, told = answer_to_random_load(bent, cycle, kept)
     falls = cycle.indefinite_motion
     assert found.negative or not told or (falls is not None and falls @ bent @ falls < 0)
-    assert multigrid.UNSEEN < 1e-3
 
 
 def test_chebyshev_takes_what_it_is_made_for():

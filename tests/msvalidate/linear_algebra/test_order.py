@@ -14,7 +14,7 @@ from msvalidate.linear_algebra.order import free_unknowns, nested_dissection, pa
 from msvalidate.problem import Box, Isotropic
 from reference_fem import box_discretisation
 from reference_fem.elasticity import stiffness
-from reference_fem.systems.order import elimination_order, factor_entries
+from reference_fem.systems.direct import elimination_order, factor_entries
 
 
 def joined_lattice(pattern, sides, cells):

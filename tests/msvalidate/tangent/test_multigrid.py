@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from msvalidate.linear_algebra import choice, factor
+from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.linear_algebra.multigrid import conjugate_gradients
 from msvalidate.network import Configuration, configuration_at, spring_network, tangent
 from msvalidate.problem import Box, Region, SolverError, Traction
 from msvalidate.relaxation.relax import relax
