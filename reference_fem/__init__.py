@@ -8,6 +8,7 @@ field.
 """
 
 from reference_fem.body import Solution, solve_problem
+from reference_fem.closing_in import Estimate, refine
 from reference_fem.elasticity import solve
 from reference_fem.electric import (
     Charged,
@@ -31,7 +32,6 @@ from reference_fem.mesh import (
     polygon_discretisation,
 )
 from reference_fem.mixed import solve_mixed
-from reference_fem.refinement import Estimate, refine
 from reference_fem.systems import Solver, SystemSolution
 
 __all__ = [
