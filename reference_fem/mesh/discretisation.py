@@ -24,7 +24,7 @@ from reference_fem.mesh.checks import (
     refuse_repeated,
 )
 from reference_fem.mesh.curved import is_bent, refuse_folded
-from reference_fem.mesh.elements import ELEMENTS, Element
+from reference_fem.mesh.elements import CURVED_ORDER, ELEMENTS, Element
 from reference_fem.mesh.interpolation import incident, locate
 from reference_fem.mesh.maps import Cells, curved_cells, straight_cells
 
@@ -254,7 +254,7 @@ def _build_discretisation(x: Array, t: Index, kind: Element) -> Discretisation:
     if len(round_):
         nodes = x[node].T.copy()
         whole = kind.mesh(nodes, mesh.t, elem=type(kind.function), sort_t=False)
-        mapping, order = skfem.MappingIsoparametric(whole, kind.function), kind.curved_order
+        mapping, order = skfem.MappingIsoparametric(whole, kind.function), CURVED_ORDER
     basis = skfem.Basis(mesh, kind.function, mapping=mapping, intorder=order, dofs=dofs)
     return Discretisation(x, t, kind, basis, node, bool(len(round_)))
 
