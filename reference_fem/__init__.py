@@ -1,13 +1,13 @@
 """Finite element reference; shares the statement of the problem, no numerical code.
 
-It stands on scikit-fem [scikitfem]. Entry points: `solve_problem` for a `Problem`, `solve` or
-`solve_mixed` for a mesh as arrays, and a `Solver` for many loads of one body. Of a dielectric
-`Slab` with electrodes in air: `slab_mesh`, `solve_charges` and `respond`; `solve_potential` for a
-mesh as arrays. At large strain: `large_strain` for a solid, `actuator` for a slab squeezed by its
-field.
+It stands on scikit-fem [scikitfem]. Entry points: `solve_problem` for a `Problem`, `solve` for a
+mesh as arrays, and a `Solver` for many loads of one body. Of a dielectric `Slab` with electrodes in
+air: `slab_mesh`, `solve_charges` and `respond`. At large strain: `large_strain` for a solid,
+`actuator` for a slab squeezed by its field.
 """
 
 from reference_fem.body import Solution, solve_problem
+from reference_fem.closing_in import Estimate, refine
 from reference_fem.elasticity import solve
 from reference_fem.electric import (
     Charged,
@@ -21,7 +21,6 @@ from reference_fem.electric import (
     respond,
     slab_mesh,
     solve_charges,
-    solve_potential,
 )
 from reference_fem.mesh import (
     Discretisation,
@@ -30,8 +29,6 @@ from reference_fem.mesh import (
     mesh_discretisation,
     polygon_discretisation,
 )
-from reference_fem.mixed import solve_mixed
-from reference_fem.refinement import Estimate, refine
 from reference_fem.systems import Solver, SystemSolution
 
 __all__ = [
@@ -57,7 +54,5 @@ __all__ = [
     "slab_mesh",
     "solve",
     "solve_charges",
-    "solve_mixed",
-    "solve_potential",
     "solve_problem",
 ]

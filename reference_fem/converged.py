@@ -31,7 +31,7 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
-from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
+from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Estimate, close_in, unlimited
 from reference_fem.effort import MEMORY, More, fits_within, one_more_mesh
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.first_mesh import MOST_MIXED, MOST_NODES, first_mesh
@@ -86,12 +86,12 @@ class Reference:
     following: More | None = None
 
     @cached_property
-    def displacement(self) -> Converged:
+    def displacement(self) -> Estimate:
         """Displacement (p, d) in m at the points."""
         found = self._close_in(self.by_mesh)
         if self.large is not None:
             found = replace(found, uncertainty=found.uncertainty + self.large[1])
-        return self._unlimited(found) if self.no_limit else found
+        return unlimited(found.value) if self.no_limit else found
 
     @cached_property
     def by_mesh(self) -> list[Array]:
@@ -103,7 +103,7 @@ class Reference:
     def error(self) -> float:
         """Largest error of a displacement at the points, over the largest of them."""
         size = float(np.linalg.norm(self.displacement.value, axis=1).max())
-        return self.displacement.uncertainty / size if size else 0.0
+        return float(self.displacement.uncertainty) / size if size else 0.0
 
     @property
     def resolved(self) -> bool:
@@ -121,23 +121,23 @@ class Reference:
         return self.solutions[-1]
 
     @cached_property
-    def reactions(self) -> tuple[Converged, ...]:
+    def reactions(self) -> tuple[Estimate, ...]:
         """Force (d,) in N of each support of the problem on the body."""
         forces = [self._support_forces(solution, force) for solution, force in self._internal]
         return tuple(self._close_in(list(each)) for each in zip(*forces, strict=True))
 
     @cached_property
-    def energy(self) -> Converged:
+    def energy(self) -> Estimate:
         """Strain energy (J)."""
         works = [
             np.array([(solution.displacement * force).sum() / 2])
             for solution, force in self._internal
         ]
         found = self._close_in(works)
-        return self._unlimited(found) if self.no_limit else found
+        return unlimited(found.value) if self.no_limit else found
 
     @cached_property
-    def mean_stress(self) -> Converged:
+    def mean_stress(self) -> Estimate:
         """Mean stress (3,) or (6,) in Pa: the outer forces' virial over the volume."""
         return self._close_in(
             [self._mean_stress(solution, force) for solution, force in self._internal]
@@ -163,17 +163,13 @@ class Reference:
         loads = float(np.abs(nodal_forces(self.problem, coarse.body)).sum())
         return has_no_limit(self.problem, reactions, loads)
 
-    def _close_in(self, values: list[Array]) -> Converged:
+    def _close_in(self, values: list[Array]) -> Estimate:
         return close_in(values, self._most)
 
     @cached_property
     def _most(self) -> float:
         """Largest order that is believed."""
         return min(TRUSTED_ORDER, crossing_order(self.problem, self.solutions[0].body))
-
-    @staticmethod
-    def _unlimited(found: Converged) -> Converged:
-        return Converged(found.value.copy(), np.inf, np.nan, np.zeros_like(found.value))
 
     @cached_property
     def _internal(self) -> list[tuple[Solution, Array]]:

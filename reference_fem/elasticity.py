@@ -210,7 +210,7 @@ def elastic_tensor(material: Material) -> Array:
     if math.isinf(lam):
         raise ProblemError(
             "nu = 1/2: displacement elements need a compressible body; take nu < 1/2, or mixed "
-            "elements (solve_mixed, or solve_problem with mixed=True)"
+            "elements (solve_problem with mixed=True)"
         )
     d = material.dim
     C = np.diag([2 * mu] * d + [mu] * (d * (d - 1) // 2))

@@ -7,10 +7,11 @@ from math import prod
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Mesh, Polygon, Problem, Region, Segment
-from reference_fem.mesh.boxes import box_discretisation
+from msvalidate.problem import Array, Box, Polygon, Problem, Region, Segment
+from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
-from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.mesh.elements import ELEMENTS
+from reference_fem.mesh.from_mesh import mesh_discretisation, with_middles
 from reference_fem.mesh.outlines import outline_discretisation
 
 MOST_NODES = {2: 150_000, 3: 60_000}
@@ -34,7 +35,7 @@ def first_mesh(problem: Problem) -> Discretisation:
         sides = [high - low for low, high in domain.span]
         h = max(min(sides) / ACROSS, max(sides) / MOST_ALONG)
         linear = outline_discretisation(domain, h, kept_places(problem))
-        return _raised(linear)
+        return make_discretisation(*with_middles(linear.points, linear.cells, ELEMENTS["P2"]), "P2")
     if isinstance(domain, Box):
         h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
         lines = grid_lines(problem, h)
@@ -42,17 +43,11 @@ def first_mesh(problem: Problem) -> Discretisation:
             while _nodes_of_second(lines) > MOST_MIXED and h < max(domain.size):
                 h *= 1.25
                 lines = grid_lines(problem, h)
-        return _laid_grid(domain, lines)
+        return lines_discretisation(lines, "Q2" if domain.dim == 2 else "H2")
     own = mesh_discretisation(domain)
     if own.element.degree > 1:
         return own
     return mesh_discretisation(domain, own.element.raised[0])
-
-
-def _raised(linear: Discretisation) -> Discretisation:
-    """The same cells with quadratic elements."""
-    mesh = Mesh(linear.points, linear.cells, linear.element.shape)
-    return mesh_discretisation(mesh, linear.element.raised[0])
 
 
 def kept_places(problem: Problem) -> Array:
@@ -94,14 +89,3 @@ def grid_lines(problem: Problem, h: float, least: int = 2) -> list[Array]:
 def _nodes_of_second(lines: list[Array]) -> int:
     """About how many nodes the second mesh between lines along each axis has."""
     return prod(4 * len(line) - 2 for line in lines)
-
-
-def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
-    """Quadratic cells between lines (m) along each axis, mid-sides amid."""
-    counts = tuple(len(line) - 1 for line in lines)
-    even = box_discretisation(box, counts, "Q2" if box.dim == 2 else "H2")
-    columns = [
-        np.interp(x / side * many, np.arange(many + 1), line)
-        for x, side, many, line in zip(even.points.T, box.size, counts, lines, strict=True)
-    ]
-    return make_discretisation(np.column_stack(columns), even.cells, even.element.name)

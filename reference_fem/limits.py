@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from msvalidate.problem import Array, Index, PointForce, Problem, Region, Support
 from reference_fem.elasticity import elastic_tensor
@@ -120,14 +121,5 @@ def _stars(corners: Index, number: Index, dim: int) -> list[Index]:
 
 def _pieces(corners: Index, dim: int) -> int:
     """Number of parts that cells (c, k) fall into which share no side."""
-    left = list(range(len(corners)))
-    found = 0
-    while left:
-        found += 1
-        growing = [left.pop()]
-        while growing:
-            here = set(corners[growing.pop()].tolist())
-            near = [i for i in left if len(here & set(corners[i].tolist())) >= dim]
-            left = [i for i in left if i not in near]
-            growing += near
-    return found
+    shared = (corners[:, None, :, None] == corners[None, :, None, :]).sum(axis=(2, 3))
+    return int(connected_components(shared >= dim, directed=False)[0])

@@ -12,12 +12,10 @@ The pressure is p = λ div u, positive in tension: σ = 2με + p I.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from time import perf_counter
 
 import numpy as np
 import skfem
-from numpy.typing import ArrayLike
 from scipy.sparse import block_array, block_diag, csr_array, diags_array, hstack, vstack
 from scipy.sparse.linalg import splu
 
@@ -30,12 +28,12 @@ from msvalidate.problem import (
     SolverError,
     refuse_free_motions,
 )
-from msvalidate.problem.checks import require_one_of, require_type
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
-from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
+from reference_fem.elasticity import full_tensor, weighted_stiffness
 from reference_fem.materials import Materials, by_material, lame_constants, numbers_of
-from reference_fem.mesh.discretisation import Discretisation, make_discretisation
+from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.systems.cells import ElasticForces, MixedForces
@@ -48,58 +46,20 @@ from reference_fem.systems.solver import (
     refuse_shapes,
 )
 
-TAYLOR_HOOD = {
-    f"{name}-{kind.first.name}": name for name, kind in ELEMENTS.items() if kind.degree == 2
-}
-"""Elements of displacement and pressure, and the first of the two."""
+TAYLOR_HOOD = [name for name, kind in ELEMENTS.items() if kind.degree == 2]
+"""Elements of displacement, beside those of the first degree of pressure ([TaylorHood1973])."""
 SINGULAR = 1e-14
 """What a mode leaves that the system does not feel, relative to the terms that cancel: rounding."""
 PIVOT = 0.1
 """Least pivot relative to the largest of its column: some on the diagonal are zero at nu = 1/2."""
 
 
-def solve_mixed(
-    points: ArrayLike,
-    cells: ArrayLike,
-    element: str,
-    material: Material,
-    fixed: Iterable[tuple[int, int, float]],
-    nodal_forces: Iterable[tuple[int, int, float]],
-) -> tuple[Array, Array]:
-    """Displacement (n, d) in m of the nodes and pressure (v,) in Pa at the corners of cells.
-
-    The pressures are in the order of `Discretisation.vertices`: by rising number of the corners.
-
-    Source: elements of [TaylorHood1973]; [BoffiBrezziFortin2013], section 8.8.
-
-    Parameters
-    ----------
-    points, cells
-        As for `solve`, of a quadratic element.
-    element
-        A name in `TAYLOR_HOOD`: "P2-P1" or "Q2-Q1" in the plane, "T2-T1" or "H2-H1" in space.
-    material
-        Isotropic, in plane strain or solid, with 0 < nu <= 1/2.
-    fixed, nodal_forces
-        As for `solve`.
-
-    Raises
-    ------
-    ProblemError
-        If the mesh or a row is wrong, the body can move rigidly, or the material is another.
-    SolverError
-        If the system is singular, as at nu = 1/2 in a body held all round, or the solution fails
-        its residual check.
-    """
-    require_one_of("mixed element", element, TAYLOR_HOOD)
-    body = make_discretisation(points, cells, TAYLOR_HOOD[element])
-    return solve_mixed_on(body, material, *check_arrays(body, fixed, nodal_forces))
-
-
 def solve_mixed_on(
     body: Discretisation, material: Materials, held: Mask, displacement: Array, force: Array
 ) -> tuple[Array, Array]:
     """Displacement (n, d) in m and pressure (v,) in Pa under held components, values, forces (N).
+
+    The pressures are in the order of `Discretisation.vertices`: by rising number of the corners.
 
     Source: elements of [TaylorHood1973]; [BoffiBrezziFortin2013], section 8.8.
 
@@ -258,7 +218,7 @@ def _mixed_system(body: Discretisation, material: Materials) -> _System:
     if body.element.degree != 2:
         raise ProblemError(
             f"mixed elements: {body.element.name} has displacements of degree 1; take one of "
-            f"{', '.join(TAYLOR_HOOD.values())}, with pressure of degree 1"
+            f"{', '.join(TAYLOR_HOOD)}, with pressure of degree 1"
         )
     d, t = body.dim, material.thickness
     pairs = d * (d - 1) // 2

@@ -24,7 +24,7 @@ from msvalidate.case.building import read_case
 from msvalidate.linear_algebra.factor import has_cholmod
 from msvalidate.problem import SHAPES, Isotropic, Mesh, Problem, Zone
 from reference_fem.body import nodal_forces, solve_problem
-from reference_fem.closing_in import Converged
+from reference_fem.closing_in import Estimate
 from reference_fem.converged import Reference, converge
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
@@ -153,7 +153,7 @@ def with_ratio(problem: Problem, nu: float) -> Problem:
 def answer_of(statement: Statement, nu: float) -> Answer:
     """What the elements say of a statement at one ratio."""
     reference, _ = solve(statement, nu)
-    values: dict[str, Converged] = {
+    values: dict[str, Estimate] = {
         f"reaction {i + 1}": each for i, each in enumerate(reference.reactions)
     }
     values["strain energy"] = reference.energy
@@ -177,7 +177,7 @@ def answer_of(statement: Statement, nu: float) -> Answer:
         slope_by_ratio(reference, nu),
         {name: np.array(each.extrapolated) for name, each in values.items()},
         uncertainty,
-        u.order,
+        float(u.order),
         len(reference.finest.body.points),
     )
 

@@ -135,7 +135,7 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
         left &= ~on
         found = springs.reaction(on)
         difference = float(np.linalg.norm(found - each.value)) / size if size else math.nan
-        uncertainty = each.uncertainty / size if size else math.nan
+        uncertainty = float(each.uncertainty) / size if size else math.nan
         sizes = float(np.linalg.norm(found)), float(np.linalg.norm(each.value))
         name = f"reaction of support {number + 1}" if len(wanted) > 1 else "reaction"
         rows.append(
@@ -175,7 +175,8 @@ def _refuse_unknown(case: Case, reference: Reference) -> None:
 
 def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
     found, wanted = springs.energy, float(reference.energy.value[0])
-    difference, uncertainty = abs(found - wanted) / wanted, reference.energy.uncertainty / wanted
+    known = float(reference.energy.uncertainty)
+    difference, uncertainty = abs(found - wanted) / wanted, known / wanted
     return [
         Row(
             "strain energy",
@@ -195,10 +196,8 @@ def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> lis
     size = float(np.abs(wanted.value).max())
     if wanted.uncertainty > size:
         raise SolverError(f"elasticity has {size:.2g} Pa, known to {wanted.uncertainty:.2g}")
-    difference, uncertainty = (
-        float(np.abs(found - wanted.value).max()) / size,
-        wanted.uncertainty / size,
-    )
+    difference = float(np.abs(found - wanted.value).max()) / size
+    uncertainty = float(wanted.uncertainty) / size
     sizes = float(np.abs(found).max()), size
     return [
         Row(

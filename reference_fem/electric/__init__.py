@@ -1,11 +1,11 @@
 """Electrostatics of dielectrics, and of a slab with electrodes in air.
 
-`solve_potential` takes a mesh as arrays. A `Slab` is meshed with its air by `slab_mesh`, has its
-field and Maxwell's forces by `solve_charges`, its small displacements by `respond`.
+A `Slab` is meshed with its air by `slab_mesh`, has its field and Maxwell's forces by
+`solve_charges`, its small displacements by `respond`; any mesh is a `Dielectric`'s.
 """
 
 from reference_fem.electric.charges import FAR, Charged, Far, solve_charges
-from reference_fem.electric.electrostatics import Dielectric, Potential, solve_potential
+from reference_fem.electric.electrostatics import Dielectric, Potential
 from reference_fem.electric.mesh import SlabMesh, move_air, slab_mesh
 from reference_fem.electric.response import respond
 from reference_fem.electric.slab import Electrode, Slab, facing_slab
@@ -24,5 +24,4 @@ __all__ = [
     "respond",
     "slab_mesh",
     "solve_charges",
-    "solve_potential",
 ]

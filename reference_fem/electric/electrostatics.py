@@ -11,7 +11,6 @@ by the very quadrature that W is summed with. No normal and no jump of the field
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +23,7 @@ from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, fo
 from msvalidate.problem.checks import boolean_mask, finite, format_value, integers, require_type
 from msvalidate.problem.records import ReadOnly, dataclass, field
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
-from reference_fem.mesh.discretisation import Discretisation, make_discretisation
+from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points
 from reference_fem.stress import displacement_gradient
 from reference_fem.systems.refined import Refined, refine_solution, share_left
@@ -301,50 +300,6 @@ class Potential(ReadOnly):
         weight = self.medium._unit * self.medium._weight
         stress = weight * (E[:, None] * E - 0.5 * (E**2).sum(axis=0) * np.eye(2)[:, :, None, None])
         return -cells.gathered(stress).T
-
-
-def solve_potential(
-    points: ArrayLike,
-    cells: ArrayLike,
-    element: str,
-    permittivity: ArrayLike,
-    fixed: Iterable[tuple[int, float]],
-) -> Potential:
-    """Potential on a mesh given as arrays.
-
-    Parameters
-    ----------
-    points, cells, element
-        (n, 2) in m, (c, nodes) in VTK order, and a name as `solve` takes them.
-    permittivity
-        (c,) of the cells, absolute (F/m).
-    fixed
-        Rows (node, potential in V).
-
-    Raises
-    ------
-    ProblemError
-        If the mesh or a row is wrong, a permittivity is not above zero, or a part of the mesh holds
-        no potential.
-    SolverError
-        If the solution fails its residual check.
-    """
-    body = make_discretisation(points, cells, element)
-    held, values = np.zeros(len(body.points), dtype=bool), np.zeros(len(body.points))
-    if not isinstance(fixed, Iterable):
-        raise ProblemError(f"fixed: {format_value(fixed)}; give rows (node, potential)")
-    for row in fixed:
-        pair = finite(f"fixed row {format_value(row)}", row)
-        if pair.shape != (2,) or pair[0] != np.floor(pair[0]) or not 0 <= pair[0] < len(held):
-            raise ProblemError(
-                f"fixed: row {format_value(row)}; give (node, potential), nodes run to "
-                f"{len(held) - 1}"
-            )
-        node = int(pair[0])
-        if held[node] and values[node] != pair[1]:
-            raise ProblemError(f"fixed: node {node} has two different potentials")
-        held[node], values[node] = True, pair[1]
-    return Dielectric(body, finite("permittivity", permittivity), held).solve(values)
 
 
 def _refuse_floating_alone(body: Discretisation, held: Mask) -> None:

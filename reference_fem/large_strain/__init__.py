@@ -10,7 +10,7 @@ from reference_fem.large_strain.hyperelastic import (
     square_fibres,
 )
 from reference_fem.large_strain.plane_stress import PlaneStress
-from reference_fem.large_strain.rubber import MooneyRivlin, Ogden
+from reference_fem.large_strain.rubber import Ogden
 from reference_fem.large_strain.solid import Solid
 
 __all__ = [
@@ -18,7 +18,6 @@ __all__ = [
     "Fibres",
     "LargeStrainSolution",
     "Law",
-    "MooneyRivlin",
     "NeoHookean",
     "Ogden",
     "PlaneStress",

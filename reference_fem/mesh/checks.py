@@ -1,16 +1,13 @@
-"""Cells as they are given: of the right kind, upright, none upon another."""
+"""Cells as they are given: of the right kind, none upon another."""
 
 from __future__ import annotations
-
-from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem import Index, ProblemError
 from msvalidate.problem.checks import integers
 from reference_fem.mesh.elements import Element
-from reference_fem.mesh.maps import determinant, map_to_cell
 
 
 def checked_cells(cells: ArrayLike, kind: Element, points: int) -> Index:
@@ -47,52 +44,4 @@ def refuse_overlap(faces: Index) -> None:
         cell = int(first[count.argmax()]) // faces.shape[1]
         raise ProblemError(
             f"cells: cell {cell} overlaps another on one of its {side}; list it once"
-        )
-
-
-def refuse_crossed(corners: Array, number: Index) -> None:
-    """Cells with straight edges, by their corners (c, k, d); `number` is what to call them."""
-    if corners.shape[2] == 2:
-        _refuse_inverted(corners, number)
-    else:
-        _refuse_folded(corners, number)
-
-
-def _refuse_inverted(corners: Array, number: Index) -> None:
-    """Corners (c, 3 or 4, 2) must turn left all the way round."""
-    edge = np.roll(corners, -1, axis=1) - corners
-    following = np.roll(edge, -1, axis=1)
-    turn = edge[..., 0] * following[..., 1] - edge[..., 1] * following[..., 0]
-    size = np.linalg.norm(edge, axis=2) * np.linalg.norm(following, axis=2)
-    bad = np.flatnonzero((turn <= 1e-12 * size).any(axis=1))
-    if len(bad):
-        raise ProblemError(
-            f"cells: cell {number[bad[0]]} is inverted, flat or not convex; list its corners "
-            "counter-clockwise"
-        )
-
-
-def _refuse_folded(corners: Array, number: Index) -> None:
-    """The map onto each cell (c, 4 or 8, 3) must nowhere turn inside out.
-
-    A hexahedron's Jacobian is quadratic along each axis of the unit cube, so it is above zero
-    wherever its 27 Bernstein coefficients are: at its corners alone would not be enough.
-    """
-    steps = (0.0, 0.5, 1.0) if corners.shape[1] == 8 else (0.0,)
-    jacobian = np.empty((len(steps) ** 3, len(corners)))
-    lengths = np.zeros((3, len(corners)))
-    for i, place in enumerate(product(steps, repeat=3)):
-        _, columns = map_to_cell(corners, np.array([place]))
-        jacobian[i] = determinant(columns)
-        lengths = np.maximum(lengths, [np.linalg.norm(side, axis=1) for side in columns])
-    if len(steps) == 3:
-        bernstein = np.array([[1, 0, 0], [-0.5, 2, -0.5], [0, 0, 1]])
-        values = jacobian.reshape(3, 3, 3, -1)
-        jacobian = np.einsum("ai,bj,ck,ijkn->abcn", *[bernstein] * 3, values).reshape(27, -1)
-    bad = np.flatnonzero((jacobian <= 1e-12 * lengths.prod(axis=0)).any(axis=0))
-    if len(bad):
-        first = corners.shape[1] // 2 if len(steps) == 3 else 3
-        raise ProblemError(
-            f"cells: cell {number[bad[0]]} is inverted, flat or folded; list its corners in VTK "
-            f"order, the first {first} counter-clockwise as seen from the rest"
         )

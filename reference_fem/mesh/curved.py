@@ -1,4 +1,4 @@
-"""Cells with curved sides: which they are, the map onto them, and whether it folds.
+"""Cells with curved sides: which they are; and whether the map onto any cell folds.
 
 The map from the unit cell is x(ξ) = Σ x_k φ_k(ξ), with the element's own functions (isoparametric:
 [ZienkiewiczTaylorZhu2013], chapter 5).
@@ -58,14 +58,19 @@ def refuse_folded(points: Array, cells: Index, number: Index, kind: Element) -> 
     ProblemError
         If a cell folds, or comes so close to it that it cannot be told.
     """
-    for chunk in np.array_split(np.arange(len(cells)), len(cells) // CELLS_AT_ONCE + 1):
-        folded = _first_folded(points[cells[chunk][:, kind.listed]], kind)
+    for start in range(0, len(cells), CELLS_AT_ONCE):
+        chunk = cells[start : start + CELLS_AT_ONCE]
+        folded = _first_folded(points[chunk[:, kind.listed]], kind)
         if folded is not None:
-            raise ProblemError(
-                f"cells: cell {number[chunk[folded]]} is inverted or folded: its curved sides turn "
-                "it inside out; put mid-side nodes near the middle of less curved edges, and list "
-                "corners, mid-sides, centre in VTK order"
+            why = (
+                "inverted, flat or folded; list its corners in VTK order: counter-clockwise, in "
+                "space those of the first face as seen from the rest"
+                if kind.degree == 1
+                else "inverted or folded: its curved sides turn it inside out; put mid-side nodes "
+                "near the middle of less curved edges, and list corners, mid-sides, centre in VTK "
+                "order"
             )
+            raise ProblemError(f"cells: cell {number[start + folded]} is {why}")
 
 
 def _first_folded(nodes: Array, kind: Element) -> int | None:
@@ -75,6 +80,7 @@ def _first_folded(nodes: Array, kind: Element) -> int | None:
     columns = np.einsum("kjq,ckd->jqcd", slope, nodes)
     jacobian = determinant(columns.reshape(kind.dim, -1, kind.dim)).reshape(-1, len(nodes))
     lengths = np.linalg.norm(columns, axis=3).max(axis=1).prod(axis=0)
+    lengths = np.maximum(lengths, np.finfo(float).tiny)  # of corners that coincide
     value, cell = (rule.coefficients @ jacobian).T / lengths[:, None], np.arange(len(nodes))
     for _ in range(HALVINGS * kind.dim):
         folded = (value[:, rule.corners] <= FLAT).any(axis=1)
@@ -102,19 +108,19 @@ class _Bernstein:
 
 @cache
 def _bernstein(name: str) -> _Bernstein:
-    """Of an element of the second degree.
+    """Of an element of degree p.
 
     Each column of the map's derivative is one degree lower along its own axis, so that the product
-    of d has degree 2d - 1 along each axis of the unit cube; over the unit simplex it has degree d.
+    of d has degree pd - 1 along each axis of the unit cube; over the unit simplex it has (p - 1) d.
     """
     kind = ELEMENTS[name]
     d = kind.dim
-    degree = d if kind.simplex else 2 * d - 1
+    degree = (kind.degree - 1) * d if kind.simplex else kind.degree * d - 1
     powers = np.array(list(product(range(degree + 1), repeat=d)))
     if kind.simplex:
         powers = powers[powers.sum(axis=1) <= degree]
         powers = np.column_stack([powers, degree - powers.sum(axis=1)])
-    places = powers[:, :d] / degree
+    places = powers[:, :d] / max(degree, 1)
     inverse = np.asarray(np.linalg.inv(_polynomials(powers, degree, places)), dtype=np.float64)
     halves = [inverse @ _polynomials(powers, degree, x) for x in _halve_cell(places, kind.simplex)]
     corners: Mask = np.all(np.isin(powers, (0, degree)), axis=1)

@@ -17,14 +17,9 @@ from msvalidate.problem.checks import finite_coordinates, require_one_of
 from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.assembly import SparsityPattern, gradient_products, sparsity_pattern
-from reference_fem.mesh.checks import (
-    checked_cells,
-    refuse_crossed,
-    refuse_overlap,
-    refuse_repeated,
-)
+from reference_fem.mesh.checks import checked_cells, refuse_overlap, refuse_repeated
 from reference_fem.mesh.curved import is_bent, refuse_folded
-from reference_fem.mesh.elements import ELEMENTS, Element
+from reference_fem.mesh.elements import CURVED_ORDER, ELEMENTS, Element
 from reference_fem.mesh.interpolation import incident, locate
 from reference_fem.mesh.maps import Cells, curved_cells, straight_cells
 
@@ -205,10 +200,10 @@ class Discretisation(ReadOnly):
     @cached_property
     def _shapes(self) -> Cells:
         """The cells as the library maps them: it may have turned their corners."""
+        nodes = self.points[self.cell_nodes]
         if self.curved:
-            return curved_cells(self.points[self.cell_nodes], self.element)
-        mesh = self.basis.mesh
-        return straight_cells(mesh.p.T[mesh.t.T[:, np.argsort(self.element.order, kind="stable")]])
+            return curved_cells(nodes, self.element)
+        return straight_cells(nodes[:, : self.element.corners], self.element)
 
 
 def make_discretisation(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisation:
@@ -239,10 +234,8 @@ def _build_discretisation(x: Array, t: Index, kind: Element) -> Discretisation:
     refuse_repeated(t, kind)
     curving = is_bent(x, t, kind)
     plain, round_ = np.flatnonzero(~curving), np.flatnonzero(curving)
-    if len(plain):
-        refuse_crossed(x[t[plain, : kind.corners]], plain)
-    if len(round_):
-        refuse_folded(x, t[round_], round_, kind)
+    refuse_folded(x, t[plain, : kind.corners], plain, kind.first)
+    refuse_folded(x, t[round_], round_, kind)
     refuse_overlap(t[:, kind.faces])
     listed = kind.in_library_order(t)
     vertices, local = np.unique(listed[:, : kind.corners], return_inverse=True)
@@ -254,7 +247,7 @@ def _build_discretisation(x: Array, t: Index, kind: Element) -> Discretisation:
     if len(round_):
         nodes = x[node].T.copy()
         whole = kind.mesh(nodes, mesh.t, elem=type(kind.function), sort_t=False)
-        mapping, order = skfem.MappingIsoparametric(whole, kind.function), kind.curved_order
+        mapping, order = skfem.MappingIsoparametric(whole, kind.function), CURVED_ORDER
     basis = skfem.Basis(mesh, kind.function, mapping=mapping, intorder=order, dofs=dofs)
     return Discretisation(x, t, kind, basis, node, bool(len(round_)))
 

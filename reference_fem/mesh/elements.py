@@ -6,17 +6,20 @@ of `msvalidate.problem.shapes` where a mesh may consist of its cells.
 
 from __future__ import annotations
 
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import permutations
 from typing import Any
 
 import numpy as np
 import skfem
+from skfem.element import BOUNDARY_ELEMENT_MAP
 
 from msvalidate.problem import Array, Index
 from msvalidate.problem.records import dataclass
 
 Rings = tuple[tuple[int, ...], ...]
+CURVED_ORDER = 4
+"""Degree integrated exactly in cells with curved sides, whose gradients are no polynomials."""
 
 
 @dataclass(frozen=True)
@@ -27,18 +30,12 @@ class Element:
     ----------
     name, shape
         Its name, and meshio's of its cells: a row of `msvalidate.problem.SHAPES`.
-    degree
-        Of the polynomials that it holds on parallelograms, parallelepipeds and simplices.
     complete
-        Of those that it holds on any cells with straight edges. Below `degree` the error in the
-        mean falls by an order less on cells that are no parallelograms
+        Degree of the polynomials that it holds on any cells with straight edges. Below `degree` the
+        error in the mean falls by an order less on cells that are no parallelograms
         [ArnoldBoffiFalk2002].
-    integration_order
-        Polynomial degree integrated exactly. The library's default is far higher: it costs several
-        times as much and differs from the usual Gauss rules.
-    mesh, function, linear, side
-        The library's mesh of such cells, its element, that of the corners alone, and that of the
-        sides.
+    function, mesh
+        The library's element, and its mesh of such cells.
     faces
         Corners of its sides, each counter-clockwise as seen from outside.
     order
@@ -50,25 +47,42 @@ class Element:
         Nodes of a mesh beyond which none is made: what 16 GB hold, as measured.
     middles
         The corners that each further node lies amid.
-    curved_order
-        As `integration_order`, in cells with curved sides, whose gradients are no polynomials.
     """
 
     name: str
     shape: str
-    degree: int
     complete: int
-    integration_order: int
-    mesh: Any
     function: Any
-    linear: Any
-    side: Any
+    mesh: Any
     faces: Rings
     order: tuple[int, ...]
     block: tuple[Rings, ...]
     most_nodes: int
     middles: Rings = ()
-    curved_order: int = 4
+
+    @property
+    def degree(self) -> int:
+        """Of the polynomials that it holds on parallelograms, parallelepipeds and simplices."""
+        return 2 if self.middles else 1
+
+    @property
+    def integration_order(self) -> int:
+        """Polynomial degree integrated exactly in cells with straight edges.
+
+        The library's default is far higher: it costs several times as much and differs from the
+        usual Gauss rules.
+        """
+        return self.degree if self.simplex else 2 * self.degree
+
+    @cached_property
+    def linear(self) -> Any:
+        """The library's element of the corners alone."""
+        return self.mesh.elem()
+
+    @cached_property
+    def side(self) -> Any:
+        """The library's element of its sides."""
+        return BOUNDARY_ELEMENT_MAP.get(type(self.function), skfem.ElementLineP2)()
 
     @property
     def dim(self) -> int:
@@ -215,136 +229,26 @@ MOST_IN_PLANE, MOST_IN_SPACE, MOST_OF_H2 = 4_000_000, 1_000_000, 400_000
 """Nodes: assembly takes 4 kB for each in the plane (Q2) and 15 kB in space (H1), as measured, so
 that 16 GB hold these; of H2 40 kB, as each shares a cell with 60 others."""
 
-_quadrilateral = partial(
-    Element,
-    mesh=skfem.MeshQuad,
-    linear=skfem.ElementQuad1(),
-    faces=SQUARE,
-    order=RISING,
-    block=(UNIT_SQUARE,),
-    most_nodes=MOST_IN_PLANE,
-)
-_triangle = partial(
-    Element,
-    mesh=skfem.MeshTri,
-    linear=skfem.ElementTriP1(),
-    faces=TRIANGLE,
-    order=RISING[:3],
-    block=HALVES,
-    most_nodes=MOST_IN_PLANE,
-)
-_hexahedron = partial(
-    Element,
-    mesh=skfem.MeshHex,
-    linear=skfem.ElementHex1(),
-    faces=CUBE,
-    order=CUBE_ORDER,
-    block=(UNIT_CUBE,),
-    most_nodes=MOST_IN_SPACE,
-)
-_tetrahedron = partial(
-    Element,
-    mesh=skfem.MeshTet,
-    linear=skfem.ElementTetP1(),
-    faces=TETRAHEDRON,
-    order=RISING,
-    block=_six_tetrahedra(),
-    most_nodes=MOST_IN_SPACE,
-)
+_QUADRILATERAL = (skfem.MeshQuad, SQUARE, RISING, (UNIT_SQUARE,), MOST_IN_PLANE)
+_TRIANGLE = (skfem.MeshTri, TRIANGLE, RISING[:3], HALVES, MOST_IN_PLANE)
+_HEXAHEDRON = (skfem.MeshHex, CUBE, CUBE_ORDER, (UNIT_CUBE,))
+_TETRAHEDRON = (skfem.MeshTet, TETRAHEDRON, RISING, _six_tetrahedra(), MOST_IN_SPACE)
 
 ELEMENTS = {
     element.name: element
     for element in (
-        _quadrilateral(
-            name="Q1",
-            shape="quad",
-            degree=1,
-            complete=1,
-            integration_order=2,
-            function=skfem.ElementQuad1(),
-            side=skfem.ElementLineP1(),
-        ),
-        _quadrilateral(
-            name="Q2",
-            shape="quad9",
-            degree=2,
-            complete=2,
-            integration_order=4,
-            function=skfem.ElementQuad2(),
-            side=skfem.ElementLineP2(),
-            middles=AMID_SQUARE,
-        ),
+        Element("Q1", "quad", 1, skfem.ElementQuad1(), *_QUADRILATERAL),
+        Element("Q2", "quad9", 2, skfem.ElementQuad2(), *_QUADRILATERAL, AMID_SQUARE),
         # Serendipity: without x²y², so that in cells that are no parallelograms it holds planes
         # alone. Near nu = 1/2 it errs as Q2 does in parallelograms, twice as much in others; mixed
         # (S2-Q1) as Q2-Q1.
-        _quadrilateral(
-            name="S2",
-            shape="quad8",
-            degree=2,
-            complete=1,
-            integration_order=4,
-            function=skfem.ElementQuadS2(),
-            side=skfem.ElementLineP2(),
-            middles=SQUARE,
-        ),
-        _triangle(
-            name="P1",
-            shape="triangle",
-            degree=1,
-            complete=1,
-            integration_order=1,
-            function=skfem.ElementTriP1(),
-            side=skfem.ElementLineP1(),
-        ),
-        _triangle(
-            name="P2",
-            shape="triangle6",
-            degree=2,
-            complete=2,
-            integration_order=2,
-            function=skfem.ElementTriP2(),
-            side=skfem.ElementLineP2(),
-            middles=TRIANGLE,
-        ),
-        _hexahedron(
-            name="H1",
-            shape="hexahedron",
-            degree=1,
-            complete=1,
-            integration_order=2,
-            function=skfem.ElementHex1(),
-            side=skfem.ElementQuad1(),
-        ),
-        _hexahedron(
-            name="H2",
-            shape="hexahedron27",
-            degree=2,
-            complete=2,
-            integration_order=4,
-            function=skfem.ElementHex2(),
-            side=skfem.ElementQuad2(),
-            middles=AMID_CUBE,
-            most_nodes=MOST_OF_H2,
-        ),
-        _tetrahedron(
-            name="T1",
-            shape="tetra",
-            degree=1,
-            complete=1,
-            integration_order=1,
-            function=skfem.ElementTetP1(),
-            side=skfem.ElementTriP1(),
-        ),
-        _tetrahedron(
-            name="T2",
-            shape="tetra10",
-            degree=2,
-            complete=2,
-            integration_order=2,
-            function=skfem.ElementTetP2(),
-            side=skfem.ElementTriP2(),
-            middles=AMID_TETRAHEDRON,
-        ),
+        Element("S2", "quad8", 1, skfem.ElementQuadS2(), *_QUADRILATERAL, SQUARE),
+        Element("P1", "triangle", 1, skfem.ElementTriP1(), *_TRIANGLE),
+        Element("P2", "triangle6", 2, skfem.ElementTriP2(), *_TRIANGLE, TRIANGLE),
+        Element("H1", "hexahedron", 1, skfem.ElementHex1(), *_HEXAHEDRON, MOST_IN_SPACE),
+        Element("H2", "hexahedron27", 2, skfem.ElementHex2(), *_HEXAHEDRON, MOST_OF_H2, AMID_CUBE),
+        Element("T1", "tetra", 1, skfem.ElementTetP1(), *_TETRAHEDRON),
+        Element("T2", "tetra10", 2, skfem.ElementTetP2(), *_TETRAHEDRON, AMID_TETRAHEDRON),
     )
 }
 

@@ -40,20 +40,22 @@ def mesh_discretisation(mesh: Mesh, element: str | None = None) -> Discretisatio
     if kind is own:
         refuse_too_many(str(mesh), len(mesh.points), kind.most_nodes)
         return make_discretisation(mesh.points, mesh.cells, kind.name)
-    points, cells = _with_middles(mesh, kind)
+    points, cells = with_middles(mesh.points, mesh.cells, kind)
     refuse_too_many(f"{mesh} with {kind.name}", len(points), kind.most_nodes)
     return make_discretisation(points, cells, kind.name)
 
 
-def _with_middles(mesh: Mesh, kind: Element) -> tuple[Array, Index]:
-    """Points and cells with a node amid each group of corners that the element has one for."""
-    points, columns = [mesh.points], [mesh.cells]
-    count = len(mesh.points)
+def with_middles(points: Array, cells: Index, kind: Element) -> tuple[Array, Index]:
+    """Points (m, d) in m and cells (c, nodes) of an element on cells of corners alone.
+
+    New nodes lie amid each group of corners that the element has one for.
+    """
+    found, columns, count = [points], [cells], len(points)
     for size in sorted({len(group) for group in kind.middles}):  # edges, faces, cells
         groups = np.array([group for group in kind.middles if len(group) == size])
-        corners = np.sort(mesh.cells[:, groups].reshape(-1, size), axis=1)
+        corners = np.sort(cells[:, groups].reshape(-1, size), axis=1)
         each, number = np.unique(corners, axis=0, return_inverse=True)
-        points.append(mesh.points[each].mean(axis=1))
-        columns.append(count + number.reshape(len(mesh.cells), -1))
+        found.append(points[each].mean(axis=1))
+        columns.append(count + number.reshape(len(cells), -1))
         count += len(each)
-    return np.concatenate(points), np.concatenate(columns, axis=1)
+    return np.concatenate(found), np.concatenate(columns, axis=1)

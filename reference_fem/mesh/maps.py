@@ -47,15 +47,12 @@ class Cells:
     steps: int
 
 
-def straight_cells(corners: Array) -> Cells:
-    """Convex triangles or quadrilaterals, tetrahedra or hexahedra of corners (c, k, d).
-
-    In VTK order; local coordinates have corner 0 at the origin.
-    """
+def straight_cells(corners: Array, kind: Element) -> Cells:
+    """Cells with straight edges, of corners (c, k, d) in the library's order."""
     _, k, d = corners.shape
-    simplex = k == d + 1
-    start = np.full(d, 1 / k if simplex else 0.5)
-    return Cells(corners, corners, map_to_cell, start, simplex, 1 if simplex else NEWTON_STEPS)
+    start = np.full(d, 1 / k if kind.simplex else 0.5)
+    steps = 1 if kind.simplex else NEWTON_STEPS
+    return Cells(corners, corners, partial(_isoparametric, kind.first), start, kind.simplex, steps)
 
 
 def curved_cells(nodes: Array, kind: Element) -> Cells:
@@ -89,31 +86,6 @@ def _control(name: str) -> Array:
     many = np.where(power == 1, 2, 1).prod(axis=1)
     each = x[:, None] ** power * (1 - x[:, None]) ** (2 - power)
     return np.linalg.inv(many * each.prod(axis=2)) @ kind.functions(x)[0].T
-
-
-def map_to_cell(corners: Array, local: Array) -> tuple[Array, list[Array]]:
-    """Place (q, d) of local coordinates (q, d), and its derivative by each of them.
-
-    Cells (q, k, d) are as in `locate`; one row of local coordinates serves them all.
-    """
-    x = corners.transpose(1, 0, 2)
-    r, s, *t = local.T[:, :, None]
-    if len(x) == local.shape[1] + 1:
-        columns = [corner - x[0] for corner in x[1:]]
-        return sum((u * side for u, side in zip((r, s, *t), columns, strict=True)), x[0]), columns
-    if not t:
-        return _bilinear(x, r, s)
-    (low, sides), (high, others) = _bilinear(x[:4], r, s), _bilinear(x[4:], r, s)
-    along, across = ((1 - t[0]) * a + t[0] * b for a, b in zip(sides, others, strict=True))
-    return (1 - t[0]) * low + t[0] * high, [along, across, high - low]
-
-
-def _bilinear(x: Array, r: Array, s: Array) -> tuple[Array, list[Array]]:
-    """Place and derivatives on a quadrilateral with corners x (4, q, d)."""
-    along = (1 - s) * (x[1] - x[0]) + s * (x[2] - x[3])
-    across = (1 - r) * (x[3] - x[0]) + r * (x[2] - x[1])
-    place = (1 - r) * (1 - s) * x[0] + r * (1 - s) * x[1] + r * s * x[2] + (1 - r) * s * x[3]
-    return place, [along, across]
 
 
 def determinant(columns: Sequence[Array]) -> Array:

@@ -19,6 +19,7 @@ from msvalidate.problem.checks import (
 )
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, MOST_IN_PLANE, of_dimension
+from reference_fem.mesh.from_mesh import with_middles
 
 NODES_PER_TRIANGLE = 2
 """Corners and mid-sides of a large mesh of triangles for each triangle, at most."""
@@ -160,12 +161,4 @@ def _with_midpoints(mesh: Any, element: str) -> Discretisation:
     a, b, c = (mesh.p[:, corner] for corner in t)
     clockwise = (b - a)[0] * (c - a)[1] < (b - a)[1] * (c - a)[0]
     t[1:, clockwise] = t[:0:-1, clockwise]
-    if ELEMENTS[element].degree == 1:
-        return make_discretisation(mesh.p.T, t.T, element)
-    edges = np.sort(np.concatenate([t[[0, 1]], t[[1, 2]], t[[2, 0]]], axis=1), axis=0)
-    ends, number = np.unique(edges, axis=1, return_inverse=True)
-    middle = mesh.p[:, ends].mean(axis=1)
-    sides = mesh.p.shape[1] + number.reshape(3, -1)
-    return make_discretisation(
-        np.concatenate([mesh.p, middle], axis=1).T, np.concatenate([t, sides]).T, element
-    )
+    return make_discretisation(*with_middles(mesh.p.T, t.T, ELEMENTS[element]), element)

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from reference_fem.refinement import richardson
+from reference_fem.closing_in import close_in_each
 
 ROUNDING = 1e-10
 """Relative difference below which a value is exact: 1e-16 times a condition number of up to 1e6."""
@@ -119,9 +119,9 @@ def uncertainty(cells: Sequence[int], values: Sequence[float]) -> float | str:
     at = len(cells)
     if at < 3 or cells[at - 3] * 4 != cells[at - 1] or cells[at - 2] * 2 != cells[at - 1]:
         return "none"
-    coarse, medium, fine = (np.array([values[i]]) for i in range(at - 3, at))
-    estimate = richardson(coarse, medium, fine, int(cells[at - 1]), PLAUSIBLE[1])
-    return float(abs(estimate.uncertainty[0] / fine[0]))
+    rows = [np.array([value]) for value in values[:at]]
+    estimate = close_in_each(rows, int(cells[at - 1]), PLAUSIBLE[1])
+    return float(abs(estimate.uncertainty[0] / rows[-1][0]))
 
 
 def finest(table: pd.DataFrame) -> pd.DataFrame:

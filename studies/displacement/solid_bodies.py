@@ -13,7 +13,7 @@ from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_ten
 from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.lattice import Constants, Pattern, PatternLattice, fill, patterns
 from reference_fem.body import nodal_forces
-from reference_fem.extrapolation import extrapolate
+from reference_fem.closing_in import extrapolate
 
 from .load_cases import MODULUS
 
@@ -205,11 +205,11 @@ def elastic_body(coarsest: int, asked: tuple[str, kit.Array]) -> ElasticSolid:
         return along_load(nodal_forces(part, mesh), solution.displacement)
 
     order = 2 * clamped_edge_exponent(tensor)
-    found = extrapolate(mean, coarsest, (order, SMOOTH))
+    value, uncertainty = extrapolate(mean, coarsest, (order, SMOOTH))
     # Away from the edges a field falls with their order too; two meshes are enough to draw it.
     coarse, fine = fields
     field = sign * (fine + (fine - coarse) / (2**order - 1))
-    return ElasticSolid(float(found.value[0]), float(found.uncertainty[0]), field)
+    return ElasticSolid(float(value[0]), float(uncertainty[0]), field)
 
 
 def elements(case: SolidCase, cells: int) -> tuple[int, int, int]:

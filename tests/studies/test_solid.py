@@ -12,7 +12,6 @@ from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.singularity import clamped_edge_exponent, clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
-from reference_fem.extrapolation import extrapolate
 
 QUICK = Setting(quick=True)
 
@@ -86,33 +85,6 @@ def test_a_section_may_move_more_freely_than_its_bound():
         section, bound = bent_bar.section_stiffness(cells), bent_bar.bending_bound(cells)
         assert 1 < section < bound
         assert (bound - section) * cells**4 < np.log(cells)
-
-
-def test_extrapolation_finds_the_limit_of_two_powers():
-    found = extrapolate(lambda n: [1 + 3 * n**-1.5 - n**-2.0, 2.0], 3, (1.5, 2.0))
-    assert found.value == pytest.approx([1.0, 2.0], abs=1e-12)
-    assert found.uncertainty == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert found.cells == 24
-    # From one cell on, orders below one and near each other.
-    assert extrapolate(lambda n: 1 + n**-0.9, 1, (1.0, 0.9)).value == pytest.approx(1, abs=1e-12)
-    with pytest.raises(ValueError, match="read-only"):
-        found.uncertainty[0] = 0.0
-
-
-@pytest.mark.parametrize("power", [1.75, 2.5, 3.0, 4.0])
-def test_extrapolation_owns_to_what_it_leaves_out(power):
-    found = extrapolate(lambda n: 1 + n**-1.5 + n**-2.0 + n**-power, 2, (2.0, 1.5))
-    true = abs(found.value[0] - 1)
-    assert found.uncertainty[0] == pytest.approx(true * (2**power - 1) / (2**1.5 - 1), rel=1e-9)
-    assert 0 < true <= found.uncertainty[0]
-
-
-@pytest.mark.parametrize(
-    "orders", [(2.0, 2.0), (2.0, 1.96), (0.0, 2.0), (-0.5, 2.0), (1.0,), (1.0, np.nan)]
-)
-def test_orders_that_tell_nothing(orders):
-    with pytest.raises(ProblemError, match="orders"):
-        extrapolate(lambda n: 1 / n, 2, orders)
 
 
 def test_the_bar_notices_small_faults():

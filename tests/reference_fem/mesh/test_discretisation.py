@@ -95,9 +95,6 @@ def test_gradient_integrals_of_parabolas(element):
     assert y**2 @ G[1][0] @ (x * y) == pytest.approx(2 / 3, rel=ROUNDING)  # ∫ 2y·y
 
 
-# --- numbering ------------------------------------------------------------------------------------
-
-
 # --- bad meshes -----------------------------------------------------------------------------------
 
 
@@ -106,9 +103,6 @@ def test_quadratic_element_of_linear_points_is_refused():
     points, cells = distorted("Q1")
     with pytest.raises(ProblemError, match=r"cell 0 names point \d+ twice; Q2 lists corners, mid-"):
         make_discretisation(points, np.hstack([cells, cells, cells[:, :1]]), "Q2")
-
-
-# --- meshes that would be solved wrongly ----------------------------------------------------------
 
 
 def test_nodes_that_are_not_those_of_the_cell_are_refused():
