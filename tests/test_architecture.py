@@ -228,7 +228,7 @@ def test_the_checker_needs_numpy_only():
 
 LOAD_ALL = """
 import importlib, pkgutil, sys
-BOTH = ("studies", "__main__", "case", "cases", "simulators", "adapter_check")
+BOTH = ("studies", "__main__", "case", "cases", "simulators", "new")
 def load(name):
     package = importlib.import_module(name)
     for module in pkgutil.iter_modules(getattr(package, "__path__", ())):

@@ -79,6 +79,40 @@ def test_report_tells_where_it_comes_from(finished):
     assert str(folder) not in page + done.stdout
 
 
+LIGHT = """
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+from msvalidate.cli import program as study
+from msvalidate.judging import catalogue
+"""
+STUDY = """
+import pandas as pd
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.output import baseline
+from msvalidate.output.figures import new_figure
+from msvalidate.problem import ProblemError, SolverError
+def found(gap=0.0, reference=0.0, tables=None, figures={}, **more):
+    tables = tables or {"t": pd.DataFrame({"x": [1.0]})}
+    columns = {"x": "place (m)", "word": "w"}
+    gaps, limits = {"gap": Observed(gap, reference)}, (Tolerance("gap", 0.5, "m", "so"),)
+    return Evidence(tables, **{"observed": gaps, "tolerances": limits, "figures": figures,
+                               "columns": columns} | more)
+"""
+PATCHED = """
+BODY
+catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)
+sys.exit(study.main(["poisson", "--out", "r", *sys.argv[1:]]))
+"""
+MISSED = "def run(setting): return found(2.0, 1.0)"
+
+
+def patched(body, script=PATCHED, made=STUDY):
+    """A script that runs the program, whose study is the function `run` of a body."""
+    return LIGHT + made + script.replace("BODY", body)
+
+
 TINY = '''"""How long is μ ± σ²?"""
 import pandas as pd
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
@@ -105,17 +139,14 @@ def test_quiet_run_prints_nothing(tmp_path, tiny):
     assert "--out=DIR" in (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
 
 
-TWO_TABLES = """
-import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+TWO_TABLES = patched("""
 def run(setting):
     tables = {name: pd.DataFrame({"x": range(50)}) for name in ("block", "cube")}
-    return Evidence(tables, {"gap": Observed(0.0)}, (Tolerance("gap", 0.5, "m", "so"),),
-                    columns={"x": "place (m)"}, findings=("found",))"""
+    return found(tables=tables, findings=("found",))""")
 
 
 def test_tables_are_printed_when_asked_for(tmp_path):
-    done = run("-v", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    done = run("-v", cwd=tmp_path, script=TWO_TABLES)
     for words in ("poisson/block\n", "poisson/cube\n", "poisson/verdict\n", "  - found\n"):
         assert words in done.stdout
     assert done.stdout.count("\n49\n") == 2
@@ -153,19 +184,16 @@ def test_hints_name_the_program_as_it_was_called(name, tmp_path):
         assert set(said) == {name}, (words, done.stderr)
 
 
-MANY = """
-import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+MANY = patched("""
 def run(setting):
-    names = [f"gap {i}" for i in range(9)]
     gaps = (2.0, 1.5, 9.0, 3.0, float("nan"), 4.0, 5.0, 6.0, 1.1)
-    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, dict(zip(names, map(Observed, gaps))),
-                    tuple(Tolerance(name, 1.2, "m", "so") for name in names),
-                    columns={"x": "place (m)"})"""
+    observed = {f"gap {i}": Observed(gap) for i, gap in enumerate(gaps)}
+    return found(observed=observed, tolerances=tuple(
+        Tolerance(name, 1.2, "m", "so") for name in observed))""")
 
 
 def test_the_worst_failures_are_told_and_where_the_others_are(tmp_path):
-    done = run("--no-plots", cwd=tmp_path, script=PATCHED.format(body=MANY))
+    done = run("--no-plots", cwd=tmp_path, script=MANY)
     assert done.returncode == 1
     told = re.findall(r"FAIL gap (\d)", done.stderr)
     assert told == ["2", "7", "6", "5", "3"]
@@ -174,21 +202,14 @@ def test_the_worst_failures_are_told_and_where_the_others_are(tmp_path):
 
 
 def test_a_table_alone_is_printed_whole(tmp_path):
-    done = run("--table", "block", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    done = run("--table", "block", cwd=tmp_path, script=TWO_TABLES)
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["poisson/block", "x", *map(str, range(50))]
 
 
-def test_a_table_that_there_is_not_is_told_before_the_work(tmp_path):
-    done = run("poisson", "--table", "blok", "--out", "r", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "--table 'blok': no such table; did you mean block?" in done.stderr
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_table_that_was_not_made(tmp_path):
     """Named in the study's sources, so it could not be known before."""
-    done = run("--table", "finite_size", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    done = run("--table", "finite_size", cwd=tmp_path, script=TWO_TABLES)
     assert done.returncode == 2
     assert "--table finite_size: no such table; choose from block, cube, verdict" in done.stderr
     assert (tmp_path / "r" / "poisson" / "block.csv").is_file(), "the results are kept"
@@ -279,6 +300,7 @@ BAD_COMMANDS = [
     (["list", "--seed", "1"],
         "list solves nothing; leave --quick, --seed, --jobs and --no-plots out"),
     (["check", "--table", "x"], "check prints no tables; leave --table out"),
+    (["poisson", "--table", "blok"], "--table 'blok': no such table; did you mean block?"),
     (["list", "--table", "x"], "list prints no tables; leave --table out"),
     (["report", "--quick"],
         "report solves nothing; leave --quick, --seed, --jobs and --no-plots out"),
@@ -300,62 +322,24 @@ def test_bad_command_lines(arguments, message, tmp_path):
     assert (tmp_path / "taken").read_text(encoding="utf-8") == "mine"
 
 
-PATCHED = """
-import sys
-from msvalidate.cli import program as study
-from msvalidate.judging import catalogue
-from types import SimpleNamespace
-{body}
-catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)
-sys.exit(study.main(["poisson", "--out", "r", *sys.argv[1:]]))
-"""
-ENDINGS = {
-    "tolerance missed": (
-        1,
-        "poisson: FAIL gap: observed 2, reference 1, error 1 > limit 0.5 m",
-        """
-import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-def run(setting):
-    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(2.0, 1.0)},
-                    (Tolerance("gap", 0.5, "m", "so"),), columns={"x": "place (m)"})""",
-    ),
-    "bad input": (
-        2,
-        "study poisson: spring constants: -1",
-        """
-from msvalidate.problem import ProblemError
-def run(setting): raise ProblemError("spring constants: -1; give 0 or more")""",
-    ),
-    "solver failed": (
-        3,
-        "study poisson: diverged by step 7",
-        """
-from msvalidate.problem import SolverError
-def run(setting): raise SolverError("diverged by step 7")""",
-    ),
-    "ended by a library": (3, "study poisson: crashed: SystemExit: 0",
-        "def run(setting): sys.exit(0)"),
-    "a figure that cannot be drawn": (
-        3,
-        "study poisson: crashed: ZeroDivisionError: ",
-        """
-import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-def run(setting):
-    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.1)},
-                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: 1 / 0},
-                    columns={"x": "place (m)"})""",
-    ),
-    "crash": (3, "study poisson: crashed: FileNotFoundError: /home/someone/secret",
-        "def run(setting): raise FileNotFoundError('/home/someone/secret')"),
-}  # fmt: skip
+ENDINGS = [
+    ("def run(setting): return found(2.0, 1.0)", 1,
+        "poisson: FAIL gap: observed 2, reference 1, error 1 > limit 0.5 m"),
+    ("def run(setting): raise ProblemError('spring constants: -1; give 0 or more')", 2,
+        "study poisson: spring constants: -1"),
+    ("def run(setting): raise SolverError('diverged by step 7')", 3,
+        "study poisson: diverged by step 7"),
+    ("def run(setting): sys.exit(0)", 3, "study poisson: crashed: SystemExit: 0"),
+    ("def run(setting): return found(figures={'f': lambda tables: 1 / 0})", 3,
+        "study poisson: crashed: ZeroDivisionError: "),
+    ("def run(setting): raise FileNotFoundError('/home/someone/secret')", 3,
+        "study poisson: crashed: FileNotFoundError: /home/someone/secret"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("ending", ENDINGS)
-def test_exit_codes(ending, tmp_path):
-    code, message, body = ENDINGS[ending]
-    done = run(cwd=tmp_path, script=PATCHED.format(body=body))
+@pytest.mark.parametrize(("body", "code", "message"), ENDINGS)
+def test_exit_codes(body, code, message, tmp_path):
+    done = run(cwd=tmp_path, script=patched(body))
     assert done.returncode == code
     assert message in done.stderr
     assert "Traceback" not in done.stderr
@@ -367,7 +351,7 @@ def test_exit_codes(ending, tmp_path):
 
 
 def test_each_study_has_its_own_seconds(tmp_path):
-    script = PATCHED.format(body="import time\n" + ENDINGS["tolerance missed"][2]).replace(
+    script = patched(MISSED).replace(
         'catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)',
         """
 def slow(setting):
@@ -394,7 +378,7 @@ catalogue.load, catalogue.names = load, lambda: ["actuator", "poisson"]""",
 
 
 def test_verbose_crash_shows_where(tmp_path):
-    done = run("-v", cwd=tmp_path, script=PATCHED.format(body=ENDINGS["crash"][2]))
+    done = run("-v", cwd=tmp_path, script=patched(ENDINGS[-1][0]))
     assert done.returncode == 3
     assert "Traceback" in done.stderr
 
@@ -404,7 +388,7 @@ BROKEN = "from msvalidate.output import report\nreport.publish = lambda *_: {}['
 
 @pytest.mark.parametrize("verbose", [True, False])
 def test_a_fault_of_the_program_is_one_line_and_no_missed_tolerance(verbose, tmp_path):
-    script = BROKEN + PATCHED.format(body=ENDINGS["tolerance missed"][2])
+    script = BROKEN + patched(MISSED)
     done = run(*["-v"][: int(verbose)], cwd=tmp_path, script=script)
     assert done.returncode == 3
     assert "error: a fault of the program itself: KeyError: 'key'; -v shows" in done.stderr
@@ -414,15 +398,11 @@ def test_a_fault_of_the_program_is_one_line_and_no_missed_tolerance(verbose, tmp
 
 @pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline", "nonsense"])
 def test_a_backend_that_is_not_there_is_not_missed(backend, tmp_path):
-    body = """
+    body = f"""
 def run(setting):
-    import pandas as pd
-    from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-    from msvalidate.output.figures import new_figure
-    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.0)},
-                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new_figure()[0]},
-                    columns={"x": "place (m)"})"""
-    script = PATCHED.format(body=body)
+    exec({STUDY!r}, globals())
+    return found(figures={{"f": lambda tables: new_figure()[0]}})"""
+    script = patched(body, made="")  # no library is there before the program sets its own
     done = run(cwd=tmp_path, script=script, fresh=True, MPLBACKEND=backend)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "r" / "poisson" / "f.png").read_bytes().startswith(b"\x89PNG")
@@ -474,7 +454,7 @@ def test_results_and_exit_code_without_any_stream(tmp_path):
     script = (
         f"import sys\nfrom msvalidate.cli import program as study\n{body}study._prepare_streams()\n"
     )
-    script += PATCHED.format(body=ENDINGS["tolerance missed"][2])
+    script += patched(MISSED)
     done = run(cwd=tmp_path, script=script)
     assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
     assert (tmp_path / "r" / "poisson" / "t.csv").read_text(encoding="utf-8") == "x\n1.0\n"
@@ -505,9 +485,7 @@ def test_links_in_a_circle_devices_and_pipes(arguments, said, tmp_path):
 
 
 def test_python_that_drops_docstrings(tmp_path):
-    script = PATCHED.format(body=ENDINGS["tolerance missed"][2]).replace(
-        '__doc__="?"', "__doc__=None"
-    )
+    script = patched(MISSED).replace('__doc__="?"', "__doc__=None")
     done = run(cwd=tmp_path, script=script, fresh=True, PYTHONOPTIMIZE="2")
     assert done.returncode == 1, done.stderr
     page = (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
@@ -521,7 +499,7 @@ def test_read_only_folder(tmp_path):
         "def no(*_, **__): raise OSError(errno.EACCES, os.strerror(errno.EACCES))\n"
         "pathlib.Path.mkdir = no\n"
     )
-    done = run(cwd=tmp_path, script=no + PATCHED.format(body="run = None"))
+    done = run(cwd=tmp_path, script=no + patched("run = None"))
     assert done.returncode == 2
     assert "--out r: Permission denied; name another folder" in done.stderr
     assert not list(tmp_path.iterdir())
@@ -543,8 +521,8 @@ def test_places_that_are_taken_are_found_before_the_work(made, message, tmp_path
 
 def test_a_full_disk_names_the_file_that_was_wanted(tmp_path):
     full = "import errno, os\ndef no(*_): raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))"
-    body = f"{full}\nos.fsync = no\n" + ENDINGS["tolerance missed"][2]
-    done = run(cwd=tmp_path, script=PATCHED.format(body=body))
+    body = f"{full}\nos.fsync = no\n" + MISSED
+    done = run(cwd=tmp_path, script=patched(body))
     assert done.returncode == 2
     assert "error: No space left on device: poisson/t.csv" in done.stderr
     assert not [p for p in tmp_path.rglob("*") if p.is_file()], "nothing half-written"
@@ -568,9 +546,9 @@ def test_a_reader_that_leaves_is_no_failure(arguments, tmp_path, tiny):
 
 
 def test_a_missed_tolerance_is_told_even_to_a_reader_that_left(tmp_path):
-    no_reader = "import os\nr, w = os.pipe()\nos.dup2(w, 1)\nos.close(r)"
-    body = no_reader + ENDINGS["tolerance missed"][2]
-    done = run(cwd=tmp_path, script=PATCHED.format(body=body))
+    no_reader = "import os\nr, w = os.pipe()\nos.dup2(w, 1)\nos.close(r)\n"
+    body = no_reader + MISSED
+    done = run(cwd=tmp_path, script=patched(body))
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     assert "Error" not in done.stderr
@@ -605,30 +583,18 @@ def test_interrupt_ends_quietly(tmp_path):
 # --- check and report -----------------------------------------------------------------------------
 
 CHECKED = """
-import sys
-import time
-from pathlib import Path
-from msvalidate.cli import program as study
-from msvalidate.judging import catalogue
-from msvalidate.output import baseline
-from types import SimpleNamespace
-{body}
+BODY
 catalogue.names = lambda: ["poisson"]
 catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)
 baseline.CHECKOUT, baseline.HOME = Path("base"), Path("base")
 sys.exit(study.main(sys.argv[1:]))
 """
-SMALL = """
-import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-def run(setting):
-    table = pd.DataFrame({{"x": [1.0, {x}], "word": ["a", "b"]}})
-    return Evidence({{"t": table}}, {{"gap": Observed({gap})}},
-                    (Tolerance("gap", 0.5, "m", "so"),), columns={{"x": "m", "word": "w"}})"""
 
 
 def small(x="2.0", gap="0.1"):
-    return CHECKED.format(body=SMALL.format(x=x, gap=gap))
+    table = f'{{"x": [1.0, {x}], "word": ["a", "b"]}}'
+    body = f"def run(setting): return found({gap}, tables={{'t': pd.DataFrame({table})}})"
+    return patched(body, CHECKED)
 
 
 @pytest.fixture(scope="module")
@@ -692,10 +658,8 @@ def test_a_spoilt_baseline_fails_the_check(damage, said, checked):
 
 
 def test_what_a_solver_says_is_made_printable(tmp_path):
-    body = """
-from msvalidate.problem import SolverError
-def run(setting): raise SolverError("bad \\x1b[31m \\x00 \\udc80")"""
-    done = run("check", "--junit", "j.xml", cwd=tmp_path, script=CHECKED.format(body=body))
+    body = 'def run(setting): raise SolverError("bad \\x1b[31m \\x00 \\udc80")'
+    done = run("check", "--junit", "j.xml", cwd=tmp_path, script=patched(body, CHECKED))
     assert done.returncode == 3
     assert "\x1b" not in done.stderr
     assert "\x1b" not in (tmp_path / "j.xml").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from pathlib import Path
 from msvalidate import case
 from msvalidate.case.advice import Advice, advice_lines, advice_record, advise
 from msvalidate.case.identify import HABITS, identified_lines, identify_lattice
-from msvalidate.cli.advise_arguments import CONSTANTS
+from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
 from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame
 from msvalidate.lattice.patterns import all_patterns
@@ -20,8 +20,8 @@ from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
 
 
-def act(args: argparse.Namespace) -> int:
-    """Do what the command line asks for; return the exit code."""
+def print_advice(args: argparse.Namespace) -> int:
+    """Print springs for a material, or the solid that springs are."""
     return print_lines(_advise(args) if args.identify is None else _identify(args))
 
 

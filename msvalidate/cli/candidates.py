@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import difflib
 import importlib
-import importlib.util
 import inspect
 import sys
 from pathlib import Path
 from types import ModuleType
 
+from msvalidate import studies
 from msvalidate.judging.foreign import asks_displacements
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
@@ -78,33 +78,16 @@ def _is_file(place: str) -> bool:
 
 def _import(place: str) -> ModuleType:
     """A module by its name, found from the current folder too, or by its file."""
+    file = Path(place)
+    if _is_file(place) and not file.is_file():
+        raise ProblemError(f"--candidate: no file {file}; {FORM}")
     try:
         if _is_file(place):
-            return _import_file(Path(place))
-        if "" not in sys.path:
+            importlib.invalidate_caches()
+            place = f"{studies.package(str(file.resolve().parent))}.{file.stem}"
+        elif "" not in sys.path:
             sys.path.insert(0, "")
         return importlib.import_module(place)
-    except ProblemError:
-        raise
     except (Exception, SystemExit) as error:  # whatever the user's own code raises
         said = " ".join(f"{type(error).__name__}: {error}".split())
-        raise ProblemError(f"--candidate: {place} cannot be imported ({said}); mend it") from error
-
-
-def _import_file(path: Path) -> ModuleType:
-    if not path.is_file():
-        raise ProblemError(f"--candidate: no file {path}; {FORM}")
-    name = f"msvalidate_candidate_{path.stem}"
-    if name in sys.modules and getattr(sys.modules[name], "__file__", "") == str(path.resolve()):
-        return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, path.resolve())
-    if spec is None or spec.loader is None:
-        raise ProblemError(f"--candidate: {path} is no Python; {FORM}")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
+        raise ProblemError(f"--candidate: {file} cannot be imported ({said}); mend it") from error

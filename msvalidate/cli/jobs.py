@@ -15,36 +15,19 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
+from datetime import UTC, datetime
 
-from msvalidate.cli.outcome import (
-    Clock,
-    Outcome,
-    Task,
-    crashed_outcome,
-    run_task,
-    unfinished_outcome,
-)
+from msvalidate.cli.outcome import Outcome, Task, run_task, unfinished
 from msvalidate.judging import catalogue
 from msvalidate.judging.sweep import end_with_parent
-
-DIED = "crashed: its process died"
-WHY = f"{DIED}, killed or out of memory; run it with --jobs 1"
 
 
 def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:
     """Outcomes of studies as they end, in any order; with one job in the order given.
 
-    Close it to leave the rest: what is running is then stopped.
-
-    Parameters
-    ----------
-    tasks
-        The studies.
-    jobs
-        How many processes run at once, 1 or more; 1 is this process itself. Those that stand alone
-        (see `catalogue.alone`) run after the others, with none beside them.
-    began
-        Told the name of each study as it begins.
+    Close it to leave the rest: what is running is then stopped. So many `jobs` run at once, each a
+    process; 1 is this process itself. Those that stand alone (see `catalogue.alone`) run after the
+    others, with none beside them. `began` is told the name of each study as it begins.
     """
     if jobs == 1 or len(tasks) < 2:
         for task in tasks:
@@ -64,21 +47,22 @@ def _run_in_parallel(
     todo = deque(tasks)
     names = tuple(task.name for task in tasks)
     idle = [_worker(names) for _ in range(min(jobs, len(todo)))]
-    busy: dict[Future[Outcome], tuple[Task, Clock, ProcessPoolExecutor]] = {}
+    busy: dict[Future[Outcome], tuple[Task, datetime, ProcessPoolExecutor]] = {}
     try:
         while todo or busy:
             while todo and idle:
                 task, worker = todo.popleft(), idle.pop()
                 began(task.name)
                 with _defer_interrupt():
-                    busy[worker.submit(run_task, task)] = task, Clock(), worker
+                    busy[worker.submit(run_task, task)] = task, datetime.now(UTC), worker
             for future in wait(busy, return_when=FIRST_COMPLETED).done:
-                task, clock, worker = busy.pop(future)
-                died = isinstance(future.exception(), BrokenProcessPool)
-                if died:
+                task, started, worker = busy.pop(future)
+                error = future.exception()
+                if isinstance(error, BrokenProcessPool):
                     worker.shutdown()
-                idle.append(_worker(names) if died else worker)
-                yield _outcome(task, clock, future)
+                    worker = _worker(names)
+                idle.append(worker)
+                yield future.result() if error is None else unfinished(task, started, error)
     except BaseException:  # an interrupt, or nobody asks for the rest
         for process in multiprocessing.active_children():
             process.terminate()
@@ -86,16 +70,6 @@ def _run_in_parallel(
     finally:
         for worker in [*idle, *(worker for _, _, worker in busy.values())]:
             worker.shutdown()
-
-
-def _outcome(task: Task, clock: Clock, future: Future[Outcome]) -> Outcome:
-    """What a worker sent, or what kept it from that."""
-    error = future.exception()
-    if error is None:
-        return future.result()
-    if isinstance(error, BrokenProcessPool):
-        return unfinished_outcome(task, clock, "crash", DIED, WHY)
-    return crashed_outcome(task, clock, error)
 
 
 def _worker(names: Sequence[str]) -> ProcessPoolExecutor:

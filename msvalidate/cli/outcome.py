@@ -6,15 +6,15 @@ What comes of it can be sent from one process to another, so that studies may ru
 from __future__ import annotations
 
 import inspect
-import time
 import traceback
 from collections.abc import Mapping
+from concurrent.futures.process import BrokenProcessPool
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
 
 import pandas as pd
 
+from msvalidate.cli.arguments import FAILED, HELD, USAGE
 from msvalidate.cli.candidates import load_candidate, shown_name
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, all_passed, judge
@@ -29,34 +29,17 @@ from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, field, replace
 
-Fault = Literal["", "problem", "solver", "crash"]
-"""Why a study did not finish: an ill-posed question, no trustworthy answer, anything else."""
+DIED = "crashed: its process died"
 
 
 @dataclass(frozen=True)
 class Task:
-    """A study to be run.
+    """A study to be run in a setting, by a command, whose words are for the report.
 
-    Parameters
-    ----------
-    name
-        Of the study.
-    setting
-        How it is run.
-    command
-        The command line in words, for the report.
-    plots
-        Whether its figures are drawn.
-    against
-        Folder of the baseline that its tables are held to, of the form that is run; None for none.
-    results
-        What other studies found, for one that puts that together; None for others.
-    candidate
-        Whom it judges, as ``module:function`` or ``file.py:function``; "" for our own.
-    accuracy
-        That the candidate is said to have; None for single precision.
-    questions
-        Of the study that are asked; None asks all.
+    Its figures are drawn if `plots`, its tables held `against` a folder, of the form that is run.
+    One that puts together what others found is given their `results`. It judges a `candidate`,
+    ``module:function`` or ``file.py:function``, with the accuracy that it is said to have (None
+    for single precision), or "" for our own; and asks some of its `questions`, None for all.
     """
 
     name: str
@@ -77,26 +60,11 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How a study ended.
+    """How a study ended: its name, docstring, seconds without figures, and provenance.
 
-    Parameters
-    ----------
-    name, question
-        Its name and its whole docstring.
-    seconds
-        That the study itself took, by the clock, its figures not among them.
-    origin
-        Provenance, label -> value.
-    result
-        What it found, with its judgement and without its figures; None if it did not finish.
-    files
-        Name -> content, of a study that finished.
-    error, said, trace
-        Why it did not finish, or "": for the report, for the terminal, and where that was.
-    fault
-        The kind of that.
-    compared
-        Whether its tables were held to a baseline.
+    One that finished has a result, without its figures, and files (name -> content); it may lack
+    a baseline that its tables could be held to. One that did not has an exit `code`, and why, for
+    the report (`error`) and the terminal (`said`), and where it crashed (`trace`).
     """
 
     name: str
@@ -105,11 +73,11 @@ class Outcome:
     origin: Mapping[str, str]
     result: Result | None = None
     files: Mapping[str, bytes] = field(default_factory=dict)
+    lacks_baseline: bool = False
+    code: int = HELD
     error: str = ""
     said: str = ""
     trace: str = ""
-    fault: Fault = ""
-    compared: bool = False
 
     @property
     def verdict(self) -> pd.DataFrame:
@@ -121,17 +89,9 @@ class Outcome:
         """Whether it finished, judged something, and all that it judged passed."""
         return not self.error and all_passed(self.verdict)
 
-
-class Clock:
-    """When a study began, and how many seconds it has taken since."""
-
-    def __init__(self) -> None:
-        self.started, self._began = datetime.now(UTC), time.perf_counter()
-
-    @property
-    def seconds(self) -> float:
-        """Since the beginning (s)."""
-        return time.perf_counter() - self._began
+    def files_beside(self, folder: Path) -> dict[str, bytes]:
+        """Files of a study that did not finish, by those in its folder."""
+        return stored.unfinished_files(folder, self.question, self.origin, self.error, self.seconds)
 
 
 def run_task(task: Task) -> Outcome:
@@ -139,25 +99,43 @@ def run_task(task: Task) -> Outcome:
 
     A study that ends the program, as libraries may, has crashed; an interrupt comes through.
     """
-    clock = Clock()
+    started, rows = datetime.now(UTC), []
     try:
         evidence, verdict = _judged(task)
-        seconds, rows = clock.seconds, []
+        seconds = _since(started)
         if task.against:
             rows = baseline.compare(evidence, task.against / task.name)
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
-        origin = _origin(task, clock, seconds)
+        origin = _origin(task, started, seconds)
         files = stored.result_files(result, origin, seconds=seconds, plots=task.plots)
-    except (ProblemError, SolverError) as error:
-        said = printable(str(error))
-        kind: Fault = "problem" if isinstance(error, ProblemError) else "solver"
-        return unfinished_outcome(task, clock, kind, said, said, traceback.format_exc())
     except (Exception, SystemExit) as error:  # noqa: BLE001
-        return crashed_outcome(task, clock, error)
+        return unfinished(task, started, error)
+    lacks = bool(task.against and evidence.tables and not rows)
     # Functions that draw may be of any kind, and not all can be sent to another process.
     found = replace(result, evidence=replace(evidence, figures={}))
-    return Outcome(task.name, found.question, seconds, origin, found, files, compared=bool(rows))
+    return Outcome(task.name, found.question, seconds, origin, found, files, lacks)
+
+
+def unfinished(task: Task, started: datetime, error: BaseException) -> Outcome:
+    """The outcome of a study that ended with an exception, or whose process died."""
+    seconds, trace = _since(started), ""
+    said = why = printable(str(error))
+    if isinstance(error, BrokenProcessPool):
+        why, said = DIED, f"{DIED}, killed or out of memory; run it with --jobs 1"
+    elif not isinstance(error, ProblemError | SolverError):
+        # What a crash says may hold paths of this machine: for the terminal, not the report.
+        why = f"crashed: {type(error).__name__}"
+        said, trace = f"{why}: {said}", "".join(traceback.format_exception(error))
+    code = USAGE if isinstance(error, ProblemError) else FAILED
+    origin, question = _origin(task, started, seconds), catalogue.docstring(task.name)
+    return Outcome(
+        task.name, question, seconds, origin, code=code, error=why, said=said, trace=trace
+    )
+
+
+def _since(started: datetime) -> float:
+    return (datetime.now(UTC) - started).total_seconds()
 
 
 def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
@@ -177,34 +155,11 @@ def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
     return evidence, judge(evidence)
 
 
-def _origin(task: Task, clock: Clock, seconds: float) -> dict[str, str]:
+def _origin(task: Task, started: datetime, seconds: float) -> dict[str, str]:
     """Provenance of a study's results; of a candidate or of some questions it says so."""
-    found = collect_provenance(
-        task.command, task.setting.seed, clock.started, seconds, form=task.form
-    )
+    found = collect_provenance(task.command, task.setting.seed, started, seconds, form=task.form)
     if task.candidate:
         found["candidate"] = printable(shown_name(task.candidate))
     if task.questions is not None:
         found["questions"] = f"{', '.join(task.questions)}; the others were not asked"
     return found
-
-
-def crashed_outcome(task: Task, clock: Clock, error: BaseException) -> Outcome:
-    """The outcome of a study that ended with an unexpected exception."""
-    kind = type(error).__name__
-    # What a crash says may hold paths of this machine: for the terminal, not the report.
-    said = f"crashed: {kind}: {printable(str(error))}"
-    trace = "".join(traceback.format_exception(error))
-    return unfinished_outcome(task, clock, "crash", f"crashed: {kind}", said, trace)
-
-
-def unfinished_outcome(
-    task: Task, clock: Clock, fault: Fault, error: str, said: str, trace: str = ""
-) -> Outcome:
-    """The outcome of a study that did not finish."""
-    seconds = clock.seconds
-    origin = _origin(task, clock, seconds)
-    question = catalogue.docstring(task.name)
-    return Outcome(
-        task.name, question, seconds, origin, error=error, said=said, trace=trace, fault=fault
-    )

@@ -3,78 +3,55 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import hashlib
 import json
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from msvalidate.case import building, files, run
+from msvalidate.case import building, files
 from msvalidate.case.case import Case
 from msvalidate.case.results import Result
-from msvalidate.cli.adapter_check import Steps, check_adapter, tell_laws
-from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
-from msvalidate.cli.cases import new_path, said, tell_judged, tell_ratio
-from msvalidate.cli.terminal import tell, tell_error
-from msvalidate.problem import ProblemError, SolverError
+from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
+from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, tell_ratio
+from msvalidate.cli.terminal import Progress, naming, print_lines, tell, tell_error
+from msvalidate.output.provenance import collect_provenance
+from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
+from msvalidate.simulators.asked import Asked, NoAnswerError
 from msvalidate.simulators.bench import ROUNDING
+from msvalidate.simulators.causes import AGREES
 from msvalidate.simulators.export import export_case, on_mesh
+from msvalidate.simulators.judgement import PARTS, judge_simulator
+from msvalidate.simulators.laws import LAWS, law_named, predicted
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.protocol import Answer, CannotRepresent, Request, SimulatorError
+from msvalidate.simulators.record import record_of, text_of
 from msvalidate.simulators.rest import stated_residual_motion
-from msvalidate.simulators.template import adapter_template
+from msvalidate.simulators.sheet import sheet_of
+from msvalidate.simulators.sheet_page import PAGE, sheet_files
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
 
-COMMAND = ("msvalidate", "simulate", "CASE", "--with", "ADAPTER")
 RUN = "-run"
-"""End of the name of the folder that a run is kept in, beside its results."""
+"""End of the name of the folder in which the latest question stays, beside its page."""
 
 
-def act(args: argparse.Namespace) -> int:
-    """Do what the command line asks for; return the exit code."""
-    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused in words
-        if args.command == "simulate":
-            return _simulate(args)
-        acts: dict[str, Callable[[], int]] = {
-            "new": lambda: _new(args),
-            "check": lambda: _check(args),
-            "laws": tell_laws,
-        }
-        return acts[args.act]()
-
-
-def _check(args: argparse.Namespace) -> int:
-    try:
-        return check_adapter(args)
-    except ProblemError as error:
-        return tell_error(f"adapter check: {error}", USAGE)
-
-
-def _new(args: argparse.Namespace) -> int:
-    name = Path(args.name).name.removesuffix(".py")
-    if not name or files.folder_name(name) != name:
-        raise ProblemError(
-            f"adapter new: {format_value(args.name)} is no name; give letters, digits, - and _"
-        )
-    path = new_path("adapter new", Path(args.name).parent / f"{name}.py")
-    exchange.replace_file(path, lambda: adapter_template(name).encode())
-    tell(f"{path} written; it runs as it is: {PROGRAM} adapter check {path}")
-    return HELD
-
-
-def _simulate(args: argparse.Namespace) -> int:
+@overflowing
+def simulate(args: argparse.Namespace) -> int:
     """Ask, judge, and write the page; what the adapter left stays beside it."""
-    try:
-        folder = args.out / _name(args)
-        whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *_told(args)])
+    with of_case(args.file):
+        told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
+        folder = args.out / _name(args, told)
+        whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *told])
         files.refuse_foreign(folder, whose)
         kept = folder.with_name(f"{folder.name}{RUN}")
         program = Program(args.adapter, args.limit, kept)
@@ -84,49 +61,42 @@ def _simulate(args: argparse.Namespace) -> int:
         )
         if args.springs and not args.quiet:
             tell_ratio(case)
-        show = Steps(case.name, shown=not args.quiet)
+        show = Progress(case.name, shown=not args.quiet)
         show("simulator; judging is left")
         began = time.perf_counter()
-        answer = program(request)
+        try:
+            answer = program(request)
+        except CannotRepresent as error:
+            return tell_error(f"{args.file.name}: cannot represent: {error}", NOTHING)
+        except SimulatorError as error:
+            error.args = (f"{error} ({kept / OUT / LOG})",)
+            raise
         show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         show("judging")
-        result, residual_motion = _result(request, answer), stated_residual_motion(request, answer)
-        found, content = run.judged_files(
-            _described(case, request, answer),
+        result, motion = _result(request, answer), stated_residual_motion(request, answer)
+        case = _described(case, request, answer)
+        command = ("msvalidate", "simulate", "CASE", "--with", "ADAPTER")
+        return judge_and_tell(
+            case,
             result,
-            residual_motion=None if math.isnan(residual_motion) else residual_motion,
-            plots=args.plots,
-            command=COMMAND,
-            progress=show,
+            folder,
+            whose,
+            args,
+            show,
+            notes=(str(kept / OUT),),
+            residual_motion=None if math.isnan(motion) else motion,
+            command=command,
         )
-    except CannotRepresent as error:
-        return tell_error(f"{args.file.name}: cannot represent: {error}", NOTHING)
-    except SolverError as error:
-        text = said(args.file, error)
-        log = kept / OUT / LOG
-        return tell_error(f"{text} ({log})" if log.is_file() else text, FAILED)
-    except ProblemError as error:
-        return tell_error(said(args.file, error), USAGE)
-    files.publish(folder, content, whose)
-    show.clear()
-    if not args.quiet:
-        tell(f"{result.name}: {kept / OUT}")
-    return tell_judged(found, folder, quiet=args.quiet)
 
 
-def _told(args: argparse.Namespace) -> list[str]:
-    """Settings as words, in one order."""
-    return [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
-
-
-def _name(args: argparse.Namespace) -> str:
+def _name(args: argparse.Namespace, told: list[str]) -> str:
     """Of the folder of results, one for each of case, adapter and settings."""
     name = f"{files.folder_name(args.file.stem)}-{files.folder_name(label_of(args.adapter))}"
-    told = files.folder_name("-".join([name, *_told(args)]).replace("=", "-").replace('"', ""))
-    if not args.set:
-        return told
-    mark = hashlib.sha256("\0".join(_told(args)).encode()).hexdigest()[:8]
-    return f"{told[: files.LONGEST_FOLDER - 9]}-{mark}"
+    name = files.folder_name("-".join([name, *told]).replace("=", "-").replace('"', ""))
+    if not told:
+        return name
+    mark = hashlib.sha256("\0".join(told).encode()).hexdigest()[:8]
+    return f"{name[: files.LONGEST_FOLDER - 9]}-{mark}"
 
 
 def _result(request: Request, answer: Answer) -> Result:
@@ -161,3 +131,89 @@ def _line(value: object) -> str:
         value = " ".join(map(str, value))
     text = " ".join(str(value).split())
     return "".join(c for c in text if c.isprintable())[:300]
+
+
+def print_laws(_args: argparse.Namespace) -> int:
+    """Names that --law takes, each with what it is to first order for E = 1 and nu = 0.3."""
+    width, wide = max(map(len, LAWS)), max(len(law.key) for law in LAWS.values())
+    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E over asked  nu for 0.3"]
+    for name, each in LAWS.items():
+        law, E, nu = predicted(name, 1.0, 0.3), "none", "none"
+        if law.E is not None and law.nu is not None:
+            E, nu = f"{law.E:.4f}", f"{round(law.nu, 4) + 0.0:.4f}"
+        lines.append(f"{each.key:<{wide}}  {name:<{width}}  {E:>12}  {nu:>10}")
+    return print_lines(lines)
+
+
+@overflowing
+def check_adapter(args: argparse.Namespace) -> int:
+    """Ask ten to two hundred questions, write what came of them, and tell it."""
+    with naming("adapter check"):
+        name = label_of(args.adapter)
+        args.law = _known_law(args.law)
+        folder = _folder_of_check(args, name)
+        kept = folder and folder.with_name(f"{folder.name}{RUN}")
+        material = Isotropic(args.modulus, args.ratio, "solid", args.density)
+        parts = tuple(args.only or PARTS)
+        log = folder and folder.with_name(f"{folder.name}.log")
+        show = Progress(name, shown=not args.quiet, log=log)
+        asked = Asked(Program(args.adapter, args.limit, kept), show, show.done, parts)
+        started, settings, probed = datetime.now(UTC), dict(args.set), dict(args.probe_set)
+        try:
+            found = judge_simulator(
+                asked, material, settings, law=args.law, probed=probed, parts=parts
+            )
+            sheet = sheet_of(found, asked, parts)
+            record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
+            text = f"{text_of(record)}\n".encode()
+            if args.json is not None:
+                exchange.replace_file(args.json, lambda: text)
+            if folder is not None:
+                show("page")
+                seconds = (datetime.now(UTC) - started).total_seconds()
+                command = ("msvalidate", "adapter", "check", "ADAPTER")
+                origin = collect_provenance(command, 0, started, seconds, form="check")
+                shown = {key: str(value) for key, value in settings.items()}
+                own = sheet_files(name, found, sheet, shown, origin, plots=args.plots)
+                content = {**own, "check.json": text}
+                files.publish(folder, content, format_value(args.adapter))
+        except NoAnswerError as error:
+            show.clear()
+            where = f" ({kept / OUT / LOG})" if kept else ""
+            return tell_error(f"{name}: {error}{where}", FAILED)
+        finally:  # also when we are interrupted
+            show.clear()
+    code = HELD if found.state == AGREES else MISSED
+    if asked.failures or not asked.answers:
+        code = FAILED if asked.failures else NOTHING
+    if args.quiet:
+        if code != HELD:
+            tell(f"{name}: {sheet.word}")
+        return code
+    if code == NOTHING:
+        return tell_error(f"{name}: cannot represent: {asked.refusals[-1]}", NOTHING)
+    printed = print_lines(sheet.lines(name))
+    if folder is not None:
+        tell(f"{name}: {folder / PAGE}")
+    return printed or code
+
+
+def _known_law(given: str) -> str:
+    law = law_named(given)
+    if law and law not in LAWS:
+        near = [name for name in LAWS if law.lower() in name.lower()]
+        near = near or difflib.get_close_matches(law, LAWS, n=1, cutoff=0.5)
+        meant = f" (meant: {' | '.join(near)}?)" if near else ""
+        raise ProblemError(f"--law {format_value(law)}: not known; see adapter laws{meant}")
+    return law
+
+
+def _folder_of_check(args: argparse.Namespace, name: str) -> Path | None:
+    """Where the page goes, if that and the record can be written."""
+    if args.json is not None and not args.json.parent.is_dir():
+        raise ProblemError(f"--json {args.json}: no folder {args.json.parent}; make it first")
+    if args.out is None:
+        return None
+    folder: Path = args.out / files.folder_name(f"{name}-check")
+    files.refuse_foreign(folder, format_value(args.adapter))
+    return folder

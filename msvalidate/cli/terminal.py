@@ -10,10 +10,11 @@ import re
 import sys
 import textwrap
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from msvalidate.cli.arguments import HELD, PROGRAM, USAGE
+from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,6 +43,38 @@ def tell_error(message: str, code: int) -> int:
     """An error in one line; its exit code."""
     tell(f"{PROGRAM}: error: {message}")
     return code
+
+
+def attempt(act: Callable[[], int]) -> int:
+    """The exit code of what is done; bad input, or no answer, is said in one line."""
+    try:
+        return act()
+    except ImportError as error:
+        return tell_error(str(error), USAGE)
+    except OSError as error:
+        from msvalidate.problem.checks import format_value
+
+        name = format_value(str(error.filename)).strip("'")
+        return tell_error(f"{error.strerror}: {name}" if error.filename else str(error), USAGE)
+    except (ValueError, RuntimeError) as error:
+        from msvalidate.problem import ProblemError, SolverError
+
+        if not isinstance(error, ProblemError | SolverError):
+            raise
+        return tell_error(str(error), USAGE if isinstance(error, ProblemError) else FAILED)
+
+
+@contextlib.contextmanager
+def naming(said: str, but: tuple[str, ...] = ()) -> Iterator[None]:
+    """Let errors begin with what they are about, `but` for those that begin with such words."""
+    from msvalidate.problem import ProblemError, SolverError
+
+    try:
+        yield
+    except (ProblemError, SolverError) as error:
+        text = " ".join(str(error).split())
+        error.args = (text if text.startswith(but or ("\0",)) else f"{said}: {text}",)
+        raise
 
 
 def print_lines(lines: Sequence[str]) -> int:
@@ -109,21 +142,14 @@ def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
     return lines
 
 
-def missed_rows(study: Stored | Outcome) -> list[dict[str, Any]]:
+def missed_rows(study: Stored | Outcome) -> list[dict[Any, Any]]:
     """Rows of a verdict that were missed, worst first; what is no number, and baseline, last."""
     from msvalidate.judging.evidence import is_missed
 
-    missed: list[Any] = []
-    if not study.error:
-        missed = study.verdict[is_missed(study.verdict)].to_dict("records")
-    return sorted(
-        missed,
-        key=lambda row: (
-            row["layer"] == "baseline",
-            not math.isfinite(float(row["error"])),
-            -_excess(row),
-        ),
-    )
+    rows = study.verdict[is_missed(study.verdict) & (not study.error)]
+    worst = (rows["error"] / rows["limit"]).where(rows["error"] < math.inf)
+    rows = rows.assign(last=rows["layer"] == "baseline", worst=worst)
+    return rows.sort_values(["last", "worst"], ascending=[True, False]).to_dict("records")
 
 
 def ending(study: Stored | Outcome) -> str:
@@ -153,6 +179,15 @@ def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
     return f"{', '.join([whole, *layers])}, {seconds:.1f} s"
 
 
+class CompilationNotice(logging.Handler):
+    """Says once that kernels are being compiled, which only a first run has to wait for."""
+
+    def emit(self, record: logging.LogRecord) -> None:  # noqa: ARG002  what is compiled
+        """Take the first message for all."""
+        logging.getLogger("msvalidate.kernels").removeHandler(self)
+        tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
+
+
 def announce_compilation() -> None:
     """Let a first run say that it compiles."""
     kernels = logging.getLogger("msvalidate.kernels")
@@ -160,23 +195,38 @@ def announce_compilation() -> None:
     kernels.addHandler(CompilationNotice())
 
 
-class CompilationNotice(logging.Handler):
-    """Says once that kernels are being compiled, which only a first run has to wait for."""
+class Progress:
+    """Steps of something that takes a while: a terminal shows the one that is taken, written over.
 
-    def __init__(self) -> None:
-        super().__init__(logging.INFO)
-        self._said = False
+    What was done is elsewhere a line of stderr, and a line of the file `log`.
+    """
 
-    def emit(self, record: logging.LogRecord) -> None:  # noqa: ARG002  what is compiled
-        """Take the first message for all."""
-        if not self._said:
-            self._said = True
-            tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
+    def __init__(self, name: str, *, shown: bool, log: Path | None = None) -> None:
+        self._name, self._shown, self._log = name, shown, log
+        self._written_over = shown and sys.stderr.isatty()
+        self._lines: list[str] = []
 
+    def __call__(self, step: str) -> None:
+        """Say what is being done now."""
+        self._show(f"{self._name}: {step} ...")
 
-def _excess(row: Mapping[str, Any]) -> float:
-    """Error over limit; infinite where it is no number."""
-    error, limit = float(row["error"]), float(row["limit"])
-    if not math.isfinite(error):
-        return math.inf
-    return error / limit if limit > 0 else error * sys.float_info.max
+    def done(self, said: str) -> None:
+        """Say what was done."""
+        self._lines.append(f"{self._name}: {said}")
+        if self._shown and not self._written_over:
+            tell(self._lines[-1])
+        if self._log is not None:
+            from msvalidate_check import exchange
+
+            text = "\n".join([*self._lines, ""])
+            with contextlib.suppress(OSError):
+                exchange.replace_file(self._log, text.encode)
+
+    def clear(self) -> None:
+        """Take the line away."""
+        self._show("")
+
+    def _show(self, text: str) -> None:
+        if self._written_over:
+            sys.stderr.write(f"\r\033[K{text}")
+            sys.stderr.flush()

@@ -20,8 +20,7 @@ from msvalidate.case.matching import match
 from msvalidate.case.network_files import NetworkFile, network_files, network_schema
 from msvalidate.case.results import read_result
 from msvalidate.case.springs import solve_springs
-from msvalidate.cli import cases
-from msvalidate.cli.case_arguments import parse_case
+from msvalidate.cli.program import main
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, Region, Support, Traction
 from reference_fem.first_mesh import first_mesh
@@ -121,8 +120,8 @@ def export(folder, words, *changes):
         assert old in text
         text = text.replace(old, new)
     (folder / "bar.toml").write_text(text, encoding="utf-8")
-    given = ["export", str(folder / "bar.toml"), str(folder / "out"), *words.split()]
-    return cases.act(parse_case(given))
+    given = ["case", "export", str(folder / "bar.toml"), str(folder / "out"), *words.split()]
+    return main(given)
 
 
 PULLED = (

@@ -1,6 +1,7 @@
 """The baseline: what has moved is told, with value, reference, error and limit."""
 
 import errno
+import gc
 import os
 from pathlib import Path
 from types import SimpleNamespace
@@ -147,7 +148,7 @@ def checkout(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(catalogue, "names", lambda: STUDIES)
     monkeypatch.setattr(catalogue, "load", made.load)
-    monkeypatch.setattr(program.gc, "freeze", lambda: None)
+    monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.setattr(baseline, "HOME", tmp_path / "package")
     monkeypatch.setattr(baseline, "CHECKOUT", tmp_path / "base")
     assert made.check("--update", "--reason", "first") == (0, STUDIES)

@@ -26,8 +26,8 @@ from msvalidate.judging.compare import (
 from msvalidate.judging.evidence import Evidence, Tables, gather_evidence, merge
 from msvalidate.judging.rules import Difference, Quotient, Rule
 from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.kit.drawing import field, series
 from msvalidate.network import Network
-from msvalidate.output import body_drawing, figures
+from msvalidate.output import body_drawing, drawing, figures
+from msvalidate.output.drawing import field, series
 from msvalidate.output.results import Results, check_results
 from msvalidate.problem import *  # noqa: F403  its __all__: what is asked
