@@ -25,6 +25,8 @@ NO_STIFFNESS = 1e-13
 ORDINARY = 1e50
 """Largest stiffness taken as it is, and one over the smallest. Others are scaled, in a copy that
 the largest systems are spared."""
+MOST_COARSE = 10, 60
+"""Points of the coarsest level; more where translations float, as one point has no other motion."""
 _AGGREGATION = {
     # Weights from row sums: the default draws random vectors, so that answers differ by run. Row
     # sums bound the highest mode of a lattice 1.5 times too high or more, which 4/3 · 1.3 makes up.
@@ -33,7 +35,6 @@ _AGGREGATION = {
     "strength": ("symmetric", {"theta": 0.05}),  # cells ten times as long as wide
     "presmoother": None,
     "postsmoother": None,
-    "max_coarse": 60,
 }
 
 Smoother = Callable[[Array | None, Array], Array]
@@ -172,7 +173,8 @@ def aggregate(
         unknowns = (order[:, None] * size + np.arange(size)).ravel()
         near_null = near_null[unknowns]
     scaled.has_canonical_format = True  # or it is looked through at every use
-    found = smoothed_aggregation_solver(scaled, B=near_null, **_AGGREGATION).levels
+    most = MOST_COARSE[bool(floating)]
+    found = smoothed_aggregation_solver(scaled, B=near_null, max_coarse=most, **_AGGREGATION).levels
     above: list[Any] = []
     levels = []
     for here in found[:-1]:
