@@ -37,8 +37,8 @@ _HOMES = {
         *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction"),
         *("Weight", "Zone"),
     ),
-    "relaxation.relax": ("algorithm1", "relax"),
-    "relaxation.relaxations": ("RELAXATIONS",),
+    "dynamics.relax": ("algorithm1", "relax"),
+    "dynamics.relaxations": ("RELAXATIONS",),
     "statics.equilibrium": ("equilibrium",),
     "statics.stress": ("fitted_stress",),
 }
@@ -62,6 +62,9 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.dynamics.integrate import motion as motion
     from msvalidate.dynamics.integrate import recommended_time_step as recommended_time_step
     from msvalidate.dynamics.integrators import INTEGRATORS as INTEGRATORS
+    from msvalidate.dynamics.relax import algorithm1 as algorithm1
+    from msvalidate.dynamics.relax import relax as relax
+    from msvalidate.dynamics.relaxations import RELAXATIONS as RELAXATIONS
     from msvalidate.dynamics.spectrum import natural_frequencies as natural_frequencies
     from msvalidate.judging.evidence import judge as judge
     from msvalidate.lattice import cut_lattice as cut_lattice
@@ -91,9 +94,6 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.problem import Traction as Traction
     from msvalidate.problem import Weight as Weight
     from msvalidate.problem import Zone as Zone
-    from msvalidate.relaxation.relax import algorithm1 as algorithm1
-    from msvalidate.relaxation.relax import relax as relax
-    from msvalidate.relaxation.relaxations import RELAXATIONS as RELAXATIONS
     from msvalidate.statics.equilibrium import equilibrium as equilibrium
     from msvalidate.statics.stress import fitted_stress as fitted_stress
 

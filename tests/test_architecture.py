@@ -295,7 +295,7 @@ def test_reference_loads_nothing_of_the_springs():
 PLANTED = {
     "early": "import msvalidate.constants.stiffness",
     "hidden": "getattr(__import__('importlib'), 'import' + '_module')('msvalidate.lattice')",
-    "late": "def solve():\n    import msvalidate.tangent.mechanism",
+    "late": "def solve():\n    import msvalidate.network.mechanism",
     "front": "import msvalidate\nmsvalidate.relax",
     "library": "import numba",
 }
@@ -308,7 +308,7 @@ def test_process_guard_fires(tmp_path):
     for name, text in PLANTED.items():
         (package / f"{name}.py").write_text(text, encoding="utf-8")
     found = set(alien(loaded_by("planted_fem", "package.late.solve()", tmp_path)))
-    seen = ("constants.stiffness", "lattice", "tangent.mechanism", "relaxation.relax")
+    seen = ("constants.stiffness", "lattice", "network.mechanism", "dynamics.relax")
     assert {"numba", *(f"msvalidate.{name}" for name in seen)} <= found
 
 

@@ -32,6 +32,7 @@ from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.dynamics.implicit import ConvergenceError
 from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer, motion
 from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.dynamics.relax import algorithm1, relax
 from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.candidate import solve_springs
@@ -66,7 +67,6 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.checks import finite, format_value, whole_number
-from msvalidate.relaxation.relax import algorithm1, relax
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable
 from reference_fem import body as fem_body

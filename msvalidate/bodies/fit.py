@@ -22,13 +22,13 @@ from scipy.sparse import bsr_array
 from msvalidate.lattice import Constants
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError
 from msvalidate.network import Configuration, Network
+from msvalidate.network.cycles import Cycles, NotConvergedError
+from msvalidate.network.inverse import Solver
+from msvalidate.network.refine import LARGEST_ERROR
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, integers, require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
-from msvalidate.tangent.cycles import Cycles, NotConvergedError
-from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.refine import LARGEST_ERROR
 
 OPEN = 1e-7
 """Least singular value of the slopes, relative to the largest, above which all is determined: some

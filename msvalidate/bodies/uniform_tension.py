@@ -20,6 +20,7 @@ from msvalidate.constants.calibration import Calibration, TensionCheck
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice, fill
 from msvalidate.linear_algebra.factor import NoMemoryError, factorise
 from msvalidate.network import Network, tangent
+from msvalidate.network.inverse import elimination_order
 from msvalidate.problem import (
     SIDES,
     Array,
@@ -30,7 +31,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.tangent.inverse import elimination_order
 
 MOST_TRIED = 800
 """Points of a body that is tried as it is, for a tenth of a second or two. Of a larger one a

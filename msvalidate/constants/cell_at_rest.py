@@ -22,9 +22,9 @@ from scipy.sparse import csr_array, diags_array
 from msvalidate.constants.cell_multigrid import MechanismFound, NotConverged, multigrid_relaxation
 from msvalidate.linear_algebra.factor import factorise, softest_mode
 from msvalidate.linear_algebra.norms import EPS
+from msvalidate.network.mechanism import NO_STIFFNESS as NO_ENERGY
+from msvalidate.network.refine import LARGEST_ERROR
 from msvalidate.problem import Array, Index, SolverError
-from msvalidate.tangent.mechanism import NO_STIFFNESS as NO_ENERGY
-from msvalidate.tangent.refine import LARGEST_ERROR
 
 DENSE = 300
 """Motions of a cell up to which those without stiffness are counted: dense matrices."""

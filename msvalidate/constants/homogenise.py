@@ -25,6 +25,7 @@ from msvalidate.lattice import (
     boundary_weights,
 )
 from msvalidate.lattice.filled import cells_bordered
+from msvalidate.network.inverse import SOLVERS
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
     finite,
@@ -37,7 +38,6 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import ReadOnly, dataclass, replace
-from msvalidate.tangent.inverse import SOLVERS
 
 NO_SPRING = 1e-24
 """Stiffness of a spring, over the stiffest one's, below which it is none."""

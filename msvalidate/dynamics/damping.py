@@ -18,14 +18,14 @@ from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
+from msvalidate.network.cycles import NotConvergedError
+from msvalidate.network.inverse import Solver
 from msvalidate.network.residual import is_unloaded
+from msvalidate.network.stability import negative_modes
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_number, require_type
 from msvalidate.problem.records import dataclass
 from msvalidate.statics.refinement import SOFTEST_REFINED, explain_rounding
-from msvalidate.tangent.cycles import NotConvergedError
-from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.stability import negative_modes
 
 VECTORS = 8
 """Ritz vectors, a solve each. The rate is within 1 % of that of sixty and the time within 2 %, also

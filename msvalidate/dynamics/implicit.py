@@ -21,9 +21,9 @@ from msvalidate.linear_algebra.factor import Factor, factorise
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
 from msvalidate.network.ground import Ground
+from msvalidate.network.inverse import elimination_order
 from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
-from msvalidate.tangent.inverse import elimination_order
 
 MOST = 30
 """Newton iterations of a step: with a fresh tangent each they converge quadratically, or not."""

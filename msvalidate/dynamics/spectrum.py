@@ -16,6 +16,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Network, configuration_at, tangent
+from msvalidate.network.cycles import NotConvergedError
+from msvalidate.network.inverse import SOLVERS, Solver, connected_pairs, elimination_order
+from msvalidate.network.multigrid import force_against, make_cycle, restrained_tangent
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -24,9 +27,6 @@ from msvalidate.problem.checks import (
     require_one_of,
     require_type,
 )
-from msvalidate.tangent.cycles import NotConvergedError
-from msvalidate.tangent.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.tangent.multigrid import force_against, make_cycle, restrained_tangent
 
 DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""

@@ -15,10 +15,10 @@ from typing import Any, Literal, TypeVar, get_args
 import numpy as np
 
 from msvalidate.dynamics.integrate import State
+from msvalidate.dynamics.relax import algorithm1
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, require_one_of, require_type
-from msvalidate.relaxation.relax import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 
 AT_REST = 3e-11

@@ -8,12 +8,12 @@ from contextlib import suppress
 
 from scipy.optimize import brentq
 
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.run import Run
 
 THRESHOLDS = (1e-3, 1e-6)
 """Errors that are counted to, relative to the largest displacement."""

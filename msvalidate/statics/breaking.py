@@ -22,12 +22,12 @@ from scipy.linalg import qr
 
 from msvalidate.network import Configuration, Network
 from msvalidate.network.breakage import critical_stretches
+from msvalidate.network.inverse import Once
 from msvalidate.problem import Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_number, indices, whole_number
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, linear_equilibrium_at
 from msvalidate.statics.refinement import refine_linear
-from msvalidate.tangent.inverse import Once
 
 Ended = Literal["raised", "breaks", "falls", "parted"]
 NONE = np.zeros(0, dtype=np.intp)

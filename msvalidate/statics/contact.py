@@ -21,6 +21,7 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.network import Configuration, Network
+from msvalidate.network.inverse import Once, Solver
 from msvalidate.problem import (
     Array,
     Index,
@@ -34,7 +35,6 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium, equilibrium_at
 from msvalidate.statics.tangents import Tangent, tangent_at
 from msvalidate.statics.unilateral import CLOSED, Unilateral
-from msvalidate.tangent.inverse import Once, Solver
 
 ACCEPTED = 1e-7
 """Of the depth, what may be left where rounding or rounds allow no less."""

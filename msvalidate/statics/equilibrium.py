@@ -10,7 +10,11 @@ import numpy as np
 from msvalidate.linear_algebra.choice import MOST_ENTRIES, MOST_IN_NEED, Choice
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
+from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
+from msvalidate.network.inverse import Solver
+from msvalidate.network.mechanism import is_certain
+from msvalidate.network.refine import InaccurateError
 from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, require_one_of, require_type
@@ -18,10 +22,6 @@ from msvalidate.problem.records import dataclass
 from msvalidate.statics.following import PathResult, follow_path
 from msvalidate.statics.path import Path, load_path
 from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, refine_linear
-from msvalidate.tangent.cycles import NotConvergedError
-from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.mechanism import is_certain
-from msvalidate.tangent.refine import InaccurateError
 
 
 @dataclass(frozen=True, eq=False)

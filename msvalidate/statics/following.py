@@ -21,14 +21,14 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration
+from msvalidate.network.cycles import NotConvergedError
+from msvalidate.network.inverse import Regular, Solver
+from msvalidate.network.mechanism import is_certain
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, field
 from msvalidate.statics.path import LoadPath
 from msvalidate.statics.tangents import LARGEST_TURN, Tangent, is_positive_definite, tangent_at
-from msvalidate.tangent.cycles import NotConvergedError
-from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.mechanism import is_certain
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their

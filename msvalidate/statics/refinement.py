@@ -15,13 +15,10 @@ import numpy as np
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
-from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.problem.records import replace
-from msvalidate.tangent.cycles import ROUGHLY, Cycles, NotConvergedError
-from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
-from msvalidate.tangent.refine import (
+from msvalidate.network.cycles import ROUGHLY, Cycles, NotConvergedError
+from msvalidate.network.inverse import Regular, Solver
+from msvalidate.network.multigrid import make_cycle, restrained_tangent
+from msvalidate.network.refine import (
     DOUBTFUL,
     STANDING,
     Refined,
@@ -29,7 +26,10 @@ from msvalidate.tangent.refine import (
     refine_solution,
     refuse_inaccurate,
 )
-from msvalidate.tangent.stability import negative_modes
+from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
+from msvalidate.network.stability import negative_modes
+from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.problem.records import replace
 
 TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
 LARGEST_TURN = 0.5

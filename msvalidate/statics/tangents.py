@@ -8,14 +8,14 @@ from scipy.sparse import bsr_array
 from msvalidate.linear_algebra.factor import Factor
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
+from msvalidate.network.cycles import refuse_mechanism_motion
+from msvalidate.network.inverse import Regular, Solver
+from msvalidate.network.mechanism import is_certain
+from msvalidate.network.multigrid import restrained_tangent
+from msvalidate.network.stability import negative_modes
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
-from msvalidate.tangent.cycles import refuse_mechanism_motion
-from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.mechanism import is_certain
-from msvalidate.tangent.multigrid import restrained_tangent
-from msvalidate.tangent.stability import negative_modes
 
 LARGEST_TURN = 0.5
 """Change of a spring in one Newton step, relative to its length, beyond which a step is too long:

@@ -10,10 +10,10 @@ from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import square_tensor
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, fill, patterns, square
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 
 SIZES: dict[str, tuple[float, ...]] = {

@@ -25,13 +25,13 @@ from matplotlib.figure import Figure
 
 from msvalidate import kit
 from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.viscous import viscous
 from msvalidate.output.figures import COLOURS, new_figure
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.run import Run
-from msvalidate.relaxation.viscous import viscous
 
 from . import bodies
 

@@ -12,12 +12,12 @@ from scipy.sparse.linalg import spsolve
 
 from msvalidate import kit
 from msvalidate.dynamics.integrators import LEAPFROG, step_factors
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate.dynamics.viscous import viscous
 from msvalidate.network import spring_vectors, tangent
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import Run
-from msvalidate.relaxation.viscous import viscous
 
 from .dynamic_relaxation import METHOD, steps_at_best_damping
 

@@ -24,10 +24,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.judging import counting
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relaxations import RELAXATIONS
 
 from . import bodies
 

@@ -21,10 +21,10 @@ import pandas as pd
 
 from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
 from msvalidate.lattice import square
 from msvalidate.network import spring_vectors
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
 
 from . import bodies
 

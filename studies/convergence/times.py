@@ -28,12 +28,12 @@ from matplotlib.figure import Figure
 import reference_fem
 from msvalidate import kit
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging import counting
 from msvalidate.judging.counting import TIGHT
 from msvalidate.output.figures import add_shared_legend, new_figure
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
 
 from . import bodies, steps
 

@@ -24,9 +24,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kernels, kit
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
 from msvalidate.network import tangent
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
 from reference_fem.elasticity import stiffness
 
 from . import bodies, drawing, fem, kernel

@@ -25,9 +25,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relaxations import RELAXATIONS
 
 from . import drawing, resting
 from .timing import GROWTH, ROUNDS

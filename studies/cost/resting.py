@@ -7,11 +7,11 @@ from functools import cache, partial
 import numpy as np
 
 from msvalidate import kernels, kit
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.judging import counting
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import bodies, kernel

@@ -24,9 +24,9 @@ import pandas as pd
 
 from msvalidate import kit
 from msvalidate.network import Configuration, spring_network
+from msvalidate.network.cycles import Cycles
+from msvalidate.network.inverse import Solver
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
-from msvalidate.tangent.cycles import Cycles
-from msvalidate.tangent.inverse import Solver
 
 from . import bodies, drawing, large
 from .timing import GROWTH, QUICK_ROUNDS, Act, Lap, in_turn, lap

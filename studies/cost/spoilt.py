@@ -10,16 +10,16 @@ import numpy as np
 
 from msvalidate import kernels, kit
 from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate.dynamics.viscous import viscous
 from msvalidate.linear_algebra.choice import Choice
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.network import Configuration
-from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import Run
-from msvalidate.relaxation.viscous import viscous
+from msvalidate.network.cycles import PART
+from msvalidate.network.multigrid import make_cycle, restrained_tangent
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
-from msvalidate.tangent.cycles import PART
-from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 from . import bodies, fem_ways
 from .fem_ways import Found

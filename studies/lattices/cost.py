@@ -24,13 +24,13 @@ from scipy.optimize import brentq
 
 from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.lattice import fill
 from msvalidate.network import tangent
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import Run
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import cases, edges, loading

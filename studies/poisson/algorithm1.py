@@ -19,8 +19,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit, lattice
-from msvalidate.relaxation.relax import algorithm1
-from msvalidate.relaxation.run import Relaxation
+from msvalidate.dynamics.relax import algorithm1
+from msvalidate.dynamics.run import Relaxation
 
 from . import block
 

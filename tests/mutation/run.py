@@ -59,8 +59,10 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     "charges": (["msvalidate/dielectric/charges/*.py"], [f"{T}/dielectric/charges"], 25),
     "kernels": (["msvalidate/kernels/*.py", "msvalidate/dielectric/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
-    "equilibrium": (["msvalidate/statics/equilibrium.py", "msvalidate/linear_algebra/factor*.py"],
-        _files("equilibrium*", "factor", "unstable", "path", "refinement"), 25),
+    "equilibrium": (["msvalidate/statics/equilibrium.py"],
+        _files("equilibrium*", "unstable", "path", "refinement"), 25),
+    "linear_algebra": (["msvalidate/linear_algebra/*.py", "reference_fem/systems/direct.py"],
+        [*_files("factor", "order", "multigrid", "inverse"), f"{F}/systems"], 60),
 }  # fmt: skip
 KT, CT = f"{T}/kernels", f"{T}/dielectric/charges"
 CELLS = [
@@ -110,6 +112,7 @@ QUESTIONS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "volumes": [("benchmarks", ("patch",)), ("lattices", ("rubber",))],
     "network": [("benchmarks", ("patch",)), ("displacement", ("identities",))],
     "equilibrium": [("benchmarks", ("patch",)), ("pull_in", ("sweep",))],
+    "linear_algebra": [("cost", ("agreement",))],
     "kernels": [("cost", ("agreement",))],
     "charges": [("electrostatics", ("strips",)), ("electrostatics", ("shortcuts",))],
     "reference_fem": [("benchmarks", ("patch",)), ("benchmarks", ("ring",))],

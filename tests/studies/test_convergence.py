@@ -14,13 +14,13 @@ from msvalidate.studies.convergence import (
 )
 from scipy.sparse import csr_matrix
 
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.judging import counting
 from msvalidate.judging.evidence import UNGATED
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.baseline import baseline_files
 from msvalidate.problem import SolverError
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from reference_fem.systems.direct import node_order
 
 QUICK = Setting(quick=True)

@@ -17,15 +17,15 @@ from msvalidate.dielectric.actuator.equilibria import (
 from msvalidate.dielectric.actuator.models import Electric, charge_actuator
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
+from msvalidate.dynamics.monitor import DIVERGED
+from msvalidate.dynamics.relax import LOOSEST
+from msvalidate.dynamics.run import LOOK_EVERY, step_limit
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, positive_number, require_type, whole_number
 from msvalidate.problem.records import dataclass
-from msvalidate.relaxation.monitor import DIVERGED
-from msvalidate.relaxation.relax import LOOSEST
-from msvalidate.relaxation.run import LOOK_EVERY, step_limit
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,9 +20,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 
 from .. import cost, loading

@@ -11,14 +11,14 @@ import numpy as np
 from msvalidate import kit
 from msvalidate.constants.stiffness import cubic_part, moduli
 from msvalidate.dynamics.integrators import EULER_CROMER
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.viscous import viscous
 from msvalidate.judging.candidate import AT_REST
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import periodic_tessellation
 from msvalidate.lattice.voronoi import pattern_of_tessellation
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.run import Run
-from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import equilibrium
 
 from ..cases import Solid

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrate import State, euler_cromer
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.kernels import general
 from msvalidate.kernels.general import Sweep, Threads
 from msvalidate.network import (
@@ -24,8 +26,6 @@ from msvalidate.network import (
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from tests.table import table
 
 examples = settings(max_examples=25, deadline=None)

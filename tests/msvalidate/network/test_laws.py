@@ -5,6 +5,8 @@ import pytest
 from scipy.spatial import Delaunay
 
 from msvalidate import kernels
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.network import Configuration, spring_network
 from msvalidate.network.laws.cubic import cubic
 from msvalidate.network.laws.green import GREEN
@@ -15,8 +17,6 @@ from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.laws.zero_length import ZERO_LENGTH
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.records import replace
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 
 LAWS = (LINEAR, ZERO_LENGTH, GREEN, cubic(0.3, 0.5, 0.2), cubic(-0.4, 0.3, 0.1))

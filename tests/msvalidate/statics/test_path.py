@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 import pytest
 
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError, SolverError, Support, Traction
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 from tests.msvalidate.energies import spring_energy
 from tests.table import table

@@ -10,12 +10,12 @@ import pytest
 from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.linear_algebra import choice
 from msvalidate.network import Configuration, spring_network
+from msvalidate.network.inverse import Solver
+from msvalidate.network.refine import LARGEST_ERROR
 from msvalidate.problem import Region, SolverError, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.refinement import error_of_displacement, refine_equilibrium
 from msvalidate.statics.tangents import is_stable
-from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.refine import LARGEST_ERROR
 from tests.table import table
 from tests.truth import exact
 

@@ -14,14 +14,14 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.newton import NEWTON, NEWTON_MULTIGRID
+from msvalidate.dynamics.run import Run, step_limit
 from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.newton import NEWTON, NEWTON_MULTIGRID
-from msvalidate.relaxation.run import Run, step_limit
-from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.
 FIRE_DELAY = 5

@@ -10,18 +10,18 @@ from functools import cached_property
 
 import numpy as np
 
+from msvalidate.dynamics.convergence import ConvergenceTest
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.state import State
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
+from msvalidate.network.inverse import Solver
+from msvalidate.network.multigrid import make_cycle, restrained_tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.relaxation.convergence import ConvergenceTest
-from msvalidate.relaxation.state import State
 from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.statics.tangents import refuse_mechanism
-from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 LOOK_EVERY = 20
 """Steps between two looks at residual and energy, at the least."""

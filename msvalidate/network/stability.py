@@ -14,12 +14,12 @@ from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
 from msvalidate.network import Configuration
+from msvalidate.network.cycles import NotConvergedError
+from msvalidate.network.inverse import Regular
+from msvalidate.network.mechanism import NO_STIFFNESS, is_certain
+from msvalidate.network.multigrid import force_against
+from msvalidate.network.refine import FACTOR_ROUNDING
 from msvalidate.problem import Array, SolverError
-from msvalidate.tangent.cycles import NotConvergedError
-from msvalidate.tangent.inverse import Regular
-from msvalidate.tangent.mechanism import NO_STIFFNESS, is_certain
-from msvalidate.tangent.multigrid import force_against
-from msvalidate.tangent.refine import FACTOR_ROUNDING
 
 MODES = 8
 """Modes whose energies are taken: as many motions as may meet less than rounding."""

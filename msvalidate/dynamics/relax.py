@@ -18,6 +18,11 @@ from tqdm import tqdm
 
 from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.monitor import Monitor
+from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Relaxation, Run, join_runs
+from msvalidate.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
@@ -29,11 +34,6 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.monitor import Monitor
-from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import Relaxation, Run, join_runs
-from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 from msvalidate.statics.equilibrium import Equilibrium, refuse_folded, start_displacement
 from msvalidate.statics.path import LoadPath, Path, load_path
 from msvalidate.statics.refinement import error_of_displacement

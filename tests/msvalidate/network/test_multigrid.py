@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.linear_algebra import choice, factor
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.factor import factorise
 from msvalidate.network import Configuration, configuration_at, spring_network, tangent
+from msvalidate.network.multigrid import make_cycle, restrained_tangent
 from msvalidate.problem import Box, Region, SolverError, Traction
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable, refuse_mechanism
-from msvalidate.tangent.multigrid import make_cycle, restrained_tangent
 
 SHEET = Box((2.0, 1.0))
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.network import Configuration, Network
+from msvalidate.network.refine import DOUBTFUL, contraction_bound
 from msvalidate.problem import Array, format_point
-from msvalidate.tangent.refine import DOUBTFUL, contraction_bound
 
 NO_STIFFNESS = 1e-24
 """Energy of a motion, relative to what its components would cost one by one, that is rounding: a

@@ -9,14 +9,14 @@ import pytest
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import INTEGRATORS, LEAPFROG
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.viscous import viscous
 from msvalidate.network import configuration_at, internal_force, spring_network, tangent
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.relax import relax
-from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable
 from tests.table import table

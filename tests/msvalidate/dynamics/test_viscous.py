@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from msvalidate.dynamics.divergence import StabilityWarning
+from msvalidate.dynamics.relax import algorithm1
 from msvalidate.network import internal_force, spring_network
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import (
@@ -20,7 +21,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.relaxation.relax import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from tqdm import tqdm
 
+from msvalidate.dynamics.run import Relaxation, Run
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import SolverError
-from msvalidate.relaxation.run import Relaxation, Run
 from msvalidate.statics.equilibrium import equilibrium_at
 
 DIVERGED = 1e3

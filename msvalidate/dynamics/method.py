@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from msvalidate.dynamics.run import LOOK_EVERY, Run
 from msvalidate.problem.records import dataclass
-from msvalidate.relaxation.run import LOOK_EVERY, Run
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from msvalidate.linear_algebra.conjugate_gradients import (
 )
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration
+from msvalidate.network.mechanism import describe_motion, is_mechanism
+from msvalidate.network.multigrid import make_cycle, softest_motion
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import dataclass
-from msvalidate.tangent.mechanism import describe_motion, is_mechanism
-from msvalidate.tangent.multigrid import make_cycle, softest_motion
 
 PART = 1e-5
 """Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from msvalidate.dynamics.state import State
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.linear import LINEAR
@@ -13,7 +14,6 @@ from msvalidate.network.laws.quadratic import QUADRATIC
 from msvalidate.network.laws.volumes import stiffness_magnitudes
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array
-from msvalidate.relaxation.state import State
 
 
 class ConvergenceTest:

@@ -12,19 +12,19 @@ from functools import partial
 
 import numpy as np
 
+from msvalidate.dynamics.method import Method
+from msvalidate.dynamics.run import Run
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.network import Configuration
+from msvalidate.network.inverse import Solver
+from msvalidate.network.multigrid import make_cycle
 from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.method import Method
-from msvalidate.relaxation.run import Run
 from msvalidate.statics.tangents import (
     LARGEST_TURN,
     first_order_move,
     refuse_mechanism,
 )
-from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.multigrid import make_cycle
 
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""

@@ -11,7 +11,8 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
 from msvalidate.linear_algebra import choice
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.network import configuration_at, spring_network, tangent
+from msvalidate.network import configuration_at, cycles, inverse, spring_network, tangent
+from msvalidate.network.inverse import SOLVERS, Solver, elimination_order
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -23,8 +24,6 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.tangent import cycles, inverse
-from msvalidate.tangent.inverse import SOLVERS, Solver, elimination_order
 
 CUBE = (1.0, 1.0, 1.0)
 
@@ -180,12 +179,12 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
         equilibrium(network)
 
 
-@pytest.mark.parametrize("where", ["statics.tangents", "tangent.stability"])
+@pytest.mark.parametrize("where", ["statics.tangents", "network.stability"])
 def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, monkeypatch):
     """The loaded tangent's softest motion may be rounding where that at the start is not."""
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     monkeypatch.setattr(f"msvalidate.{where}.is_certain", lambda _: False)
-    monkeypatch.setattr("msvalidate.tangent.stability.is_certain", lambda _: False)
+    monkeypatch.setattr("msvalidate.network.stability.is_certain", lambda _: False)
     network = BODIES["cube"]()
     assert equilibrium(network, "nonlinear").solver.name == "direct"
     with pytest.raises(SolverError, match=r"^multigrid: whether .*; take solver 'direct'$"):

@@ -1,1 +1,0 @@
-"""A network's tangent and its inverse: factor or multigrid, mechanisms, and signs of energy."""
