@@ -137,3 +137,12 @@ def test_a_name_that_is_gone_is_noticed():
     )
     assert [name for name in there if not resolves(name, {"network"})] == []
     assert [name for name in gone if resolves(name, {"network"})] == []
+
+
+def test_names_that_moved_are_where_the_changelog_says():
+    rows = re.findall(
+        r"^\| `(\S+)` \| `(\S+)` \|$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.M
+    )
+    assert len(rows) > 10
+    assert [new for _, new in rows if not is_there(new)] == []
+    assert [old for old, _ in rows if is_there(old)] == []
