@@ -169,7 +169,7 @@ def judged_verdict_content(
         "reasons": said,
         "band": found.case.band,
         "quantities": [vars(found.row)],
-        "causes": [vars(each) for each in found.explanations],
+        "causes": [each.row() for each in found.explanations],
         "rest": found.residual_motion,
         "precision": found.result.accuracy,
         "reference": reference_content(found.reference),
