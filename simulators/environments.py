@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from msvalidate import __version__
-from msvalidate.simulators.program import Program
-from msvalidate.simulators.record import text_of
+from msvalidate.simulators.exchange.program import Program
+from msvalidate.simulators.verdict.record import text_of
 from msvalidate_check import exchange
 
 HERE = Path(__file__).resolve().parent

@@ -27,8 +27,8 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.simulators.export import CELLS, export_case
-from msvalidate.simulators.protocol import Answer, Request, ask
+from msvalidate.simulators.exchange.export import CELLS, export_case
+from msvalidate.simulators.exchange.protocol import Answer, Request, ask
 from msvalidate_check import elastic_case
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.elements import of_shape

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
-from msvalidate.simulators.blocks import linear_law
-from msvalidate.simulators.gate_block import hanging_block
-from msvalidate.simulators.laws import LAWS, lame
-from msvalidate.simulators.masses import patterns
-from msvalidate.simulators.probe_mesh import Block
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.rest import stated_residual_motion
-from msvalidate.simulators.tetrahedra import at_rest, tetrahedra_of
+from msvalidate.simulators.bodies.blocks import linear_law
+from msvalidate.simulators.bodies.laws import LAWS, lame
+from msvalidate.simulators.bodies.tetrahedra import at_rest, tetrahedra_of
+from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request, Simulator, ask
+from msvalidate.simulators.exchange.rest import stated_residual_motion
+from msvalidate.simulators.gate.block import hanging_block
+from msvalidate.simulators.probe.block import Block
+from msvalidate.simulators.probe.masses import patterns
 
 OWN_SHARE = "each node's own share"
 LENT = (1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
@@ -42,9 +42,9 @@ class Sweep:
     iterations
         Of a step; none for programs that have no such number.
     law
-        Of `msvalidate.simulators.laws`, that the states should near.
+        Of `msvalidate.simulators.bodies.laws`, that the states should near.
     masses
-        Of its nodes, as documented: a key of `msvalidate.simulators.masses.patterns`.
+        Of its nodes, as documented: a key of `msvalidate.simulators.probe.masses.patterns`.
     settings
         Beside those of the job.
     label

@@ -16,14 +16,14 @@ from msvalidate.cli.terminal import print_lines, tell, tell_error
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.asked import Asked, NoAnswerError
-from msvalidate.simulators.causes import AGREES
-from msvalidate.simulators.judgement import PARTS, Judgement, judge_simulator
-from msvalidate.simulators.laws import LAWS, law_named, predicted
-from msvalidate.simulators.program import LOG, OUT, Program, label_of
-from msvalidate.simulators.record import record_of, text_of
-from msvalidate.simulators.sheet import Sheet, sheet_of
-from msvalidate.simulators.sheet_page import PAGE, sheet_files
+from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
+from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
+from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
+from msvalidate.simulators.verdict.causes import AGREES
+from msvalidate.simulators.verdict.judgement import PARTS, Judgement, judge_simulator
+from msvalidate.simulators.verdict.page import PAGE, sheet_files
+from msvalidate.simulators.verdict.record import record_of, text_of
+from msvalidate.simulators.verdict.sheet import Sheet, sheet_of
 from msvalidate_check import exchange
 
 COMMAND = ("msvalidate", "adapter", "check", "ADAPTER")

@@ -14,7 +14,7 @@ from msvalidate.cli.arguments import PROGRAM, Parser
 FOLDER = Path("reports/simulators")
 SHAPES = ("tetra", "hexahedron", "triangle", "quad")
 PARTS = ("gate", "probe", "bodies")
-"""Of a check, as `simulators.judgement` has them: this module imports nothing heavy."""
+"""Of a check, as `simulators.verdict.judgement` has them: this module imports nothing heavy."""
 SAID = {
     "simulate": "Ask a simulator for a case through its adapter, and judge what it answers.",
     "adapter": "Adapters: programs that run a simulator, as ADAPTER CASE_DIR OUT_DIR.",

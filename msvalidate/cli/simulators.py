@@ -24,12 +24,12 @@ from msvalidate.cli.cases import new_path, said, tell_judged, tell_ratio
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.bench import ROUNDING
-from msvalidate.simulators.export import export_case, on_mesh
-from msvalidate.simulators.program import LOG, OUT, Program, label_of
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
-from msvalidate.simulators.rest import stated_residual_motion
-from msvalidate.simulators.template import adapter_template
+from msvalidate.simulators.exchange.export import export_case, on_mesh
+from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
+from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.exchange.rest import stated_residual_motion
+from msvalidate.simulators.exchange.template import adapter_template
+from msvalidate.simulators.probe.bench import ROUNDING
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
 

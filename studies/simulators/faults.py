@@ -11,8 +11,8 @@ from __future__ import annotations
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.causes import AGREES
-from msvalidate.simulators.judgement import judge_simulator
+from msvalidate.simulators.verdict.causes import AGREES
+from msvalidate.simulators.verdict.judgement import judge_simulator
 
 from .synthetic import Faulty, clean, clean_implicit, synthetic_faults
 

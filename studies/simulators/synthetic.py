@@ -10,10 +10,10 @@ import numpy as np
 
 from msvalidate.lattice.edges import mesh_lattice
 from msvalidate.network import internal_force, spring_network
-from msvalidate.simulators.laws import LAWS, lame
-from msvalidate.simulators.program import Program
-from msvalidate.simulators.protocol import Answer, Request, Simulator, SimulatorError
-from msvalidate.simulators.tetrahedra import Stress, tetrahedra
+from msvalidate.simulators.bodies.laws import LAWS, lame
+from msvalidate.simulators.bodies.tetrahedra import Stress, tetrahedra
+from msvalidate.simulators.exchange.program import Program
+from msvalidate.simulators.exchange.protocol import Answer, Request, Simulator, SimulatorError
 from msvalidate.statics.equilibrium import equilibrium
 
 OWN_LAW = "neo-Hookean, log J"

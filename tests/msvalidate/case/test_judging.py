@@ -18,8 +18,8 @@ from msvalidate.case.judge import budget, judge_result
 from msvalidate.case.results import read_result
 from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
-from msvalidate.simulators.export import export_case, on_mesh
-from msvalidate.simulators.protocol import Answer
+from msvalidate.simulators.exchange.export import export_case, on_mesh
+from msvalidate.simulators.exchange.protocol import Answer
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.simulators.asked import Asked
-from msvalidate.simulators.blocks import (
+from msvalidate.simulators.bodies.blocks import (
     at_rest_both_ways,
     effective_on_mesh,
     frozen_case,
 )
-from msvalidate.simulators.factors import factors
-from msvalidate.simulators.judgement import judge_simulator
-from msvalidate.simulators.laws import LAWS, lame, predicted
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
-from msvalidate.simulators.sheet import sheet_of
-from msvalidate.simulators.tetrahedra import tetrahedra
+from msvalidate.simulators.bodies.factors import factors
+from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
+from msvalidate.simulators.bodies.tetrahedra import tetrahedra
+from msvalidate.simulators.exchange.asked import Asked
+from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.verdict.judgement import judge_simulator
+from msvalidate.simulators.verdict.sheet import sheet_of
 
 SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
 ASKED = Isotropic(1e7, 0.3, "solid")

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bench import Bench
-from msvalidate.simulators.masses import measure_masses
-from msvalidate.simulators.probe_mesh import Block, probe_mesh
-from msvalidate.simulators.protocol import SimulatorError
+from msvalidate.simulators.exchange.protocol import SimulatorError
+from msvalidate.simulators.probe.bench import Bench
+from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.probe.masses import measure_masses
 from tests.msvalidate.simulators.little import Little, Tetrahedra, isotropic, lame, linear, lumped
 from tests.table import table
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.simulators.masses import Masses
-from msvalidate.simulators.moduli import anisotropy
-from msvalidate.simulators.probe import probe
-from msvalidate.simulators.probe_mesh import Block, probe_mesh
-from msvalidate.simulators.protocol import Answer, SimulatorError
-from msvalidate.simulators.sheet import ISOTROPIC
+from msvalidate.simulators.exchange.protocol import Answer, SimulatorError
+from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.probe.masses import Masses
+from msvalidate.simulators.probe.moduli import anisotropy
+from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.verdict.sheet import ISOTROPIC
 from tests.msvalidate.simulators.little import (
     Little,
     Springs,

@@ -18,8 +18,8 @@ from msvalidate.constants.stiffness import lame
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.protocol import Request, Simulator, SimulatorError, ask
-from msvalidate.simulators.tetrahedra import Stress, at_rest, tetrahedra_of
+from msvalidate.simulators.bodies.tetrahedra import Stress, at_rest, tetrahedra_of
+from msvalidate.simulators.exchange.protocol import Request, Simulator, SimulatorError, ask
 from msvalidate_check import ElasticCase, elastic_case
 from msvalidate_check.case_set import case_facts
 

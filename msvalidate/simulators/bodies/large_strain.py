@@ -15,15 +15,15 @@ import numpy as np
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators import blocks
-from msvalidate.simulators.protocol import CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.rest import stated_residual_motion
-from msvalidate.simulators.tetrahedra import (
+from msvalidate.simulators.bodies import blocks
+from msvalidate.simulators.bodies.tetrahedra import (
     Stress,
     at_rest,
     deformation_gradients,
     tetrahedra_of,
 )
+from msvalidate.simulators.exchange.protocol import CannotRepresent, Request, Simulator, ask
+from msvalidate.simulators.exchange.rest import stated_residual_motion
 
 STRAIN = 0.05
 """Largest principal strain of linear elements under the loads that are asked for."""

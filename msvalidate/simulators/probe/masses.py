@@ -13,9 +13,9 @@ import numpy as np
 
 from msvalidate.problem import Array, Index
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.bench import Bench
-from msvalidate.simulators.probe_mesh import Block
-from msvalidate.simulators.protocol import SimulatorError
+from msvalidate.simulators.exchange.protocol import SimulatorError
+from msvalidate.simulators.probe.bench import Bench
+from msvalidate.simulators.probe.block import Block
 
 MOVE = 1 / 16
 """Largest random displacement, in heights of the smallest cell: far above rounding, and no cell is

@@ -11,9 +11,9 @@ from msvalidate.case.files import picture_files
 from msvalidate.case.page import shown_pictures
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
 from msvalidate.output.rendering import render_template
-from msvalidate.simulators.bodies import BodyRow
-from msvalidate.simulators.judgement import Judgement
-from msvalidate.simulators.sheet import Sheet
+from msvalidate.simulators.bodies.bodies import BodyRow
+from msvalidate.simulators.verdict.judgement import Judgement
+from msvalidate.simulators.verdict.sheet import Sheet
 
 PAGE = "check.html"
 CAUSES = {

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from msvalidate.simulators.asked import Asked
-from msvalidate.simulators.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
-from msvalidate.simulators.judgement import PARTS, Judgement
-from msvalidate.simulators.moduli import SHOWN
+from msvalidate.simulators.exchange.asked import Asked
+from msvalidate.simulators.probe.moduli import SHOWN
+from msvalidate.simulators.verdict.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
+from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 
 AT_GATE = {
     "rest stays at rest": "in a motion let nothing but the body's own forces act: no damping, "

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.simulators.bodies import BodyRow
-from msvalidate.simulators.gate import PASSED, STOPPED, GateRow
-from msvalidate.simulators.judgement import Judgement
-from msvalidate.simulators.large_strain import AtLargeStrain
-from msvalidate.simulators.reading import Reading
+from msvalidate.simulators.bodies.bodies import BodyRow
+from msvalidate.simulators.bodies.large_strain import AtLargeStrain
+from msvalidate.simulators.gate.gate import PASSED, STOPPED, GateRow
+from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.verdict.judgement import Judgement
 
 WIDE = 120
 """Characters of a line of a record, up to which what belongs together stays on one."""

@@ -6,15 +6,15 @@ import math
 from collections.abc import Collection, Iterable
 
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.advice import next_step
-from msvalidate.simulators.asked import UNASKED, Asked
-from msvalidate.simulators.blocks import BENT
-from msvalidate.simulators.bodies import BAND, BodyRow
-from msvalidate.simulators.causes import AGREES, STOPPED
-from msvalidate.simulators.gate import PASSED, GateRow
-from msvalidate.simulators.judgement import PARTS, Judgement
-from msvalidate.simulators.moduli import anisotropy
-from msvalidate.simulators.reading import Flag, Reading
+from msvalidate.simulators.bodies.blocks import BENT
+from msvalidate.simulators.bodies.bodies import BAND, BodyRow
+from msvalidate.simulators.exchange.asked import UNASKED, Asked
+from msvalidate.simulators.gate.gate import PASSED, GateRow
+from msvalidate.simulators.probe.moduli import anisotropy
+from msvalidate.simulators.probe.reading import Flag, Reading
+from msvalidate.simulators.verdict.advice import next_step
+from msvalidate.simulators.verdict.causes import AGREES, STOPPED
+from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 
 NO_ANSWER = "no answer"
 ISOTROPIC = 0.01

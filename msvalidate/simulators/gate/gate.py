@@ -16,7 +16,16 @@ import numpy as np
 from msvalidate.problem import Array, Isotropic
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.gate_block import (
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    Simulator,
+    SimulatorError,
+    ask,
+)
+from msvalidate.simulators.exchange.rest import solves_to, stated_residual_motion
+from msvalidate.simulators.gate.block import (
     ACROSS,
     STRAIN,
     epsilon,
@@ -26,15 +35,6 @@ from msvalidate.simulators.gate_block import (
     pulled_block,
     turned,
 )
-from msvalidate.simulators.protocol import (
-    Answer,
-    CannotRepresent,
-    Request,
-    Simulator,
-    SimulatorError,
-    ask,
-)
-from msvalidate.simulators.rest import solves_to, stated_residual_motion
 
 Verdict = Literal["passed", "stopped", "cannot", "told", "not at rest"]
 PASSED: Verdict = "passed"

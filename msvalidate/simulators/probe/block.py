@@ -12,7 +12,7 @@ from msvalidate.constants.stiffness import lame
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.tetrahedra import Tetrahedra, tetrahedra_of
+from msvalidate.simulators.bodies.tetrahedra import Tetrahedra, tetrahedra_of
 
 SIZE = (0.25, 0.125, 0.125)
 """Sides (m)."""

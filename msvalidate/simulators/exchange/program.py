@@ -22,8 +22,8 @@ from typing import IO
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.folders import REQUEST, read_answer, write_request
-from msvalidate.simulators.protocol import (
+from msvalidate.simulators.exchange.folders import REQUEST, read_answer, write_request
+from msvalidate.simulators.exchange.protocol import (
     CANNOT,
     Answer,
     CannotRepresent,

@@ -14,7 +14,7 @@ from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, Mesh, SolverError
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
 
 Stress = Callable[[Array], Array]
 """From deformation gradients (c, 3, 3) to first Piola-Kirchhoff stresses (c, 3, 3), in Pa."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.masses import Masses
-from msvalidate.simulators.moduli import SHOWN, Elastic, elastic
+from msvalidate.simulators.probe.masses import Masses
+from msvalidate.simulators.probe.moduli import SHOWN, Elastic, elastic
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators import blocks, laws
-from msvalidate.simulators.blocks import AtRest, Elements, linear_elements
-from msvalidate.simulators.bodies import (
+from msvalidate.simulators.bodies import blocks, laws
+from msvalidate.simulators.bodies.blocks import AtRest, Elements, linear_elements
+from msvalidate.simulators.bodies.bodies import (
     BAND,
     MESHES,
     BodyRow,
@@ -28,16 +28,16 @@ from msvalidate.simulators.bodies import (
     masses_on,
     of_one_kind,
 )
-from msvalidate.simulators.causes import STOPPED, is_over_density, state_and_causes
-from msvalidate.simulators.gate import Gate, GateRow, gate
-from msvalidate.simulators.large_strain import AtLargeStrain, at_large_strain
-from msvalidate.simulators.probe import probe
-from msvalidate.simulators.protocol import (
+from msvalidate.simulators.bodies.large_strain import AtLargeStrain, at_large_strain
+from msvalidate.simulators.exchange.protocol import (
     CannotRepresent,
     Simulator,
     SimulatorError,
 )
-from msvalidate.simulators.reading import Reading
+from msvalidate.simulators.gate.gate import Gate, GateRow, gate
+from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.verdict.causes import STOPPED, is_over_density, state_and_causes
 
 PARTS = ("gate", "probe", "bodies")
 """What a simulator is asked, in this order."""

@@ -39,8 +39,8 @@ from msvalidate.problem import (
     prescribed_displacements,
 )
 from msvalidate.problem.checks import format_value, require_one_of, whole_number
-from msvalidate.simulators.lammps import lammps_files
-from msvalidate.simulators.protocol import Request, Springs
+from msvalidate.simulators.exchange.lammps import lammps_files
+from msvalidate.simulators.exchange.protocol import Request, Springs
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import solve
 from reference_fem.first_mesh import first_mesh, grid_lines, kept_places

@@ -10,19 +10,19 @@ import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators import blocks
-from msvalidate.simulators.blocks import AtRest, Effective, Elements, at_rest_both_ways
-from msvalidate.simulators.factors import UNEXPLAINED, Factors, factors
-from msvalidate.simulators.masses import patterns
-from msvalidate.simulators.probe_mesh import Block
-from msvalidate.simulators.protocol import (
+from msvalidate.simulators.bodies import blocks
+from msvalidate.simulators.bodies.blocks import AtRest, Effective, Elements, at_rest_both_ways
+from msvalidate.simulators.bodies.factors import UNEXPLAINED, Factors, factors
+from msvalidate.simulators.exchange.protocol import (
     Answer,
     CannotRepresent,
     Request,
     Simulator,
 )
-from msvalidate.simulators.reading import Reading
-from msvalidate.simulators.rest import stated_residual_motion
+from msvalidate.simulators.exchange.rest import stated_residual_motion
+from msvalidate.simulators.probe.block import Block
+from msvalidate.simulators.probe.masses import patterns
+from msvalidate.simulators.probe.reading import Reading
 from msvalidate_check.diagnosis import Field, explain
 
 MESHES = ("tet4", "tet4_2")

@@ -14,7 +14,7 @@ import numpy as np
 from msvalidate.bodies.mesh_file import read_points
 from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.problem.checks import finite_number, format_value, numbers
-from msvalidate.simulators.protocol import (
+from msvalidate.simulators.exchange.protocol import (
     LARGEST,
     Answer,
     ForcesAt,
@@ -22,7 +22,7 @@ from msvalidate.simulators.protocol import (
     SimulatorError,
     ask,
 )
-from msvalidate.simulators.tables import read_table
+from msvalidate.simulators.exchange.tables import read_table
 
 ABOUT = "result.json"
 RESULTS = ("result.npz", "result.csv", "result.vtu")

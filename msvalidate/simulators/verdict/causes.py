@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bodies import BAND, EVEN, MORE, BodyRow
-from msvalidate.simulators.large_strain import AtLargeStrain
-from msvalidate.simulators.laws import LAWS, nearest_law
-from msvalidate.simulators.moduli import SHOWN
-from msvalidate.simulators.reading import Reading
+from msvalidate.simulators.bodies.bodies import BAND, EVEN, MORE, BodyRow
+from msvalidate.simulators.bodies.large_strain import AtLargeStrain
+from msvalidate.simulators.bodies.laws import LAWS, nearest_law
+from msvalidate.simulators.probe.moduli import SHOWN
+from msvalidate.simulators.probe.reading import Reading
 
 AGREES = "agrees"
 CAUSE = "differs with cause"

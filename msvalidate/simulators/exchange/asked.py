@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from msvalidate.problem.records import dataclass, field
-from msvalidate.simulators.protocol import (
+from msvalidate.simulators.exchange.protocol import (
     Answer,
     CannotRepresent,
     OutOfTime,

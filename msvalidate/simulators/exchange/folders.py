@@ -14,8 +14,8 @@ import numpy as np
 from msvalidate.output.vtu import mesh_bytes, vtu_bytes
 from msvalidate.problem import AXES, ProblemError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.answers import read_answer
-from msvalidate.simulators.protocol import FORMAT, Request
+from msvalidate.simulators.exchange.answers import read_answer
+from msvalidate.simulators.exchange.protocol import FORMAT, Request
 from msvalidate_check import exchange
 
 REQUEST = "request.json"

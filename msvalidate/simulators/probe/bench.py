@@ -10,8 +10,7 @@ import numpy as np
 from msvalidate.problem import Array
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.records import dataclass, field, replace
-from msvalidate.simulators.probe_mesh import Block
-from msvalidate.simulators.protocol import (
+from msvalidate.simulators.exchange.protocol import (
     Answer,
     ForcesAt,
     Request,
@@ -19,6 +18,7 @@ from msvalidate.simulators.protocol import (
     SimulatorError,
     ask,
 )
+from msvalidate.simulators.probe.block import Block
 
 Precision = Literal["float64", "float32"]
 ROUNDING = {"float64": 2.0**-53, "float32": 2.0**-24}

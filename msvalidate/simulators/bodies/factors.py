@@ -15,7 +15,7 @@ import numpy as np
 
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.blocks import AtRest, elasticity_at
+from msvalidate.simulators.bodies.blocks import AtRest, elasticity_at
 
 UNEXPLAINED = 0.01
 """Part of the displacement that may be left where causes explain an answer."""

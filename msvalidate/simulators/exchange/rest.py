@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.simulators.protocol import Answer, Request
+from msvalidate.simulators.exchange.protocol import Answer, Request
 
 
 def solves_to(about: Mapping[str, Any]) -> float:

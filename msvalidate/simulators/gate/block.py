@@ -12,8 +12,8 @@ import numpy as np
 from msvalidate.case.case import Case
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction, Weight
 from msvalidate.problem.checks import whole_number
-from msvalidate.simulators.export import export_case
-from msvalidate.simulators.protocol import Answer, Request, SimulatorError
+from msvalidate.simulators.exchange.export import export_case
+from msvalidate.simulators.exchange.protocol import Answer, Request, SimulatorError
 
 ACROSS = 4
 """Cells across the block, whose side is 1 m: quarters are exact in float32."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from msvalidate.problem import VOIGT, Array
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.bench import Bench
-from msvalidate.simulators.protocol import SimulatorError
+from msvalidate.simulators.exchange.protocol import SimulatorError
+from msvalidate.simulators.probe.bench import Bench
 
 ENGINEERING = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 """Shear strains count twice."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
-from msvalidate.simulators.bench import ROUNDING, Bench
-from msvalidate.simulators.masses import Masses
-from msvalidate.simulators.reading import INNER, Flag
-from msvalidate.simulators.states import ENGINEERING, Push, Station, voigt
+from msvalidate.simulators.probe.bench import ROUNDING, Bench
+from msvalidate.simulators.probe.masses import Masses
+from msvalidate.simulators.probe.reading import INNER, Flag
+from msvalidate.simulators.probe.states import ENGINEERING, Push, Station, voigt
 
 EXACT = 1e-3
 """Limit of what vanishes of any elastic body: a fifth of the half percent that is shown."""
