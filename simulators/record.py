@@ -151,7 +151,7 @@ def _record(job: Job) -> bool:
         record["curve"] = [_point(simulator, job, nu, known) for nu in CURVE]
     save(f"{job.name}.json", record)
     print(f"{job.name}: {record['state']}, {time.perf_counter() - began:.0f} s", flush=True)
-    for line in (*record["causes"], *judged.notes):
+    for line in (*record["causes"], *record["notes"]):
         print(f"  {line}", flush=True)
     return True
 

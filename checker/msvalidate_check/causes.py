@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 PHRASES = {
+    "and": " and ",
     "zero": "nothing moves: the displacements are all 0",
     "rest": "not at rest: it may still change by as much",
     # Scales.
@@ -85,8 +86,11 @@ class Phrase:
     key: str
     values: tuple[tuple[str, Any], ...] = ()
 
+    def __getitem__(self, name: str) -> Any:
+        return dict(self.values)[name]
 
-def phrase(key: str, **values: object) -> Phrase:
+
+def phrase(key: str, /, **values: object) -> Phrase:
     """A phrase with its values: numbers, texts, phrases, or tuples of these."""
     return Phrase(key, tuple(values.items()))
 
@@ -116,6 +120,9 @@ class Cause:
     left: float = math.nan
     beside: str = ""
 
+    def __str__(self) -> str:
+        return self.said
+
     @property
     def kinds(self) -> frozenset[str]:
         """Its kind, or both of two at once."""
@@ -137,9 +144,9 @@ class Cause:
 
 
 def say(of: object, templates: Mapping[str, str]) -> str:
-    """A phrase as text, by a table of templates; tuples are joined by "and", others as they are."""
+    """A phrase as text, by a table of templates, whose "and" joins tuples; others as they are."""
     if isinstance(of, tuple):
-        return " and ".join(say(each, templates) for each in of)
+        return templates["and"].join(say(each, templates) for each in of)
     if not isinstance(of, Phrase):
         return str(of)
     values = {name: _value(each, templates) for name, each in of.values}

@@ -22,7 +22,7 @@ from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.verdict.causes import AGREES
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
-from msvalidate.simulators.verdict.record import record_of, text_of
+from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import Sheet, sheet_of
 from msvalidate_check import exchange
 
@@ -127,7 +127,7 @@ def _write(
 ) -> None:
     """The record and the page, where they were asked for."""
     record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
-    text = f"{text_of(record)}\n".encode()
+    text = f"{json_of(record)}\n".encode()
     if args.json is not None:
         exchange.replace_file(args.json, lambda: text)
     if folder is None:

@@ -13,6 +13,7 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import blocks
 from msvalidate.simulators.bodies.blocks import AtRest, Effective, Elements, at_rest_both_ways
 from msvalidate.simulators.bodies.factors import UNEXPLAINED, Factors, factors
+from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     CannotRepresent,
@@ -23,6 +24,7 @@ from msvalidate.simulators.exchange.rest import stated_residual_motion
 from msvalidate.simulators.probe.block import Block
 from msvalidate.simulators.probe.masses import patterns
 from msvalidate.simulators.probe.reading import Reading
+from msvalidate_check.causes import Cause
 from msvalidate_check.diagnosis import Field, explain
 
 MESHES = ("tet4", "tet4_2")
@@ -64,7 +66,7 @@ class BodyRow:
     factors
         Causes, multiplied; None where the law is not known.
     shape
-        What else would explain what is left: points swapped, axes, signs; "" if nothing.
+        What else would explain what is left: points swapped, axes, signs; None if nothing.
     even
         Half the sum of what it moves by loads and by their opposites, over the displacement.
     finer
@@ -84,7 +86,7 @@ class BodyRow:
     on_mesh: Effective
     rest: float
     factors: Factors | None
-    shape: str = ""
+    shape: Cause | None = None
     even: float = 0.0
     finer: bool = False
     loaded_more: float = math.nan
@@ -120,7 +122,7 @@ def bring_to_rest(
     material: Isotropic,
     settings: Mapping[str, Any],
     meshes: tuple[str, ...],
-    notes: list[str],
+    notes: list[Note],
     elements: Elements,
 ) -> list[tuple[str, AtRest]]:
     """Each body at rest, by the first of its cases that the program can represent."""
@@ -133,7 +135,7 @@ def bring_to_rest(
                     for mesh in meshes
                 ]
             except (CannotRepresent, SolverError) as error:
-                notes.append(f"{case}: {error}")
+                notes.append(note_of(case, error))
                 continue
             found += [(body, one) for one in each]
             break
@@ -167,7 +169,7 @@ def masses_on(request: Request, reading: Reading | None, total: float) -> Array 
         return None if total == 1 else request.mass * total
     known = patterns(Block(request.mesh, request.material))
     pattern = known.get(reading.masses.pattern)
-    if pattern is None:
+    if pattern is None or len(reading.masses.exceptions):
         return None if total == 1 else request.mass * total
     return np.asarray(pattern * (total * request.mass.sum() / pattern.sum()))
 
@@ -261,13 +263,12 @@ def load_more(
     return replace(row, loaded_more=each[0], far_away=each[1])
 
 
-def _shape(found: AtRest, expected: Array) -> str:
+def _shape(found: AtRest, expected: Array) -> Cause | None:
     """What else would explain a field, held against the elements that it should be."""
     points = found.request.mesh.points
     span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
     field = Field(points, found.move, expected, UNEXPLAINED / 10, found.case.driven, span)
-    causes = explain(field)
-    return causes[0].said if causes else ""
+    return next(iter(explain(field)), None)
 
 
 def _largest(vectors: Array) -> float:

@@ -10,6 +10,7 @@ from msvalidate.problem.records import dataclass, field
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     CannotRepresent,
+    NotAskedError,
     OutOfTime,
     Request,
     Simulator,
@@ -20,8 +21,28 @@ USUAL = {"gate": 10, "probe": 67, "bodies": 12}
 """Questions of a part, where none of its answers asks for more."""
 MASSES = 34
 """Of the probe, that a program is spared which tells forces."""
-UNASKED = "not asked any more"
-"""What is said of questions after one that took too long."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """What could not be asked, and why; `asked` is false after a question that took too long."""
+
+    what: str
+    why: str
+    asked: bool = True
+
+
+def note_of(what: str, error: Exception) -> Note:
+    """A note on an error."""
+    return Note(what, str(error), not isinstance(error, NotAskedError))
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A question that was not answered, its number and task, and why."""
+
+    question: str
+    why: str
 
 
 class NoAnswerError(Exception):
@@ -43,7 +64,7 @@ class Asked:
     refusals, failures
         What it said that it cannot represent, and how it failed to answer.
     ended
-        Why it is asked no more; "" while it is.
+        Whether it is asked no more, as one question took too long.
     about
         What it says of itself.
     """
@@ -55,8 +76,8 @@ class Asked:
     count: int = 0
     answers: int = 0
     refusals: list[str] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
-    ended: str = ""
+    failures: list[Failure] = field(default_factory=list)
+    ended: bool = False
     about: Mapping[str, Any] = field(default_factory=dict)
     began: float = field(default_factory=time.perf_counter)
     tells_forces: bool = False
@@ -82,7 +103,7 @@ class Asked:
             would take as long.
         """
         if self.ended:
-            raise SimulatorError(UNASKED)
+            raise NotAskedError
         self.count += 1
         asked = f"question {self.count}, {request.task}"
         before = f"; {self.left}" if self.count > 1 else ""
@@ -104,9 +125,7 @@ class Asked:
         return answer
 
     def _fail(self, asked: str, error: SimulatorError) -> None:
-        said = f"{asked}: {error}"
         if self.count == 1:
-            raise NoAnswerError(said) from error
-        self.failures.append(said)
-        if isinstance(error, OutOfTime):
-            self.ended = said
+            raise NoAnswerError(f"{asked}: {error}") from error
+        self.failures.append(Failure(asked, str(error)))
+        self.ended = self.ended or isinstance(error, OutOfTime)

@@ -35,6 +35,13 @@ class SimulatorError(SolverError):
     """A simulator crashed, took too long, or left an answer that is none."""
 
 
+class NotAskedError(SimulatorError):
+    """A question that was left out, after one that took too long."""
+
+    def __init__(self) -> None:
+        super().__init__("not asked any more")
+
+
 class OutOfTime(SimulatorError):  # noqa: N818  read as what happened
     """A simulator was not done in the time that it was given."""
 

@@ -19,6 +19,7 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     CannotRepresent,
+    NotAskedError,
     Request,
     Simulator,
     SimulatorError,
@@ -36,11 +37,17 @@ from msvalidate.simulators.gate.block import (
     turned,
 )
 
-Verdict = Literal["passed", "stopped", "cannot", "told", "not at rest"]
-PASSED: Verdict = "passed"
-STOPPED: Verdict = "stopped"
-TOLD: Verdict = "told"
-MOVING: Verdict = "not at rest"
+Word = Literal["passed", "stopped", "cannot", "told", "not at rest", "not asked"]
+PASSED: Word = "passed"
+STOPPED: Word = "stopped"
+TOLD: Word = "told"
+MOVING: Word = "not at rest"
+LEFT_OUT: Word = "not asked"
+FREE_FALL = "free fall"
+SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
+"""Rows that only what is not at rest is stopped by: to be mended first."""
+HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
+"""Rows for which it is known what helps."""
 STEPS = 10
 """Of a motion."""
 FALL = 0.25
@@ -78,8 +85,9 @@ class GateRow:
     because
         Why the limit is as wide as it is, or what kept it from being tried.
     verdict
-        "passed", "stopped", "cannot" (it could not be asked), "told" (no limit), or "not at rest":
-        within the limit, by what it says may still change alone.
+        "passed", "stopped", "cannot" (it could not be asked), "told" (no limit), "not asked" (after
+        a question that took too long), or "not at rest": within the limit, by what it says may
+        still change alone.
     """
 
     name: str
@@ -87,7 +95,7 @@ class GateRow:
     unit: str
     limit: float
     because: str
-    verdict: Verdict
+    verdict: Word
 
     @property
     def passed(self) -> bool:
@@ -367,4 +375,5 @@ def _no_way(name: str, reason: str) -> GateRow:
 
 
 def _broken(name: str, error: SimulatorError) -> GateRow:
-    return GateRow(name, math.nan, "", math.nan, str(error), STOPPED)
+    word = LEFT_OUT if isinstance(error, NotAskedError) else STOPPED
+    return GateRow(name, math.nan, "", math.nan, str(error), word)

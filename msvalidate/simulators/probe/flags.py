@@ -12,6 +12,7 @@ from msvalidate.simulators.probe.bench import ROUNDING, Bench
 from msvalidate.simulators.probe.masses import Masses
 from msvalidate.simulators.probe.reading import INNER, Flag
 from msvalidate.simulators.probe.states import ENGINEERING, Push, Station, voigt
+from msvalidate_check.causes import phrase
 
 EXACT = 1e-3
 """Limit of what vanishes of any elastic body: a fifth of the half percent that is shown."""
@@ -228,7 +229,5 @@ def _free_fall(station: Station, rest: Push, strain: float) -> Flag:
 def _of_masses(masses: Masses | None, consistent: bool) -> list[Flag]:
     if masses is None:
         return []
-    because = f"{masses.pattern}; stress is read with the measured ones, and E over density is seen"
-    if consistent:
-        because = f"{masses.pattern}; a mass matrix is taken as said, if its row sums are"
+    because = phrase("mass matrix" if consistent else "measured masses", pattern=masses.words)
     return [Flag("masses", masses.off, SHARE + masses.error, because, refuses=consistent)]

@@ -16,6 +16,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate.simulators.exchange.protocol import SimulatorError
 from msvalidate.simulators.probe.bench import Bench
 from msvalidate.simulators.probe.block import Block
+from msvalidate_check.causes import Phrase, phrase
 
 MOVE = 1 / 16
 """Largest random displacement, in heights of the smallest cell: far above rounding, and no cell is
@@ -30,6 +31,8 @@ SAME = 1e-3
 a fifth of what a reading of the stiffness may be off."""
 FEW = 0.1
 """Largest part of the nodes that may be exceptions to a pattern, rather than it none."""
+NAMED = 4
+"""Exceptions that are named one by one."""
 SURE = 4.0
 """Standard deviations within which each of some hundred masses is expected."""
 SEED = 7
@@ -49,9 +52,11 @@ class Masses:
         Largest relative error of one, from how well the rows of Δv agree on one vector: the least
         singular value.
     pattern
-        In words: whose masses they are.
+        Of `patterns`, whose masses they are; "" if of none.
     exceptions
         Nodes that are not of the pattern.
+    times
+        (k,) of the first exceptions, what they have of the pattern's mass.
     known
         (n,) kg of the pattern where there are no exceptions; else None. They have no rounding.
     """
@@ -62,6 +67,7 @@ class Masses:
     pattern: str
     exceptions: Index
     known: Array | None = None
+    times: tuple[float, ...] = ()
 
     @property
     def best(self) -> Array:
@@ -74,15 +80,29 @@ class Masses:
         return float(np.abs(self.ratio - 1).max())
 
     @property
-    def spread(self) -> str:
+    def spread(self) -> Phrase:
         """How far nodes are from what is asked."""
-        return f"a node has {self.ratio.min():.2g} to {self.ratio.max():.2g} times its share"
+        return phrase("spread", least=self.ratio.min(), most=self.ratio.max())
 
-    def line(self) -> str:
+    @property
+    def words(self) -> Phrase:
+        """Whose masses they are."""
+        if not self.pattern:
+            return phrase("no pattern")
+        if not len(self.exceptions):
+            return phrase("pattern", name=self.pattern)
+        each = [
+            f"node {i} {x:.3g} times" for i, x in zip(self.exceptions, self.times, strict=False)
+        ]
+        count = len(self.exceptions) - len(each)
+        more = phrase("more nodes", count=count) if count else Phrase("")
+        return phrase("pattern but", name=self.pattern, nodes=", ".join(each), more=more)
+
+    @property
+    def line(self) -> Phrase:
         """What was found, in one line."""
-        rounding = f"known to {self.error:.1e}; the total is asked, only ratios are observed"
-        spread = f"; {self.spread}" if self.off > SAME else ""
-        return f"masses: {self.pattern}{spread} ({rounding})"
+        spread = phrase("spread besides", spread=self.spread) if self.off > SAME else Phrase("")
+        return phrase("mass line", pattern=self.words, spread=spread, error=self.error)
 
 
 def measure_masses(bench: Bench) -> Masses:
@@ -133,8 +153,8 @@ def masses_from(block: Block, rows: Array) -> Masses:
             "or are too near to rounding: take a longer step or double precision"
         )
     values = vector * total / vector.sum()
-    pattern, exceptions, known = _recognise(block, values, error)
-    return Masses(values, values / block.lumped, error, pattern, exceptions, known)
+    pattern, exceptions, known, times = _recognise(block, values, error)
+    return Masses(values, values / block.lumped, error, pattern, exceptions, known, times)
 
 
 def _relative_error(singular: Array, vectors: Array, rows: int) -> float:
@@ -152,7 +172,7 @@ def _relative_error(singular: Array, vectors: Array, rows: int) -> float:
 
 
 def patterns(block: Block) -> dict[str, Array]:
-    """Words -> masses (n,) that programs give their nodes; all up to a factor."""
+    """Name -> masses (n,) that programs give their nodes; all up to a factor."""
     cells = block.mesh.cells
     n = len(block.mesh.points)
     counted = np.bincount(cells.ravel(), minlength=n).astype(float)
@@ -167,19 +187,19 @@ def patterns(block: Block) -> dict[str, Array]:
     }
 
 
-def _recognise(block: Block, values: Array, error: float) -> tuple[str, Index, Array | None]:
-    """The pattern that most nodes are of, its exceptions, and its masses if there are none."""
+def _recognise(
+    block: Block, values: Array, error: float
+) -> tuple[str, Index, Array | None, tuple[float, ...]]:
+    """The pattern that most nodes are of, its exceptions, its masses if there are none; times."""
     allowed = max(SAME, error)
     fits = []
-    for words, pattern in patterns(block).items():
+    for name, pattern in patterns(block).items():
         ratio = values / pattern
         ratio = ratio / np.median(ratio)
-        fits.append((np.flatnonzero(np.abs(ratio - 1) > allowed), words, pattern, ratio))
-    exceptions, words, pattern, ratio = min(fits, key=lambda fit: len(fit[0]))
+        fits.append((np.flatnonzero(np.abs(ratio - 1) > allowed), name, pattern, ratio))
+    exceptions, name, pattern, ratio = min(fits, key=lambda fit: len(fit[0]))
     if not len(exceptions):
-        return words, exceptions, pattern * (values.sum() / pattern.sum())
+        return name, exceptions, pattern * (values.sum() / pattern.sum()), ()
     if len(exceptions) <= FEW * len(values):
-        listed = ", ".join(f"node {i} {ratio[i]:.3g} times" for i in exceptions[:4])
-        more = f" and {len(exceptions) - 4} more" if len(exceptions) > 4 else ""
-        return f"{words}, but {listed}{more}", exceptions, None
-    return "no known pattern", np.arange(len(values)), None
+        return name, exceptions, None, tuple(ratio[exceptions[:NAMED]].tolist())
+    return "", np.arange(len(values)), None, ()

@@ -6,6 +6,7 @@ import numpy as np
 
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
+from msvalidate_check.causes import Phrase, phrase
 
 SHOWN = 5e-3
 """No number is shown that is not known to this: of E relative, of nu absolute, of a component
@@ -23,14 +24,14 @@ class Elastic:
     nu, nu_error
         Poisson's ratio.
     because
-        Why one is not there; "" if both are.
+        Why one is not there; none if both are.
     """
 
     E: float | None
     nu: float | None
     E_error: float
     nu_error: float
-    because: str
+    because: tuple[Phrase, ...]
 
 
 def bulk_and_shear(C: Array) -> tuple[float, float]:
@@ -92,27 +93,26 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
     nu_error = 4.5 * (G * K_error + K * G_error) / below
     known_E, known_nu = E_error <= shown * E, nu_error <= shown
     missing = [
-        f"{name} is known to {size} only, and {shown:g} is needed"
-        for name, size, known in (
-            ("E", f"{E_error / E:.1e} of it", known_E),
-            ("nu", f"{nu_error:.1e}", known_nu),
+        phrase("known of it", name=name, error=size, of=of, needed=shown)
+        for name, size, of, known in (
+            ("E", E_error / E, phrase("of it"), known_E),
+            ("nu", nu_error, Phrase(""), known_nu),
         )
         if not known
     ]
     return Elastic(
-        E if known_E else None, nu if known_nu else None, E_error, nu_error, "; ".join(missing)
+        E if known_E else None, nu if known_nu else None, E_error, nu_error, tuple(missing)
     )
 
 
-def _no_solid(C: Array, K: float, G: float, error: float) -> str:
-    """Why no isotropic solid has these moduli; "" if one has."""
+def _no_solid(C: Array, K: float, G: float, error: float) -> tuple[Phrase, ...]:
+    """Why no isotropic solid has these moduli; nothing if one has."""
     for name, value in (("bulk", K), ("shear", G)):
-        if abs(value) <= error:
-            return f"the {name} modulus vanishes: {value:.3g} Pa, known to {error:.1g} Pa"
-        if value < 0:
-            return f"the {name} modulus is negative: {value:.6g} Pa, known to {error:.1g} Pa"
+        if value <= error:
+            key = "vanishes" if abs(value) <= error else "negative"
+            return (phrase(key, name=name, value=value, error=error),)
     lowest = float(np.linalg.eigvalsh((C + C.T) / 2)[0])
     if lowest <= error:
-        sign = "is negative" if lowest < -error else "vanishes"
-        return f"C is singular or not stable: its lowest eigenvalue {sign}, {lowest:.3g} Pa"
-    return ""
+        sign = phrase("is negative" if lowest < -error else "is zero")
+        return (phrase("singular", sign=sign, value=lowest),)
+    return ()

@@ -12,6 +12,7 @@ from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.probe.masses import Masses
 from msvalidate.simulators.probe.moduli import SHOWN, Elastic, elastic
+from msvalidate_check.causes import Phrase, phrase
 
 
 @dataclass(frozen=True)
@@ -35,13 +36,20 @@ class Flag:
     name: str
     value: float | None
     limit: float
-    because: str
+    because: str | Phrase
     refuses: bool = True
 
     @property
     def holds(self) -> bool:
         """Whether the value is there and within the limit."""
         return self.value is not None and bool(self.value <= self.limit)
+
+    @property
+    def shown(self) -> Phrase:
+        """Its name and value."""
+        if self.value is None:
+            return phrase("flag not asked", name=self.name)
+        return phrase("flag", name=self.name, value=self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +115,7 @@ class Reading:
             others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
             of_parts = parts / float(np.abs(self.C).max())
             return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
-        reason = "; ".join(self.refusals())
-        return Elastic(None, None, np.inf, np.inf, reason)
+        return Elastic(None, None, np.inf, np.inf, self.refusals())
 
     @property
     def E(self) -> float | None:
@@ -120,20 +127,20 @@ class Reading:
         """Poisson's ratio; None as for E."""
         return self.elastic.nu
 
-    def refusals(self) -> list[str]:
+    def refusals(self) -> tuple[Phrase, ...]:
         """Why the reading does not count."""
-        found = [
-            f"{flag.name} {'not asked' if flag.value is None else format(flag.value, '.1e')}"
-            for flag in self.flags
-            if flag.refuses and not flag.holds
-        ]
+        found = [flag.shown for flag in self.flags if flag.refuses and not flag.holds]
         if not self.is_known:
-            part = self.error / (np.abs(self.C).max() or 1.0)
-            needed = f"{self.shown:g} is needed"
-            found.append(f"C known to {part:.1e} of its largest component, {needed}")
+            found.append(self.uncertain)
         if self.is_bound:
-            found.append("an upper bound alone: inner nodes are not at rest")
-        return found
+            found.append(phrase("upper bound"))
+        return tuple(found)
+
+    @property
+    def uncertain(self) -> Phrase:
+        """How well C is known."""
+        part = self.error / (np.abs(self.C).max() or 1.0)
+        return phrase("not known", part=float(part), needed=self.shown)
 
 
 STRAINS = "rounding of strains"

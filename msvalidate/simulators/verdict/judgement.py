@@ -29,15 +29,22 @@ from msvalidate.simulators.bodies.bodies import (
     of_one_kind,
 )
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain, at_large_strain
+from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import (
     CannotRepresent,
     Simulator,
     SimulatorError,
 )
-from msvalidate.simulators.gate.gate import Gate, GateRow, gate
+from msvalidate.simulators.gate.gate import Gate, gate
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import Reading
-from msvalidate.simulators.verdict.causes import STOPPED, is_over_density, state_and_causes
+from msvalidate.simulators.verdict.causes import (
+    STOPPED,
+    is_over_density,
+    state_and_causes,
+    stop_causes,
+)
+from msvalidate.simulators.verdict.sentences import Cause
 
 PARTS = ("gate", "probe", "bodies")
 """What a simulator is asked, in this order."""
@@ -63,7 +70,7 @@ class Judgement:
     state
         One of `STATES`.
     causes
-        In words, the largest first; none where it agrees.
+        The largest first; none where it agrees.
     notes
         What could not be asked, and why.
     """
@@ -74,8 +81,8 @@ class Judgement:
     reading: Reading | None
     bodies: tuple[BodyRow, ...]
     state: str
-    causes: tuple[str, ...]
-    notes: tuple[str, ...]
+    causes: tuple[Cause, ...]
+    notes: tuple[Note, ...]
     large: AtLargeStrain | None = None
 
 
@@ -129,9 +136,9 @@ def judge_simulator(
     predicted = predicted or _first_order(law, material)
     gated = gate(simulator, material, own) if "gate" in parts else Gate(())
     if "gate" in parts and not gated.passed:
-        causes = tuple(map(_stop_words, gated.stops)) or ("nothing passed",)
+        causes = stop_causes(gated.stops)
         return Judgement(material, predicted, gated, None, (), STOPPED, causes, ())
-    notes: list[str] = []
+    notes: list[Note] = []
     reading = None
     if "probe" in parts:
         reading = _probed(simulator, material, own | dict(probed or {}), notes)
@@ -177,13 +184,6 @@ def _is_of_linear_elements(row: BodyRow) -> bool:
     return row.is_rounded or (row.is_explained and not row.finer)
 
 
-def _stop_words(row: GateRow) -> str:
-    """What stopped it, and by how much."""
-    if not row.unit:
-        return f"{row.name}: {row.because}"
-    return f"{row.name}: {row.value:.2g} {row.unit}, at most {row.limit:.2g}; {row.because}"
-
-
 def _refuse_material(material: Isotropic) -> None:
     low, high = blocks.RATIOS
     if material.state != "solid":
@@ -200,13 +200,13 @@ def _further(
     settings: Mapping[str, Any],
     converged: Mapping[str, Any] | None,
     found: list[tuple[str, AtRest]],
-    notes: list[str],
+    notes: list[Note],
 ) -> Mapping[tuple[str, str], AtRest]:
     """Bodies brought further to rest; none where that fails, which is told."""
     try:
         return bring_further(simulator, settings, converged, found)
     except (CannotRepresent, SolverError) as error:
-        notes.append(f"brought further to rest: {error}")
+        notes.append(note_of("brought further to rest", error))
         return {}
 
 
@@ -224,7 +224,7 @@ def _large(
     law: str,
     settings: Mapping[str, Any],
     weighed: tuple[Reading | None, float],
-    notes: list[str],
+    notes: list[Note],
 ) -> AtLargeStrain | None:
     """A body at large strain beside elements of the documented law."""
     mu, lam = laws.lame(material.E, material.nu)
@@ -237,17 +237,17 @@ def _large(
             mass_of=lambda request: masses_on(request, *weighed),
         )
     except (CannotRepresent, SolverError) as error:
-        notes.append(f"large strain: {error}")
+        notes.append(note_of("large strain", error))
         return None
 
 
 def _probed(
-    simulator: Simulator, material: Isotropic, settings: Mapping[str, Any], notes: list[str]
+    simulator: Simulator, material: Isotropic, settings: Mapping[str, Any], notes: list[Note]
 ) -> Reading | None:
     try:
         return probe(simulator, material, settings=settings)
     except (CannotRepresent, SimulatorError) as error:
-        notes.append(f"probe: {error}")
+        notes.append(note_of("probe", error))
         return None
 
 

@@ -13,6 +13,7 @@ from msvalidate.simulators.bodies.large_strain import AtLargeStrain
 from msvalidate.simulators.gate.gate import PASSED, STOPPED, GateRow
 from msvalidate.simulators.probe.reading import Reading
 from msvalidate.simulators.verdict.judgement import Judgement
+from msvalidate.simulators.verdict.sentences import text_of
 
 WIDE = 120
 """Characters of a line of a record, up to which what belongs together stays on one."""
@@ -27,8 +28,9 @@ def record_of(found: Judgement) -> dict[str, Any]:
         "asked": {"E": found.asked.E, "nu": found.asked.nu, "density": found.asked.density},
         "predicted": None if law is None else {"E": _number(law[0]), "nu": _number(law[1])},
         "state": found.state,
-        "causes": list(found.causes),
-        "notes": list(found.notes),
+        "causes": [each.said for each in found.causes],
+        "kinds": [each.kind for each in found.causes],
+        "notes": [f"{each.what}: {each.why}" for each in found.notes],
         "gate": [_gate_row(row) for row in found.gate.rows],
         "probe": None if found.reading is None else probe_record(found.reading),
         "bodies": [_body(row) for row in found.bodies],
@@ -58,12 +60,14 @@ def probe_record(reading: Reading) -> dict[str, Any]:
         "nu": _number(reading.nu),
         "E_error": _number(reading.elastic.E_error),
         "nu_error": _number(reading.elastic.nu_error),
-        "because": reading.elastic.because,
+        "because": text_of(reading.elastic.because),
         "C": [[_number(value) for value in row] for row in reading.C],
         "error": _number(reading.error),
         "valid": reading.is_valid,
         "flags": {flag.name: _number(flag.value) for flag in reading.flags},
-        "mass": None if masses is None else {"pattern": masses.pattern, "off": _number(masses.off)},
+        "mass": None
+        if masses is None
+        else {"pattern": text_of(masses.words), "off": _number(masses.off)},
         "strain": reading.strain,
         "precision": reading.precision,
         "about": {key: reading.about.get(key) for key in ("simulator", "version", "law", "mass")},
@@ -84,7 +88,7 @@ def _body(row: BodyRow) -> dict[str, Any]:
         "left": _number(row.on_mesh.left),
         "rest": _number(row.rest),
         "factors": factors,
-        "shape": row.shape,
+        "shape": "" if row.shape is None else row.shape.said,
         "even": _number(row.even),
         "finer": row.finer,
         "loaded_more": _number(row.loaded_more),
@@ -99,14 +103,14 @@ def _number(value: float | None) -> float | None:
     return float(np.format_float_positional(value, DIGITS, unique=False, fractional=False))
 
 
-def text_of(record: object, indent: str = "") -> str:
+def json_of(record: object, indent: str = "") -> str:
     """A record as JSON that reads as tables do: what fits on a line is on one."""
     line = json.dumps(record, ensure_ascii=False, allow_nan=False)
     if len(indent) + len(line) <= WIDE or not isinstance(record, dict | list):
         return line
     deeper = indent + " "
     if isinstance(record, dict):
-        parts = [f"{json.dumps(key)}: {text_of(each, deeper)}" for key, each in record.items()]
+        parts = [f"{json.dumps(key)}: {json_of(each, deeper)}" for key, each in record.items()]
         return "{\n" + ",\n".join(deeper + part for part in parts) + f"\n{indent}}}"
-    parts = [text_of(each, deeper) for each in record]
+    parts = [json_of(each, deeper) for each in record]
     return "[\n" + ",\n".join(deeper + part for part in parts) + f"\n{indent}]"

@@ -8,15 +8,19 @@ from collections.abc import Collection, Iterable
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies.blocks import BENT
 from msvalidate.simulators.bodies.bodies import BAND, BodyRow
-from msvalidate.simulators.exchange.asked import UNASKED, Asked
-from msvalidate.simulators.gate.gate import PASSED, GateRow
+from msvalidate.simulators.exchange.asked import Asked, Note
+from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
 from msvalidate.simulators.probe.moduli import anisotropy
-from msvalidate.simulators.probe.reading import Flag, Reading
+from msvalidate.simulators.probe.reading import Reading
 from msvalidate.simulators.verdict.advice import next_step
 from msvalidate.simulators.verdict.causes import AGREES, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
+from msvalidate.simulators.verdict.sentences import text_of
+from msvalidate_check.causes import Phrase, phrase
 
-NO_ANSWER = "no answer"
+FAILED = "gate failed"
+"""Kind of a cause that is a question's failure."""
+WHOLE = Phrase("")
 ISOTROPIC = 0.01
 """Anisotropy beyond which that is told: at it E and nu differ by direction by about as much as a
 law is asked to be told apart."""
@@ -53,7 +57,9 @@ class Sheet:
     Parameters
     ----------
     word
-        Its state, or `NO_ANSWER` where some question was not answered at all.
+        Its state, or that some question was not answered at all.
+    agrees
+        Whether it agrees, and all was asked and is near elasticity.
     who
         Simulator, version and law, as it says itself, and how often it was asked.
     causes
@@ -67,6 +73,7 @@ class Sheet:
     """
 
     word: str
+    agrees: bool
     who: str
     causes: tuple[str, ...]
     tables: tuple[SheetTable, ...]
@@ -89,53 +96,53 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
         tables.append(_law_table(found))
     if found.bodies:
         tables.append(_bodies_table(found))
-    plain = [each for each in found.causes if not any(_why(each) in f for f in asked.failures)]
-    seen = [each for each in (*plain, *asked.failures) if UNASKED not in each]
+    known = {failure.why for failure in asked.failures}
+    causes = [c for c in found.causes if not (c.kind == FAILED and c.of["because"] in known)]
+    failures = [phrase("failure", question=f.question, why=f.why) for f in asked.failures]
+    word = _word(found, asked, parts)
     return Sheet(
-        word=_word(found, asked, parts),
-        who=_who(asked),
-        causes=tuple(dict.fromkeys(seen)),
+        word=text_of(word),
+        agrees=word == phrase("state", state=AGREES, some=WHOLE),
+        who=text_of(_who(asked)),
+        causes=(*(each.said for each in causes), *map(text_of, dict.fromkeys(failures))),
         tables=tuple(tables),
-        notes=_by_reason(each for each in found.notes if UNASKED not in each),
-        next=next_step(found, asked, parts),
+        notes=_by_reason(found.notes),
+        next=next_step(found, asked, parts).said,
     )
 
 
-def _why(said: str) -> str:
-    """What stands behind the first colon, or all of it."""
-    what, colon, why = said.partition(": ")
-    return why if colon else what
-
-
-def _by_reason(notes: Iterable[str]) -> tuple[str, ...]:
-    """Notes "what: why" with what has the same reason together."""
+def _by_reason(notes: Iterable[Note]) -> tuple[str, ...]:
+    """Notes, what has the same reason together."""
     found: dict[str, list[str]] = {}
     for each in notes:
-        what, _, why = each.partition(": ")
-        found.setdefault(why, []).append(what)
-    return tuple(f"{', '.join(what)}: {why}" for why, what in found.items())
+        if each.asked:
+            found.setdefault(each.why, []).append(each.what)
+    pairs = (phrase("note", what=", ".join(what), why=why) for why, what in found.items())
+    return tuple(map(text_of, pairs))
 
 
-def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> str:
-    left = [part for part in PARTS if part not in parts]
-    some = f", of {' and '.join(p for p in PARTS if p in parts)} alone" if left else ""
+def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
+    some = WHOLE
+    if any(part not in parts for part in PARTS):
+        some = phrase("some", parts=" and ".join(part for part in PARTS if part in parts))
     if asked.failures:
-        return f"{NO_ANSWER} to {len(asked.failures)} of {asked.count} questions{some}"
+        counts = {"failures": len(asked.failures), "count": asked.count}
+        return phrase("no answer", **counts, some=some)
     if found.state == STOPPED:
-        return f"{'stopped at the gate' if found.gate.stops else 'nothing could be tried'}{some}"
+        return phrase("stopped" if found.gate.stops else "nothing", some=some)
     if found.state == AGREES and set(parts) == {"gate"}:
-        return "passes the gate; nothing else was asked"
+        return phrase("gate alone")
     coarse = max(found.bodies, key=lambda row: row.error, default=None)
     if found.state == AGREES and coarse is not None and coarse.error > BAND:
         body = f"{coarse.body} {'beam' if coarse.body in BENT else 'block'}"
-        return f"the law agrees; {100 * coarse.error:.0f} % of the {body} is its mesh{some}"
-    return f"{found.state}{some}"
+        return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
+    return phrase("state", state=found.state, some=some)
 
 
-def _who(asked: Asked) -> str:
+def _who(asked: Asked) -> Phrase:
     said = [str(asked.about.get(key, "")) for key in ("simulator", "version")]
     own = ", ".join(each for each in (" ".join(said).strip(), asked.about.get("law", "")) if each)
-    return f"{own or 'it says nothing of itself'}; {asked.count} questions"
+    return phrase("who", who=own or phrase("silent"), count=asked.count)
 
 
 # Gate ---------------------------------------------------------------------------------------------
@@ -144,7 +151,7 @@ def _who(asked: Asked) -> str:
 def _gate_table(found: Judgement) -> SheetTable:
     rows, before = [], ""
     for row in found.gate.rows:
-        verdict = "" if UNASKED in row.because else row.verdict
+        verdict = "" if row.verdict == LEFT_OUT else row.verdict
         words = _gate_words(row)
         rows.append((verdict, row.name, "the same" if words == before else words))
         before = words
@@ -173,7 +180,7 @@ def _law_table(found: Judgement) -> SheetTable:
         if pulled:
             E, nu = pulled[-1].E, pulled[-1].nu
             rows.append(("of the pulled body", *_pair(E, nu), *_away((E, nu), asked)))
-        below.append("no step was read: the law is told from bodies at rest alone")
+        below.append(text_of(phrase("no reading")))
     else:
         rows.append(_read_row(reading, asked))
         below = _reading_lines(reading)
@@ -203,25 +210,18 @@ def _read_row(reading: Reading, asked: tuple[float, float]) -> tuple[str, ...]:
 
 def _reading_lines(reading: Reading) -> list[str]:
     """Masses, and flags where they matter."""
-    masses = "masses: not observed, as it told forces"
-    if reading.masses is not None:
-        masses = reading.masses.line()
-    lines = [
-        masses,
-        *(_flag_line(flag) for flag in reading.flags if flag.refuses and not flag.holds),
-    ]
+    lines = [phrase("no masses") if reading.masses is None else reading.masses.line]
+    for flag in reading.flags:
+        if flag.refuses and not flag.holds:
+            said = {"limit": flag.limit, "because": flag.because}
+            lines.append(phrase("flag line", flag=flag.shown, **said))
     if not reading.is_known:
-        lines += [line for line in reading.refusals() if line.startswith("C known")]
+        lines.append(reading.uncertain)
     if reading.is_valid and (reading.E is None or reading.nu is None):
-        lines.append(f"no E and nu: {reading.elastic.because}")
+        lines.append(phrase("no moduli", because=reading.elastic.because))
     if reading.is_valid and (part := anisotropy(reading.C)) > ISOTROPIC:
-        lines.append(f"anisotropy {part:.1e}: E and nu are of the isotropic part alone")
-    return lines
-
-
-def _flag_line(flag: Flag) -> str:
-    value = "not asked" if flag.value is None else f"{flag.value:.1e}"
-    return f"does not count: {flag.name} {value}, at most {flag.limit:.1e}: {flag.because}"
+        lines.append(phrase("anisotropy", part=part))
+    return list(map(text_of, lines))
 
 
 # Bodies -------------------------------------------------------------------------------------------
@@ -232,10 +232,8 @@ def _bodies_table(found: Judgement) -> SheetTable:
     below = []
     if found.large is not None:
         large = found.large
-        below.append(
-            f"{large.case} at {large.strain:.1%} strain: {large.apart:.2%} from elements of its "
-            f"documented law, which are {large.from_linear:.2%} from linear ones"
-        )
+        said = {"case": large.case, "strain": large.strain, "apart": large.apart}
+        below.append(text_of(phrase("large line", **said, linear=large.from_linear)))
     columns = (
         "body",
         "case",
@@ -261,7 +259,11 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
     if not parts[-1] and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
-    shape = f", {row.shape}" if row.shape and not f.is_explained and not row.may_settle else ""
+    shape = (
+        f", {row.shape}"
+        if row.shape is not None and not f.is_explained and not row.may_settle
+        else ""
+    )
     return (*head, *parts, f"{f.apart:.2%}{shape}")
 
 
