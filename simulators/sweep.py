@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
-from msvalidate.simulators.bodies.blocks import linear_law
-from msvalidate.simulators.bodies.laws import LAWS, lame
-from msvalidate.simulators.bodies.tetrahedra import at_rest, tetrahedra_of
+from msvalidate.simulators.bodies.laws import stress_of
+from msvalidate.simulators.bodies.tetrahedra import at_rest
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request, Simulator, ask
 from msvalidate.simulators.exchange.rest import stated_residual_motion
 from msvalidate.simulators.gate.block import hanging_block
@@ -109,30 +108,24 @@ def _time_steps(simulator: Simulator, block: Request, sweep: Sweep) -> tuple[flo
 
 def _elements(block: Request, sweep: Sweep) -> Array:
     """(n, 3) m of linear tetrahedra of the law at rest, with its large strains and its masses."""
-    mu, lam = lame(block.material.E, block.material.nu)
     pattern = patterns(Block(block.mesh, block.material))[sweep.masses]
     weighed = replace(block, mass=pattern * (block.mass.sum() / pattern.sum()))
-    body, law = tetrahedra_of(block.mesh), LAWS[sweep.law].stress
-    hooke = linear_law(block.material.E, block.material.nu)
+    E, nu = block.material.E, block.material.nu
+    law, hooke = stress_of(sweep.law, E, nu), stress_of("linear", E, nu)
     try:
-        return at_rest(body, weighed, lambda F: law(F, mu, lam))[0]
+        return at_rest(weighed, law)[0]
     except SolverError:  # it has no stiffness where it begins: less and less of another's is lent
         move = None
         for part in LENT:
-            lent = partial(_sum_of, law, hooke, (mu, lam, part))
-            move = at_rest(body, weighed, lent, move)[0]
-        return at_rest(body, weighed, lambda F: law(F, mu, lam), move)[0]
+            move = at_rest(weighed, partial(_sum_of, law, hooke, part), move)[0]
+        return at_rest(weighed, law, move)[0]
 
 
 def _sum_of(
-    law: Callable[[Array, float, float], Array],
-    hooke: Callable[[Array], Array],
-    numbers: tuple[float, float, float],
-    F: Array,
+    law: Callable[[Array], Array], hooke: Callable[[Array], Array], part: float, F: Array
 ) -> Array:
     """A law's stress of F, and a part of Hooke's."""
-    mu, lam, part = numbers
-    return law(F, mu, lam) + part * hooke(F)
+    return law(F) + part * hooke(F)
 
 
 def _change(answer: Answer, before: Answer | None, size: float) -> float | None:

@@ -11,7 +11,7 @@ import numpy as np
 from msvalidate.lattice.edges import mesh_lattice
 from msvalidate.network import internal_force, spring_network
 from msvalidate.simulators.bodies.laws import LAWS, lame
-from msvalidate.simulators.bodies.tetrahedra import Stress, tetrahedra
+from msvalidate.simulators.bodies.tetrahedra import Stress, of_law, tetrahedra
 from msvalidate.simulators.exchange.program import Program
 from msvalidate.simulators.exchange.protocol import Answer, Request, Simulator, SimulatorError
 from msvalidate.simulators.verdict.causes import (
@@ -84,11 +84,7 @@ def clean_implicit(request: Request) -> Answer:
 
 
 def _of_law(name: str) -> Simulator:
-    def law_of(request: Request) -> Stress:
-        mu, lam = lame(request.material.E, request.material.nu)
-        return lambda F: LAWS[name].stress(F, mu, lam)
-
-    return tetrahedra(law_of, f"synthetic, {name}")
+    return of_law(name, f"synthetic, {name}")
 
 
 def _volume_constant(request: Request) -> Answer:

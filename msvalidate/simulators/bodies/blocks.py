@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.constants.stiffness import lame
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.bodies.tetrahedra import Stress, at_rest, tetrahedra_of
+from msvalidate.simulators.bodies.tetrahedra import linear_elements
 from msvalidate.simulators.exchange.protocol import Request, Simulator, SimulatorError, ask
 from msvalidate_check import ElasticCase, elastic_case
 from msvalidate_check.case_set import case_facts
@@ -59,24 +58,6 @@ class Effective:
     E: float
     nu: float
     left: float
-
-
-def linear_law(E: float, nu: float) -> Stress:
-    """Hooke's law of the small strain, as a stress of the deformation gradient."""
-    lam, mu = lame(3, E, nu)
-
-    def stress(F: Array) -> Array:
-        strain = (F + np.swapaxes(F, -1, -2)) / 2 - np.eye(3)
-        spread = np.trace(strain, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
-        return np.asarray(2 * mu * strain + lam * spread)
-
-    return stress
-
-
-def linear_elements(request: Request, E: float, nu: float, mass: Array | None = None) -> Array:
-    """(n, 3) m of linear tetrahedra of a material on a request's own mesh, with other masses."""
-    own = request if mass is None else replace(request, mass=mass)
-    return at_rest(tetrahedra_of(request.mesh), own, linear_law(E, nu))[0]
 
 
 @dataclass(frozen=True, eq=False)

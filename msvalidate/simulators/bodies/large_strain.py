@@ -13,15 +13,10 @@ from typing import Any
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, Isotropic, SolverError
+from msvalidate.problem import Array, Isotropic, Mesh, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import blocks
-from msvalidate.simulators.bodies.tetrahedra import (
-    Stress,
-    at_rest,
-    deformation_gradients,
-    tetrahedra_of,
-)
+from msvalidate.simulators.bodies.tetrahedra import Stress, at_rest, linear_elements
 from msvalidate.simulators.exchange.protocol import CannotRepresent, Request, Simulator, ask
 from msvalidate.simulators.exchange.rest import stated_residual_motion
 
@@ -93,14 +88,13 @@ def at_large_strain(
             continue
         mass = None if mass_of is None else mass_of(request)
         weighed = request if mass is None else replace(request, mass=mass)
-        body = tetrahedra_of(request.mesh)
         try:
-            wanted = at_rest(body, weighed, stress)[0]
+            wanted, solid = at_rest(weighed, stress)
         except SolverError as error:
             raise SolverError(f"{name} at {STRAIN:.0%} strain: {error}") from error
-        F = deformation_gradients(body, request.mesh.points + wanted)
-        green = np.linalg.eigvalsh((np.swapaxes(F, 1, 2) @ F - np.eye(3)) / 2)
-        linear = blocks.linear_elements(weighed, material.E, material.nu)
+        F = solid.gradient(wanted)
+        green = np.linalg.eigvalsh((np.swapaxes(F, -1, -2) @ F - np.eye(3)) / 2)
+        linear = linear_elements(weighed, material.E, material.nu)
         found = np.asarray(answer.displacement)
         return AtLargeStrain(
             name,
@@ -115,8 +109,9 @@ def at_large_strain(
 def _strained(name: str, material: Isotropic, settings: Mapping[str, Any] | None) -> Request:
     """A case of the set as a request, its loads multiplied so that they strain it by `STRAIN`."""
     request = blocks.request_of(blocks.frozen_case(name, MESH, material.nu), material, settings)
-    move = blocks.linear_elements(request, material.E, material.nu)
-    G = deformation_gradients(tetrahedra_of(request.mesh), move)
+    move = linear_elements(request, material.E, material.nu)
+    u = move[request.mesh.cells]
+    G = np.swapaxes(u[:, 1:] - u[:, :1], 1, 2) @ np.linalg.inv(_edges(request.mesh))
     times = STRAIN / float(np.abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2)).max())
     return replace(
         request,
@@ -124,3 +119,9 @@ def _strained(name: str, material: Isotropic, settings: Mapping[str, Any] | None
         gravity=times * request.gravity,
         name=f"{request.name}, loads times {times:.4g}",
     )
+
+
+def _edges(mesh: Mesh) -> Array:
+    """(c, 3, 3) m from a cell's first corner to the others, in columns."""
+    corners = mesh.points[mesh.cells]
+    return np.asarray(np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2))

@@ -76,6 +76,12 @@ def lame(E: float, nu: float) -> tuple[float, float]:
     return mu, lam
 
 
+def stress_of(law: str, E: float, nu: float) -> Callable[[Array], Array]:
+    """P of F alone of a law of `LAWS` for E (Pa) and nu."""
+    mu, lam = lame(E, nu)
+    return lambda F: LAWS[law].stress(F, mu, lam)
+
+
 def law_named(text: str) -> str:
     """Name of the law of a name or key; the text itself where there is none."""
     return next((name for name, law in LAWS.items() if text == law.key), text)

@@ -227,12 +227,11 @@ def _large(
     notes: list[Note],
 ) -> AtLargeStrain | None:
     """A body at large strain beside elements of the documented law."""
-    mu, lam = laws.lame(material.E, material.nu)
     try:
         return at_large_strain(
             simulator,
             material,
-            lambda F: laws.LAWS[law].stress(F, mu, lam),
+            laws.stress_of(law, material.E, material.nu),
             settings,
             mass_of=lambda request: masses_on(request, *weighed),
         )

@@ -12,8 +12,8 @@ from msvalidate.simulators.bodies.blocks import (
     frozen_case,
 )
 from msvalidate.simulators.bodies.factors import factors
-from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
-from msvalidate.simulators.bodies.tetrahedra import tetrahedra
+from msvalidate.simulators.bodies.laws import predicted
+from msvalidate.simulators.bodies.tetrahedra import of_law
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
 from msvalidate.simulators.verdict.judgement import judge_simulator
@@ -24,14 +24,7 @@ ASKED = Isotropic(1e7, 0.3, "solid")
 
 
 def simulator_of(law, times=1.0):
-    def law_of(request):
-        mu, lam = lame(request.material.E, request.material.nu)
-        return lambda F: LAWS[law].stress(F, mu, lam)
-
-    def simulate(request: Request) -> Answer:
-        return tetrahedra(law_of)(replace(request, mass=times * request.mass))
-
-    return simulate
+    return lambda request: of_law(law)(replace(request, mass=times * request.mass))
 
 
 def test_a_block_in_uniform_stress_shows_the_law_on_any_mesh():
