@@ -16,7 +16,14 @@ from msvalidate_check.causes import Cause, phrase
 from msvalidate_check.diagnosis import NOTICED, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
-from msvalidate_check.points import PLACED, matched, positive, vectors
+from msvalidate_check.points import (
+    PLACED,
+    matched,
+    nearest_of_pairs,
+    pairs_within,
+    positive,
+    vectors,
+)
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
@@ -267,11 +274,8 @@ def _field(
     size = float(np.ptp(named, axis=0).max())
 
     def elsewhere(places: Array) -> Array | None:
-        away = np.abs(named[None] - places[:, None]).max(axis=2)
-        nearest = away.argmin(axis=1)
-        if away[np.arange(len(places)), nearest].max() > PLACED * size:
-            return None
-        return np.asarray(case.wanted[nearest])
+        nearest = nearest_of_pairs(named, places, *pairs_within(named, places, PLACED * size))
+        return None if (nearest < 0).any() else np.asarray(case.wanted[nearest])
 
     own = case.at_ratio(case.nu)[order]
     return Field(

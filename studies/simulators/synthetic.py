@@ -31,6 +31,8 @@ STIFFER = 1.01
 CONVERGED = 0.9
 """Of the way to rest, after the iterations asked for."""
 ITERATIONS = 20
+STATED = 1e-6
+"""Of the displacement, what one that is not at rest says that may still change."""
 CRASHED = "the program ended with signal 11"
 NEAR = 2e-3
 """Of a cause's number."""
@@ -135,7 +137,9 @@ def _half_done(request: Request) -> Answer:
         return answer
     iterations = int(request.settings.get("iterations", ITERATIONS))
     part = 1 - (1 - CONVERGED) ** (iterations / ITERATIONS)
+    size = float(np.linalg.norm(answer.displacement, axis=1).max())
     about = dict(answer.about) | {"settings": {"iterations": [iterations, "1"]}}
+    about["at_rest"] = {"change_when_twice_as_long": STATED * size}
     return replace(answer, displacement=part * answer.displacement, about=about)
 
 
@@ -247,7 +251,7 @@ def synthetic_faults() -> Mapping[str, Faulty]:
         "points swapped": Faulty(_swapped, NOT_EXPLAINED, "body"),
         "1 % too stiff": Faulty(_stiffer, CAUSE, "law", STIFFER),
         "k = E h on each edge": Faulty(_springs, NOT_EXPLAINED, "bound"),
-        "states a rest that it is not at": Faulty(_lying, STOPPED, "gate", 0.111),
+        "states a rest that it is not at": Faulty(_lying, STOPPED, "gate", 0.1),
         "crashes": Faulty(_crashing, STOPPED, "gate failed", of={"because": CRASHED}),
         "hangs": Faulty(hanging, STOPPED, "gate failed"),
         "state survives": Faulty(_Forgetful(), STOPPED, "gate", of={"row": "the same again"}),

@@ -131,7 +131,7 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
 
 
 def of_law(law: str, name: str = "linear tetrahedra") -> Callable[[Request], Answer]:
-    """The simulator of a law of `LAWS`; the linear one is of small strains at rest, however large."""
+    """The simulator of a law of `LAWS`; at rest the linear one is of small strains, always."""
     whole = tetrahedra(lambda asked: stress_of(law, asked.material.E, asked.material.nu), name)
 
     def simulate(request: Request) -> Answer:
