@@ -21,6 +21,7 @@ from msvalidate.simulators.bodies.tetrahedra import linear_elements
 from msvalidate.simulators.exchange.protocol import Request, Simulator, SimulatorError, ask
 from msvalidate_check import ElasticCase, elastic_case
 from msvalidate_check.case_set import case_facts
+from msvalidate_check.material import fit_material
 
 ROLLERS = {"pulled": "block_pull_space", "sheared": "block_shear_space"}
 """Blocks that are free to contract: supports hold single components."""
@@ -30,12 +31,8 @@ BENT = {"bent": "cantilever_gravity_space"}
 """Judged under "resolution" alone: linear elements are far off there on any mesh one pays for."""
 RATIOS = (0.0, 0.45)
 """For which elasticity of these bodies is known."""
-STEPS, SETTLED = 20, 1e-12
-"""Of the fit of modulus and ratio."""
-RATIO_STEP = 1e-5
-SHOWS = 1e-3
-"""Part of the displacement, in another shape than the modulus changes it, that a change of the
-ratio by 1 has to make for it to show."""
+ELEMENTS = (-0.95, 0.4999)
+"""Ratios between which linear elements are asked."""
 
 
 Elements = Callable[[Request, float, float, Array | None], Array]
@@ -191,46 +188,7 @@ def elasticity_at(case: ElasticCase, times: float, nu: float) -> Array:
 def effective_on_mesh(found: AtRest) -> Effective:
     """Modulus and ratio of the elements on the same mesh that are nearest to an answer."""
     E, nu = found.request.material.E, found.request.material.nu
-    return nearest_material(
-        found.move, lambda ratio: found.of_elements(E, ratio), E, nu, (-0.95, 0.4999)
-    )
-
-
-def nearest_material(
-    found: Array,
-    by_ratio: Callable[[float], Array],
-    E: float,
-    nu: float,
-    between: tuple[float, float],
-) -> Effective:
-    """Fit found = s u(nu) by Gauss and Newton's steps; the modulus is E / s.
-
-    Parameters
-    ----------
-    found
-        (p, d) m.
-    by_ratio
-        Displacement (p, d) of modulus E at a ratio.
-    E, nu
-        Of `by_ratio`, and where to begin.
-    between
-        Ratios that it knows.
-    """
-    low, high = between
-    scale = 1.0
-    for _ in range(STEPS):
-        # One-sided where the range ends; the step's error is far below what is left.
-        ahead, behind = min(nu + RATIO_STEP, high), max(nu - RATIO_STEP, low)
-        own = by_ratio(nu)
-        slope = (by_ratio(ahead) - by_ratio(behind)) / (ahead - behind)
-        along = (slope * own).sum() / (own * own).sum()
-        shows = max_length(slope - along * own) > SHOWS * max_length(own)
-        columns = np.column_stack([own.ravel(), *([scale * slope.ravel()] if shows else [])])
-        change = np.linalg.lstsq(columns, found.ravel(), rcond=None)[0]
-        scale = float(change[0])
-        new = float(np.clip(nu + change[-1], low, high)) if shows else nu
-        settled, nu = abs(new - nu) < SETTLED, new
-        if settled or scale <= 0:
-            break
-    left = max_length(found - scale * by_ratio(nu)) / (max_length(found) or 1.0)
-    return Effective(E / scale if scale > 0 else np.nan, nu if shows else np.nan, left)
+    fit = fit_material(found.move, lambda ratio: found.of_elements(E, ratio), nu, ELEMENTS)
+    left = max_length(found.move - fit.scale * fit.own) / max_length(found.move)
+    modulus = E / fit.scale if fit.scale > 0 else np.nan
+    return Effective(modulus, fit.nu if fit.shows else np.nan, left)
