@@ -24,8 +24,8 @@ from dataclasses import asdict
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
-from msvalidate.simulators.bodies.blocks import linear_elements
 from msvalidate.simulators.bodies.laws import predicted
+from msvalidate.simulators.bodies.tetrahedra import linear_elements
 from msvalidate.simulators.exchange.program import Program
 from msvalidate.simulators.exchange.protocol import CannotRepresent
 from msvalidate.simulators.probe.probe import probe

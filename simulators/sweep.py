@@ -18,9 +18,15 @@ import numpy as np
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.simulators.bodies.laws import stress_of
 from msvalidate.simulators.bodies.tetrahedra import at_rest
-from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.exchange.rest import stated_residual_motion
-from msvalidate.simulators.gate.block import hanging_block
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    Simulator,
+    ask,
+    stated_residual_motion,
+)
+from msvalidate.simulators.gate.gate import hanging_block
 from msvalidate.simulators.probe.block import Block
 from msvalidate.simulators.probe.masses import patterns
 

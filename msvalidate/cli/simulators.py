@@ -26,8 +26,12 @@ from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.exchange.export import export_case, on_mesh
 from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
-from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
-from msvalidate.simulators.exchange.rest import stated_residual_motion
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    stated_residual_motion,
+)
 from msvalidate.simulators.exchange.template import adapter_template
 from msvalidate.simulators.probe.bench import ROUNDING
 from msvalidate_check import exchange

@@ -18,8 +18,8 @@ from msvalidate import kit
 from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
 from msvalidate.simulators.bodies.tetrahedra import Stress, tetrahedra
 from msvalidate.simulators.exchange.protocol import Request
-from msvalidate.simulators.probe.moduli import SHOWN
 from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import SHOWN
 
 from .gaps import ASKED_RATIO, fill_gaps, with_none
 from .synthetic import OWN_LAW

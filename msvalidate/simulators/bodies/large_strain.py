@@ -17,8 +17,13 @@ from msvalidate.problem import Array, Isotropic, Mesh, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import blocks
 from msvalidate.simulators.bodies.tetrahedra import Stress, at_rest, linear_elements
-from msvalidate.simulators.exchange.protocol import CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.exchange.rest import stated_residual_motion
+from msvalidate.simulators.exchange.protocol import (
+    CannotRepresent,
+    Request,
+    Simulator,
+    ask,
+    stated_residual_motion,
+)
 
 STRAIN = 0.05
 """Largest principal strain of linear elements under the loads that are asked for."""

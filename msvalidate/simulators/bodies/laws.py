@@ -17,7 +17,7 @@ from msvalidate.constants import stiffness
 from msvalidate.problem import VOIGT, Array, ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, require_one_of
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.probe.moduli import Elastic, elastic
+from msvalidate.simulators.probe.reading import Elastic, elastic
 
 Stress = Callable[[Array, float, float], Array]
 """F (..., 3, 3), real or complex, mu, lam (Pa) -> P (..., 3, 3) in Pa; analytic in F near I."""

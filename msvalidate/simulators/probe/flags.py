@@ -8,10 +8,9 @@ import numpy as np
 
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
-from msvalidate.simulators.probe.bench import ROUNDING, Bench
+from msvalidate.simulators.probe.bench import ENGINEERING, ROUNDING, Bench, Push, Station, voigt
 from msvalidate.simulators.probe.masses import Masses
 from msvalidate.simulators.probe.reading import INNER, Flag
-from msvalidate.simulators.probe.states import ENGINEERING, Push, Station, voigt
 from msvalidate_check.causes import phrase
 
 EXACT = 1e-3

@@ -25,14 +25,12 @@ import numpy as np
 
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.exchange.protocol import Answer, Simulator, SimulatorError
-from msvalidate.simulators.exchange.rest import solves_to
-from msvalidate.simulators.probe.bench import Bench, Precision
+from msvalidate.simulators.exchange.protocol import Answer, Simulator, SimulatorError, solves_to
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Precision, Push, Station, voigt
 from msvalidate.simulators.probe.block import Block, probe_mesh
 from msvalidate.simulators.probe.flags import raise_flags, rounding_parts
 from msvalidate.simulators.probe.masses import Masses, measure_masses
 from msvalidate.simulators.probe.reading import SOLVED, STRAINS, Reading
-from msvalidate.simulators.probe.states import ENGINEERING, Push, Station, voigt
 
 STRAIN = {"float64": 2.0**-10, "float32": 2.0**-7}
 """Larger of the two strains by default. In double precision they leave 1e-12 of rounding and of the

@@ -7,7 +7,7 @@ from functools import reduce
 
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.gate.gate import FREE_FALL, HELPED, SETTLES
-from msvalidate.simulators.probe.moduli import SHOWN
+from msvalidate.simulators.probe.reading import SHOWN
 from msvalidate.simulators.verdict.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause

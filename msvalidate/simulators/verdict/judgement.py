@@ -15,7 +15,7 @@ from typing import Any
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies import blocks, laws
-from msvalidate.simulators.bodies.blocks import AtRest, Elements, linear_elements
+from msvalidate.simulators.bodies.blocks import AtRest, Elements
 from msvalidate.simulators.bodies.bodies import (
     BAND,
     MESHES,
@@ -29,6 +29,7 @@ from msvalidate.simulators.bodies.bodies import (
     of_one_kind,
 )
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain, at_large_strain
+from msvalidate.simulators.bodies.tetrahedra import linear_elements
 from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import (
     CannotRepresent,

@@ -10,8 +10,7 @@ from msvalidate.simulators.bodies.blocks import BENT
 from msvalidate.simulators.bodies.bodies import BAND, BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
-from msvalidate.simulators.probe.moduli import anisotropy
-from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.probe.reading import Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
 from msvalidate.simulators.verdict.causes import AGREES, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement

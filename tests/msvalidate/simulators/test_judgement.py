@@ -11,7 +11,7 @@ from msvalidate.simulators.bodies.blocks import (
     effective_on_mesh,
     frozen_case,
 )
-from msvalidate.simulators.bodies.factors import factors
+from msvalidate.simulators.bodies.bodies import factors
 from msvalidate.simulators.bodies.laws import predicted
 from msvalidate.simulators.bodies.tetrahedra import of_law
 from msvalidate.simulators.exchange.asked import Asked

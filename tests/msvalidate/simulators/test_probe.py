@@ -7,8 +7,8 @@ from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.simulators.exchange.protocol import Answer, SimulatorError
 from msvalidate.simulators.probe.block import Block, probe_mesh
 from msvalidate.simulators.probe.masses import Masses
-from msvalidate.simulators.probe.moduli import anisotropy
 from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import anisotropy
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate.simulators.verdict.sheet import ISOTROPIC
 from tests.msvalidate.simulators.little import (
