@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.simulators.bodies.laws import stress_of
 from msvalidate.simulators.bodies.tetrahedra import at_rest
@@ -76,7 +77,7 @@ def rest_states(
     """
     block = hanging_block(material, {**settings, **sweep.settings})
     wanted = _elements(block, sweep)
-    size = _largest(wanted)
+    size = max_length(wanted)
     answers: dict[tuple[int, int], Answer] = {}
     rows = []
     numbers: tuple[int | None, ...] = sweep.iterations or (None,)
@@ -93,7 +94,7 @@ def rest_states(
                 continue
             answers[turn, at] = answer
             row |= {"precision": answer.about["precision"], "seconds": answer.about.get("seconds")}
-            row["error"] = _largest(_moved(answer) - wanted) / size
+            row["error"] = max_length(_moved(answer) - wanted) / size
             row["rest"] = _known(stated_residual_motion(block, answer))
             row["by_iterations"] = _change(answer, answers.get((turn - 1, at)), size)
             row["by_dt"] = _change(answer, answers.get((turn, at - 1)), size)
@@ -135,7 +136,7 @@ def _sum_of(
 
 
 def _change(answer: Answer, before: Answer | None, size: float) -> float | None:
-    return None if before is None else _largest(_moved(answer) - _moved(before)) / size
+    return None if before is None else max_length(_moved(answer) - _moved(before)) / size
 
 
 def _moved(answer: Answer) -> Array:
@@ -145,7 +146,3 @@ def _moved(answer: Answer) -> Array:
 
 def _known(value: float) -> float | None:
     return value if np.isfinite(value) else None
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())

@@ -83,7 +83,7 @@ def images(field: Field) -> list[Image]:
     most = SAME_IMAGE * field.difference
     found = [each for each in found if field.left(each.wanted) > most]
     for name, by_ratio in field.known.items():
-        found.append(Image("coarse mesh", phrase("known", name=name), by_ratio(field.ratio)))
+        found.append(Image("coarse mesh", phrase("named", name=name), by_ratio(field.ratio)))
     return [Image("", phrase("elasticity"), field.wanted), *found]
 
 

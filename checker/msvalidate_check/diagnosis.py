@@ -132,7 +132,7 @@ def _positions_besides(field: Field) -> Iterator[Cause]:
     """Positions in another unit, or of a body that moves more or less."""
     for unit, many in UNITS.items():
         left = field.left(field.found / many - field.places)
-        of = phrase("positions in unit", unit=phrase(unit))
+        of = phrase("positions in unit", unit=unit)
         yield Cause("positions", many, of, left, "unit")
     moved = field.found - field.places
     for times in read_scale(field, moved, field.wanted):
@@ -172,7 +172,7 @@ def _points_besides(field: Field) -> Iterator[Cause]:
     for name, by_ratio in field.known.items():
         found = _few_wrong(field, field.found, by_ratio(field.ratio))
         if found is not None and found[2] <= exact:
-            image = phrase("known", name=name)
+            image = phrase("named", name=name)
             of = phrase("others coarse", points=_few(field, *found[:2]), image=image)
             yield Cause("one point", float(found[0]), of, found[2], "coarse mesh")
 
@@ -223,7 +223,7 @@ def _node_order(field: Field, found: Array, many: float, unit: str) -> Iterator[
         return
 
     def cause(key: str, left: float) -> Cause:
-        of = phrase(f"{key} in unit", unit=phrase(unit)) if unit else phrase(key)
+        of = phrase(f"{key} in unit", unit=unit) if unit else phrase(key)
         return Cause("node order", many, of, left, "unit" if unit else "")
 
     backwards = field.left(found[::-1])

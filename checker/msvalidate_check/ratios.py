@@ -39,7 +39,7 @@ def explain_ratio_besides(field: Field) -> Iterator[Cause]:
     for name, by_ratio in field.known.items():
         nu = _fitted(field, by_ratio, scaled=False)
         if nu is not None:
-            image = phrase("known", name=name)
+            image = phrase("named", name=name)
             of = phrase("coarse mesh and ratio", image=image, nu=nu, given=field.ratio)
             left = field.left(field.found, by_ratio(nu))
             yield Cause("coarse mesh", nu, of, left, "ratio")

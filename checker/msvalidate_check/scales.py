@@ -19,7 +19,7 @@ UNITS = {
     "micrometres": 1e6,
     "inches": 1 / 0.0254,
     "kilometres": 1e-3,
-    "metres for millimetres": 1e-3,
+    "metres for a case in millimetres": 1e-3,
     "feet": 1 / 0.3048,
     "inches for millimetres": 25.4,
     "millimetres for inches": 1 / 25.4,
@@ -68,9 +68,9 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
             continue
         exact = field.left(found / many, wanted)
         if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.uncertainty):
-            yield Times("unit", many, many, phrase(unit), exact)
+            yield Times("unit", many, many, phrase("named", name=unit), exact)
         elif powers >= 1:  # any number is near some unit that is close to 1
-            besides = phrase("unit besides", unit=phrase(unit), times=scale / many)
+            besides = phrase("unit besides", unit=phrase("named", name=unit), times=scale / many)
             yield Times("unit", many, scale, besides, left)
 
 

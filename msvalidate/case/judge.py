@@ -255,7 +255,7 @@ def tables(found: Judgement) -> dict[str, pd.DataFrame]:
         [each.row() for each in found.explanations], columns=["name", "said", "left", "value"]
     )
     made = {
-        "quantities": pd.DataFrame([vars(found.row)]),
+        "quantities": pd.DataFrame([found.row.row()]),
         "causes": causes,
         "budget": budget(found),
         "compared": point_table(found.matched.places, found.matched.displacement, found.reference),

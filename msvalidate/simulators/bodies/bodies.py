@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import blocks
@@ -294,7 +295,7 @@ def body_row(
     """A body, its difference from elasticity and the causes of it."""
     case, request = found.case, found.request
     wanted = blocks.elasticity_at(case, 1.0, request.material.nu)
-    error = _largest(found.move[case.named] - wanted) / _largest(wanted)
+    error = max_length(found.move[case.named] - wanted) / max_length(wanted)
     rest = stated_residual_motion(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
     row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
@@ -333,7 +334,7 @@ def _is_finer(found: AtRest, law: tuple[float, float], on_mesh: Array) -> bool:
     if not low <= nu <= high:
         return False
     elastic = blocks.elasticity_at(found.case, E / found.request.material.E, nu)
-    return _largest(found.move[named] - elastic) <= _largest(on_mesh[named] - elastic) / 2
+    return max_length(found.move[named] - elastic) <= max_length(on_mesh[named] - elastic) / 2
 
 
 def of_one_kind(rows: tuple[BodyRow, ...]) -> tuple[BodyRow, ...]:
@@ -368,7 +369,7 @@ def load_more(
         near, far = at_rest_both_ways(*asked), at_rest_both_ways(*asked, away=AWAY)
     except (CannotRepresent, SolverError):
         return row
-    each = [_largest(one.move - expected) / _largest(expected) for one in (near, far)]
+    each = [max_length(one.move - expected) / max_length(expected) for one in (near, far)]
     return replace(row, loaded_more=each[0], far_away=each[1])
 
 
@@ -378,7 +379,3 @@ def _shape(found: AtRest, expected: Array) -> Cause | None:
     span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
     field = Field(points, found.move, expected, UNEXPLAINED / 10, found.case.driven, span)
     return next(iter(explain(field)), None)
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max()) or math.nan
