@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.output import figures
 from msvalidate.output.stored import draw_files
-from msvalidate.simulators.laws import predicted
+from msvalidate.simulators.bodies.laws import predicted
 
 HERE = Path(__file__).resolve().parent
 RECORDED = HERE.parent / "reports" / "baseline" / "full" / "simulators" / "recorded.csv"

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from msvalidate import __version__
-from msvalidate.simulators.program import Program
-from msvalidate.simulators.record import text_of
+from msvalidate.simulators.exchange.program import Program
+from msvalidate.simulators.verdict.record import json_of
 from msvalidate_check import exchange
 
 HERE = Path(__file__).resolve().parent
@@ -58,7 +58,7 @@ def save(name: str, record: Any) -> None:
     """Write a record, which JSON can hold, to a file of the study's data."""
     path = DATA / name
     path.parent.mkdir(parents=True, exist_ok=True)
-    exchange.replace_file(path, (text_of(record) + "\n").encode)
+    exchange.replace_file(path, (json_of(record) + "\n").encode)
 
 
 def packages(environment: str) -> dict[str, str]:

@@ -17,6 +17,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Array,
     Box,
@@ -27,8 +28,8 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.simulators.export import CELLS, export_case
-from msvalidate.simulators.protocol import Answer, Request, ask
+from msvalidate.simulators.exchange.export import CELLS, export_case
+from msvalidate.simulators.exchange.protocol import Answer, Request, ask
 from msvalidate_check import elastic_case
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.elements import of_shape
@@ -71,14 +72,14 @@ def record_elements() -> None:
         asked, places, wanted, known = body_of(name, nu, order)
         answer = ask(simulator, asked)
         about = dict(answer.about)
-        error = _largest(moved(answer)[places, : wanted.shape[1]] - wanted)
+        error = max_length(moved(answer)[places, : wanted.shape[1]] - wanted)
         rows.append(
             {
                 "case": name,
                 "nu": nu,
                 "order": order,
                 "cells": len(asked.mesh.cells),
-                "error": _short(error / _largest(wanted)),
+                "error": _short(error / max_length(wanted)),
                 "known": _short(known),
             }
         )
@@ -161,7 +162,7 @@ def record_springs() -> None:
             theirs = ask(bonds, asked)
             ours = ask(springs, replace(asked, settings={"geometry": "nonlinear"}))
             linear = ask(springs, replace(asked, settings={"geometry": "linear"}))
-            size = _largest(moved(ours))
+            size = max_length(moved(ours))
             load = float(np.abs(asked.force).max())
             versions = {a.about["simulator"]: a.about["version"] for a in (theirs, ours)}
             rows.append(
@@ -171,8 +172,8 @@ def record_springs() -> None:
                     "points": len(asked.mesh.points),
                     "springs": 0 if asked.springs is None else len(asked.springs.ends),
                     "moved": _short(size),
-                    "difference": _short(_largest(moved(theirs) - moved(ours)) / size),
-                    "linear": _short(_largest(moved(theirs) - moved(linear)) / size),
+                    "difference": _short(max_length(moved(theirs) - moved(ours)) / size),
+                    "linear": _short(max_length(moved(theirs) - moved(linear)) / size),
                     "residual": _short(theirs.about["at_rest"]["residual"] / load),
                 }
             )
@@ -202,10 +203,6 @@ def moved(answer: Answer) -> Array:
     """Displacement (n, d) of an answer of rest, m."""
     assert answer.displacement is not None  # noqa: S101  as `ask` sees to
     return answer.displacement
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _short(value: float) -> float:

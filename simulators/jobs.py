@@ -26,7 +26,7 @@ class Job:
     environment
         `.venv-NAME` that it runs in; "" for our own.
     law
-        Of `msvalidate.simulators.laws`, as its documents or source have it; "" if it has none.
+        Of `msvalidate.simulators.bodies.laws`, as its documents or source have it; "" if none.
     source
         Where that stands.
     settings, probed

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.problem import SHAPES, Array
-from msvalidate.simulators.protocol import Request
+from msvalidate.simulators.exchange.protocol import Request
 
 HEXAHEDRON = SHAPES["hexahedron"]
 GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3)

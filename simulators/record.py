@@ -24,14 +24,14 @@ from dataclasses import asdict
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
-from msvalidate.simulators.blocks import linear_elements
-from msvalidate.simulators.judgement import judge_simulator
-from msvalidate.simulators.laws import predicted
-from msvalidate.simulators.probe import probe
-from msvalidate.simulators.program import Program
-from msvalidate.simulators.protocol import CannotRepresent
-from msvalidate.simulators.reading import Reading
-from msvalidate.simulators.record import probe_record, record_of
+from msvalidate.simulators.bodies.laws import predicted
+from msvalidate.simulators.bodies.tetrahedra import linear_elements
+from msvalidate.simulators.exchange.program import Program
+from msvalidate.simulators.exchange.protocol import CannotRepresent
+from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.verdict.judgement import judge_simulator
+from msvalidate.simulators.verdict.record import probe_record, record_of
 from simulators.environments import DATA, adapter_of, pins, python_of, save
 from simulators.held import record_elements, record_springs
 from simulators.jobs import EXCLUDED, JOBS, Job
@@ -151,7 +151,7 @@ def _record(job: Job) -> bool:
         record["curve"] = [_point(simulator, job, nu, known) for nu in CURVE]
     save(f"{job.name}.json", record)
     print(f"{job.name}: {record['state']}, {time.perf_counter() - began:.0f} s", flush=True)
-    for line in (*record["causes"], *judged.notes):
+    for line in (*record["causes"], *record["notes"]):
         print(f"  {line}", flush=True)
     return True
 

@@ -15,15 +15,21 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
-from msvalidate.simulators.blocks import linear_law
-from msvalidate.simulators.gate_block import hanging_block
-from msvalidate.simulators.laws import LAWS, lame
-from msvalidate.simulators.masses import patterns
-from msvalidate.simulators.probe_mesh import Block
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request, Simulator, ask
-from msvalidate.simulators.rest import stated_residual_motion
-from msvalidate.simulators.tetrahedra import at_rest, tetrahedra_of
+from msvalidate.simulators.bodies.laws import stress_of
+from msvalidate.simulators.bodies.tetrahedra import at_rest
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    Simulator,
+    ask,
+    stated_residual_motion,
+)
+from msvalidate.simulators.gate.gate import hanging_block
+from msvalidate.simulators.probe.block import Block
+from msvalidate.simulators.probe.masses import patterns
 
 OWN_SHARE = "each node's own share"
 LENT = (1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
@@ -42,9 +48,9 @@ class Sweep:
     iterations
         Of a step; none for programs that have no such number.
     law
-        Of `msvalidate.simulators.laws`, that the states should near.
+        Of `msvalidate.simulators.bodies.laws`, that the states should near.
     masses
-        Of its nodes, as documented: a key of `msvalidate.simulators.masses.patterns`.
+        Of its nodes, as documented: a key of `msvalidate.simulators.probe.masses.patterns`.
     settings
         Beside those of the job.
     label
@@ -71,7 +77,7 @@ def rest_states(
     """
     block = hanging_block(material, {**settings, **sweep.settings})
     wanted = _elements(block, sweep)
-    size = _largest(wanted)
+    size = max_length(wanted)
     answers: dict[tuple[int, int], Answer] = {}
     rows = []
     numbers: tuple[int | None, ...] = sweep.iterations or (None,)
@@ -88,7 +94,7 @@ def rest_states(
                 continue
             answers[turn, at] = answer
             row |= {"precision": answer.about["precision"], "seconds": answer.about.get("seconds")}
-            row["error"] = _largest(_moved(answer) - wanted) / size
+            row["error"] = max_length(_moved(answer) - wanted) / size
             row["rest"] = _known(stated_residual_motion(block, answer))
             row["by_iterations"] = _change(answer, answers.get((turn - 1, at)), size)
             row["by_dt"] = _change(answer, answers.get((turn, at - 1)), size)
@@ -109,34 +115,28 @@ def _time_steps(simulator: Simulator, block: Request, sweep: Sweep) -> tuple[flo
 
 def _elements(block: Request, sweep: Sweep) -> Array:
     """(n, 3) m of linear tetrahedra of the law at rest, with its large strains and its masses."""
-    mu, lam = lame(block.material.E, block.material.nu)
     pattern = patterns(Block(block.mesh, block.material))[sweep.masses]
     weighed = replace(block, mass=pattern * (block.mass.sum() / pattern.sum()))
-    body, law = tetrahedra_of(block.mesh), LAWS[sweep.law].stress
-    hooke = linear_law(block.material.E, block.material.nu)
+    E, nu = block.material.E, block.material.nu
+    law, hooke = stress_of(sweep.law, E, nu), stress_of("linear", E, nu)
     try:
-        return at_rest(body, weighed, lambda F: law(F, mu, lam))[0]
+        return at_rest(weighed, law)[0]
     except SolverError:  # it has no stiffness where it begins: less and less of another's is lent
         move = None
         for part in LENT:
-            lent = partial(_sum_of, law, hooke, (mu, lam, part))
-            move = at_rest(body, weighed, lent, move)[0]
-        return at_rest(body, weighed, lambda F: law(F, mu, lam), move)[0]
+            move = at_rest(weighed, partial(_sum_of, law, hooke, part), move)[0]
+        return at_rest(weighed, law, move)[0]
 
 
 def _sum_of(
-    law: Callable[[Array, float, float], Array],
-    hooke: Callable[[Array], Array],
-    numbers: tuple[float, float, float],
-    F: Array,
+    law: Callable[[Array], Array], hooke: Callable[[Array], Array], part: float, F: Array
 ) -> Array:
     """A law's stress of F, and a part of Hooke's."""
-    mu, lam, part = numbers
-    return law(F, mu, lam) + part * hooke(F)
+    return law(F) + part * hooke(F)
 
 
 def _change(answer: Answer, before: Answer | None, size: float) -> float | None:
-    return None if before is None else _largest(_moved(answer) - _moved(before)) / size
+    return None if before is None else max_length(_moved(answer) - _moved(before)) / size
 
 
 def _moved(answer: Answer) -> Array:
@@ -146,7 +146,3 @@ def _moved(answer: Answer) -> Array:
 
 def _known(value: float) -> float | None:
     return value if np.isfinite(value) else None
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())

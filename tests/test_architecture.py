@@ -505,7 +505,7 @@ WRITING = {
     "msvalidate.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),
-    "msvalidate.simulators.program": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.simulators.exchange.program": ("tempfile.TemporaryDirectory(",),
     "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.cli.program": ("os.open(os.devnull,",),
     "msvalidate.cli.terminal": ("open(os.devnull,",),

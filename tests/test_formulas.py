@@ -22,7 +22,7 @@ from msvalidate.dynamics import spectrum
 from msvalidate.lattice import boundary_weights
 from msvalidate.network import internal_force
 from msvalidate.network.laws import volumes
-from msvalidate.simulators.laws import LAWS, lame, predicted
+from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from msvalidate.simulators.laws import predicted
+from msvalidate.simulators.bodies.laws import predicted
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "one-asset.md").read_text(encoding="utf-8")

@@ -19,29 +19,6 @@ MOST_RATIO = 0.495
 """Ratio up to which elements without a pressure of their own are asked."""
 
 
-@dataclass(frozen=True)
-class Explanation:
-    """One way to understand a field.
-
-    Parameters
-    ----------
-    name
-        A short name, for tables; of two faults at once both, joined by "and".
-    said
-        A sentence.
-    left
-        Largest difference that it leaves, over elasticity's largest displacement, with the field
-        brought to elasticity's size.
-    value
-        The number that it fits: a scale, a ratio, a count; NaN if none.
-    """
-
-    name: str
-    said: str
-    left: float
-    value: float = math.nan
-
-
 @dataclass(frozen=True, eq=False)
 class Field:
     """Displacements (n, d) of a candidate and of elasticity at places (n, d), all in m.

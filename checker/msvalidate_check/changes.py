@@ -14,7 +14,8 @@ from itertools import permutations, product
 
 import numpy as np
 
-from msvalidate_check.beside import AXES, Array, Explanation, Field
+from msvalidate_check.beside import AXES, Array, Field
+from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.scales import Times, read_scale
 
 SAME_IMAGE = 0.1
@@ -29,23 +30,23 @@ MOST_ASKED = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """What a field may be a copy of: name of the cause, words, displacements (n, d) in m."""
+    """What a field may be a copy of: kind of the cause, phrase, displacements (n, d) in m."""
 
-    name: str
-    said: str
+    kind: str
+    of: Phrase
     wanted: Array
 
 
 @dataclass(frozen=True)
 class Frame:
-    """An order of components and their signs: name of the cause, words."""
+    """An order of components and their signs: kind of the cause, phrases."""
 
-    name: str
-    said: str
+    kind: str
+    words: tuple[Phrase, ...]
     order: tuple[int, ...]
     signs: tuple[float, ...]
 
-    def of(self, found: Array) -> Array:
+    def back(self, found: Array) -> Array:
         """A field (n, d) with its components put back."""
         return np.asarray(found[:, list(self.order)] * np.array(self.signs))
 
@@ -64,15 +65,15 @@ def frames(d: int) -> tuple[Frame, ...]:
         for signs in product((1.0, -1.0), repeat=d):
             flips = [AXES[a] for a in range(d) if signs[a] < 0]
             moved = order != tuple(range(d))
-            words = [f"components in the order {', '.join(AXES[a] for a in order)}"] * moved
+            words = [phrase("axes", order=", ".join(AXES[a] for a in order))] * moved
             if len(flips) == d and not moved:
-                words.append("the other sign")
+                words.append(phrase("sign"))
             elif flips:
-                words.append(f"the other sign of {' and '.join(flips)}")
-            name = "axes" if moved else "sign" if flips else ""
-            found.append(Frame(name, " and ".join(words), order, signs))
+                words.append(phrase("signs", axes=tuple(flips)))
+            kind = "axes" if moved else "sign" if flips else ""
+            found.append(Frame(kind, tuple(words), order, signs))
     off = {"": 0, "sign": 1, "axes": 2}
-    found.sort(key=lambda each: (off[each.name], sum(s < 0 for s in each.signs)))
+    found.sort(key=lambda each: (off[each.kind], sum(s < 0 for s in each.signs)))
     return tuple(found)
 
 
@@ -82,16 +83,15 @@ def images(field: Field) -> list[Image]:
     most = SAME_IMAGE * field.difference
     found = [each for each in found if field.left(each.wanted) > most]
     for name, by_ratio in field.known.items():
-        found.append(Image("coarse mesh", name, by_ratio(field.ratio)))
-    return [Image("", "elasticity", field.wanted), *found]
+        found.append(Image("coarse mesh", phrase("named", name=name), by_ratio(field.ratio)))
+    return [Image("", phrase("elasticity"), field.wanted), *found]
 
 
 def _unwritten(field: Field) -> Iterator[Image]:
     """Elasticity without the component that is 0 everywhere."""
     for axis in np.flatnonzero(~field.found.any(axis=0)):
-        said = f"elasticity with no displacement along {AXES[axis]}: is that component written"
         shown = np.arange(field.found.shape[1]) != axis
-        yield Image("component", said, field.wanted * shown)
+        yield Image("component", phrase("component", axis=AXES[axis]), field.wanted * shown)
 
 
 def _other_state(field: Field) -> Iterator[Image]:
@@ -108,8 +108,7 @@ def _other_state(field: Field) -> Iterator[Image]:
     E, like = (1 / (1 - nu**2), nu / (1 - nu))
     if state == "plane stress":
         E, like = (1 + 2 * nu) / (1 + nu) ** 2, nu / (1 + nu)
-    said = f"elasticity in {state} (the same here as E {E:.4g} times as large, nu = {like:.4g})"
-    yield Image("plane state", said, wanted)
+    yield Image("plane state", phrase("plane state", state=state, E=E, nu=like), wanted)
 
 
 def _mirrored(field: Field) -> Iterator[Image]:
@@ -123,47 +122,50 @@ def _mirrored(field: Field) -> Iterator[Image]:
         other = field.elsewhere(np.where(turned, low + high - field.places, field.places))
         if other is None:
             continue
-        along = " and ".join(AXES[axis] for axis in axes)
+        along = tuple(AXES[axis] for axis in axes)
         if len(axes) == 1:
-            said = f"elasticity of the body mirrored along {along}"
-            yield Image("mirrored", said, other * np.where(turned, -1.0, 1.0))
-        yield Image("places", f"elasticity at places mirrored along {along}", other)
+            of = phrase("mirrored", axes=along)
+            yield Image("mirrored", of, other * np.where(turned, -1.0, 1.0))
+        yield Image("places", phrase("places", axes=along), other)
 
 
-def explain_one_change(field: Field, every: list[Image]) -> Iterator[Explanation]:
+def explain_one_change(field: Field, every: list[Image]) -> Iterator[Cause]:
     """Other axes, other signs, or another of all `images`, and nothing besides."""
     itself, *others = every
     for image in others:
-        said = f"{image.said}?"
-        if image.name == "coarse mesh":
-            said = f"as {image.said} give it: take a finer mesh"
-        yield Explanation(image.name, said, field.left(field.found, image.wanted))
+        of = phrase("coarse mesh" if image.kind == "coarse mesh" else "image", image=image.of)
+        yield Cause(image.kind, of=of, left=field.left(field.found, image.wanted))
     seen: list[tuple[str, Array]] = []
     for frame in frames(field.found.shape[1])[1:]:
         if _least_left(field, itself, frame, 1.0, scaled=False) > MOST_ASKED:
             continue
         copy = frame.put(field.wanted)
-        if any(name == frame.name and field.left(copy, other) <= SAME for name, other in seen):
+        if any(kind == frame.kind and field.left(copy, other) <= SAME for kind, other in seen):
             continue
-        seen.append((frame.name, copy))
-        said = f"elasticity with {frame.said}?"
-        yield Explanation(frame.name, said, field.left(frame.of(field.found)))
+        seen.append((frame.kind, copy))
+        of = phrase("image", image=_with_frame(itself, frame))
+        yield Cause(frame.kind, of=of, left=field.left(frame.back(field.found)))
 
 
-def explain_two_changes(field: Field, every: list[Image], most: float) -> Iterator[Explanation]:
+def explain_two_changes(field: Field, every: list[Image], most: float) -> Iterator[Cause]:
     """Two of another scale, other axes or signs, and another image, that leave at most so much."""
     for image in every:
         for frame in frames(field.found.shape[1]):
-            if image.name and frame.name:
+            if image.kind and frame.kind:
                 if _least_left(field, image, frame, most, scaled=False) <= most:
-                    left = field.left(frame.of(field.found), image.wanted)
-                    said = f"{image.said} with {frame.said}?"
-                    yield Explanation(f"{image.name} and {frame.name}", said, left)
-            elif (image.name or frame.name) and (
+                    of = phrase("image", image=_with_frame(image, frame))
+                    left = field.left(frame.back(field.found), image.wanted)
+                    yield Cause(image.kind, of=of, left=left, beside=frame.kind)
+            elif (image.kind or frame.kind) and (
                 _least_left(field, image, frame, most, scaled=True) <= most
             ):
-                for times in read_scale(field, frame.of(field.found), image.wanted):
+                for times in read_scale(field, frame.back(field.found), image.wanted):
                     yield _scaled(image, frame, times)
+
+
+def _with_frame(image: Image, frame: Frame) -> Phrase:
+    """An image with other axes or signs, if there are any."""
+    return phrase("with", image=image.of, frame=frame.words) if frame.kind else image.of
 
 
 def _least_left(field: Field, image: Image, frame: Frame, most: float, *, scaled: bool) -> float:
@@ -181,10 +183,9 @@ def _least_left(field: Field, image: Image, frame: Frame, most: float, *, scaled
     return float(np.sqrt(max(square, 0.0) / len(found))) / field.size
 
 
-def _scaled(image: Image, frame: Frame, times: Times) -> Explanation:
+def _scaled(image: Image, frame: Frame, times: Times) -> Cause:
     """An image or a frame, and a scale besides."""
-    other = f" with {frame.said}" if frame.name else ""
-    many = f"{times.scale:.4g} times {image.said}{other}"
-    said = f"{many}: {times.said}?" if times.said else f"{many}: modulus or loads besides?"
-    value = times.many if times.name == "unit" else times.scale
-    return Explanation(f"{image.name or frame.name} and {times.name}", said, times.left, value)
+    key = "scale and" if times.unit is None else "unit and"
+    of = phrase(key, scale=times.scale, image=_with_frame(image, frame), unit=times.unit)
+    value = times.many if times.kind == "unit" else times.scale
+    return Cause(image.kind or frame.kind, value, of, times.left, times.kind)

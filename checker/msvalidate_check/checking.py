@@ -12,17 +12,23 @@ from numpy.typing import ArrayLike
 
 from msvalidate_check.beside import longest
 from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
-from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
+from msvalidate_check.causes import Cause, phrase
+from msvalidate_check.diagnosis import NOTICED, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
-from msvalidate_check.points import PLACED, matched, positive, vectors
+from msvalidate_check.points import (
+    PLACED,
+    matched,
+    nearest_of_pairs,
+    pairs_within,
+    positive,
+    vectors,
+)
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
-OF_MATERIAL = {
-    "modulus", "load", "scale", "ratio", "unit", "scale and ratio", "unit and ratio"
-}  # fmt: skip
-"""Causes after which the nearest material is one."""
+OF_MATERIAL = frozenset({"modulus", "load", "scale", "ratio", "unit"})
+"""Kinds of causes after which the nearest material is one."""
 ALMOST, MANY, HUGE = 0.995, 10.0, 1e6
 """Parts from which text takes three digits, says times in place of %, and writes powers of ten."""
 LEAST_SHOWN = 5e-9
@@ -90,7 +96,7 @@ class Verdict:
     uncertainty: float
     band: float
     parts: Mapping[str, float]
-    causes: tuple[Explanation, ...]
+    causes: tuple[Cause, ...]
     material: Material
     rest: float
     precision: float
@@ -239,23 +245,22 @@ def _matched(
     return _Matched(order, field_, precision, notes)
 
 
-def _causes(given: _Matched, error: float, rest: float) -> tuple[Explanation, ...]:
+def _causes(given: _Matched, error: float, rest: float) -> tuple[Cause, ...]:
     """All that explain the difference; that it is not at rest comes first, where that may do."""
     causes = explain(given.field)
     if rest >= error > NOTICED * given.field.uncertainty:
-        still = Explanation("rest", "not at rest: it may still change by as much", 0.0, rest)
-        return (still, *causes)
+        return (Cause("rest", rest, phrase("rest"), 0.0), *causes)
     return causes
 
 
 def _material(
-    case: ElasticCase, given: _Matched, error: float, causes: tuple[Explanation, ...]
+    case: ElasticCase, given: _Matched, error: float, causes: tuple[Cause, ...]
 ) -> Material:
     """The material that is nearest; NaN where there is a difference that is of no material."""
     rounding = given.precision * given.field.size
     near = nearest_material(case, given.order, given.field.found, rounding)
     if error > NOTICED * given.field.uncertainty and not any(
-        each.name in OF_MATERIAL for each in causes
+        each.kinds <= OF_MATERIAL for each in causes
     ):
         return Material(left=near.left)
     return near
@@ -269,11 +274,8 @@ def _field(
     size = float(np.ptp(named, axis=0).max())
 
     def elsewhere(places: Array) -> Array | None:
-        away = np.abs(named[None] - places[:, None]).max(axis=2)
-        nearest = away.argmin(axis=1)
-        if away[np.arange(len(places)), nearest].max() > PLACED * size:
-            return None
-        return np.asarray(case.wanted[nearest])
+        nearest = nearest_of_pairs(named, places, *pairs_within(named, places, PLACED * size))
+        return None if (nearest < 0).any() else np.asarray(case.wanted[nearest])
 
     own = case.at_ratio(case.nu)[order]
     return Field(

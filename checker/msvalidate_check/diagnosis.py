@@ -17,18 +17,18 @@ import numpy as np
 from msvalidate_check.beside import (
     Array,
     Driven,
-    Explanation,
     Field,
     fit,
     longest,
     rigid_motions,
     split,
 )
+from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.changes import Image, explain_one_change, explain_two_changes, images
 from msvalidate_check.ratios import explain_ratio, explain_ratio_besides
 from msvalidate_check.scales import AS_WELL, NOTICED, UNITS, explain_scale, read_scale
 
-__all__ = ["FITS", "NOTICED", "Driven", "Explanation", "Field", "explain", "split"]
+__all__ = ["FITS", "NOTICED", "Driven", "Field", "explain", "split"]
 FITS = 0.1
 """Of the difference that was there, what an explanation may leave; of what one fault leaves, what
 two at once may."""
@@ -51,12 +51,12 @@ SAME_LENGTH = 1e-3
 """Part by which a unit and the ratio of the mean lengths of two fields may differ."""
 
 
-def explain(field: Field) -> tuple[Explanation, ...]:
+def explain(field: Field) -> tuple[Cause, ...]:
     """All explanations of a field that fit, the best first; none where it needs none."""
     if field.left(field.found) <= NOTICED * field.uncertainty:
         return ()
     if not field.found.any():
-        return (Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0),)
+        return (Cause("zero", 0.0, phrase("zero"), 0.0),)
     before = min(1.0, field.difference)
     every = images(field)
     alone = list(_one_fault(field, every))
@@ -73,17 +73,16 @@ def explain(field: Field) -> tuple[Explanation, ...]:
     return (*two, *one)
 
 
-def _is_little(found: Explanation, most: float, uncertainty: float) -> bool:
+def _is_little(found: Cause, most: float, uncertainty: float) -> bool:
     """Whether an explanation leaves little: less where it fits a number, which fits any field."""
-    faults = set(found.name.split(" and "))
-    if "coarse mesh" in faults and len(faults) > 1:
+    if "coarse mesh" in found.kinds and found.beside:
         return found.left <= min(most, COARSE_KNOWN)
-    if faults <= WHOLE:
+    if found.kinds <= WHOLE:
         return found.left <= most
     return found.left <= min(most, max(RIGHT, NOTICED * uncertainty))
 
 
-def _one_fault(field: Field, every: list[Image]) -> Iterator[Explanation]:
+def _one_fault(field: Field, every: list[Image]) -> Iterator[Cause]:
     yield from explain_scale(field)
     yield from explain_one_change(field, every)
     for ways in (_positions, _points, _rigid, explain_ratio):
@@ -91,7 +90,7 @@ def _one_fault(field: Field, every: list[Image]) -> Iterator[Explanation]:
     yield from _node_order(field, field.found, 1.0, "")
 
 
-def _two_faults(field: Field, every: list[Image], most: float) -> Iterator[Explanation]:
+def _two_faults(field: Field, every: list[Image], most: float) -> Iterator[Cause]:
     """Pairs of faults; `most` is what they may leave."""
     yield from explain_two_changes(field, every, most)
     yield from explain_ratio_besides(field)
@@ -100,7 +99,7 @@ def _two_faults(field: Field, every: list[Image], most: float) -> Iterator[Expla
     yield from _node_order_in_units(field)
 
 
-def _best(good: list[Explanation], before: float, uncertainty: float) -> list[Explanation]:
+def _best(good: list[Cause], before: float, uncertainty: float) -> list[Cause]:
     """Of those that leave little those that leave about as little as the best."""
     if not good:
         return []
@@ -109,9 +108,9 @@ def _best(good: list[Explanation], before: float, uncertainty: float) -> list[Ex
     return sorted((each for each in good if each.left <= room), key=lambda each: each.left)
 
 
-def _plainest(found: list[Explanation]) -> list[Explanation]:
+def _plainest(found: list[Cause]) -> list[Cause]:
     """Of pairs the best of each name, and of these those that leave about as little."""
-    best: dict[str, Explanation] = {}
+    best: dict[str, Cause] = {}
     for each in found:
         if each.name not in best or AS_WELL * each.left < best[each.name].left:
             best[each.name] = each
@@ -124,38 +123,37 @@ def _plainest(found: list[Explanation]) -> list[Explanation]:
 # Other changes ------------------------------------------------------------------------------------
 
 
-def _positions(field: Field) -> Iterator[Explanation]:
-    said = "positions in place of displacements: take the places at rest off"
-    yield Explanation("positions", said, field.left(field.found - field.places))
+def _positions(field: Field) -> Iterator[Cause]:
+    left = field.left(field.found - field.places)
+    yield Cause("positions", of=phrase("positions"), left=left)
 
 
-def _positions_besides(field: Field) -> Iterator[Explanation]:
+def _positions_besides(field: Field) -> Iterator[Cause]:
     """Positions in another unit, or of a body that moves more or less."""
-    said = "positions in place of displacements"
     for unit, many in UNITS.items():
         left = field.left(field.found / many - field.places)
-        yield Explanation("positions and unit", f"{said}, in {unit}?", left, many)
+        of = phrase("positions in unit", unit=unit)
+        yield Cause("positions", many, of, left, "unit")
     moved = field.found - field.places
     for times in read_scale(field, moved, field.wanted):
-        many = times.scale
-        away = longest(moved - many * field.wanted)
+        away = longest(moved - times.scale * field.wanted)
         left = max(times.left, away / field.size, away / longest(field.found))
-        words = f"{said}, and displacements {many:.4g} times elasticity"
-        words += f": {times.said}?" if times.said else ""
-        yield Explanation(f"positions and {times.name}", words, left, times.many)
+        key = "positions and scale" if times.unit is None else "positions and unit"
+        of = phrase(key, scale=times.scale, unit=times.unit)
+        yield Cause("positions", times.many, of, left, times.kind)
 
 
-def _points(field: Field) -> Iterator[Explanation]:
+def _points(field: Field) -> Iterator[Cause]:
     """A few points wrong, all others right in themselves."""
     found = _few_wrong(field, field.found, field.wanted)
     if found is not None:
         count, first, left = found
-        rest = f"to {left:.1g} of the largest" if left > field.uncertainty else "to what is known"
-        said = f"{_few(field, count, first)}; all others are right {rest}"
-        yield Explanation("one point", said, left, float(count))
+        key = "right" if left > field.uncertainty else "right as known"
+        of = phrase(key, points=_few(field, count, first), left=left)
+        yield Cause("one point", float(count), of, left)
 
 
-def _points_besides(field: Field) -> Iterator[Explanation]:
+def _points_besides(field: Field) -> Iterator[Cause]:
     """A few points wrong, and all others elasticity times a number, or as a coarse mesh has them.
 
     The number is the median over the points, which a few do not move.
@@ -169,13 +167,14 @@ def _points_besides(field: Field) -> Iterator[Explanation]:
     if many > 0:
         found = _few_wrong(field, field.found / many, field.wanted)
         if found is not None and found[2] <= exact < abs(many - 1):
-            said = f"{_few(field, *found[:2])}; all others {many:.4g} times elasticity"
-            yield Explanation("one point and scale", said, found[2], float(many))
+            of = phrase("others scaled", points=_few(field, *found[:2]), scale=float(many))
+            yield Cause("one point", float(many), of, found[2], "scale")
     for name, by_ratio in field.known.items():
         found = _few_wrong(field, field.found, by_ratio(field.ratio))
         if found is not None and found[2] <= exact:
-            said = f"{_few(field, *found[:2])}; all others as {name} give them"
-            yield Explanation("one point and coarse mesh", said, found[2], float(found[0]))
+            image = phrase("named", name=name)
+            of = phrase("others coarse", points=_few(field, *found[:2]), image=image)
+            yield Cause("one point", float(found[0]), of, found[2], "coarse mesh")
 
 
 def _few_wrong(field: Field, found: Array, wanted: Array) -> tuple[int, int, float] | None:
@@ -196,43 +195,45 @@ def _few_wrong(field: Field, found: Array, wanted: Array) -> tuple[int, int, flo
     return count, int(order[0]), float(falling[count])
 
 
-def _few(field: Field, count: int, first: int) -> str:
+def _few(field: Field, count: int, first: int) -> Phrase:
     where = ", ".join(f"{x:.4g}" for x in field.places[first])
-    return f"{f'{count} points' if count > 1 else 'one point'} wrong, the first at ({where}) m"
+    return phrase("points" if count > 1 else "one point", count=count, place=where)
 
 
-def _rigid(field: Field) -> Iterator[Explanation]:
+def _rigid(field: Field) -> Iterator[Cause]:
     """A rigid motion beside: supports elsewhere, another frame."""
     modes = rigid_motions(field.places)
     rest = field.found - field.wanted
     part = np.einsum("k,knd->nd", fit(modes, rest), modes)
-    said = "elasticity and a rigid motion: other supports, or another frame?"
-    yield Explanation("rigid motion", said, field.left(field.found - part))
+    left = field.left(field.found - part)
+    yield Cause("rigid motion", of=phrase("rigid motion"), left=left)
 
 
-def _node_order_in_units(field: Field) -> Iterator[Explanation]:
+def _node_order_in_units(field: Field) -> Iterator[Cause]:
     """Nodes in another order, in a unit that the mean length of displacements shows."""
     scale = float(np.linalg.norm(field.found) / (np.linalg.norm(field.wanted) or 1.0))
     for unit, many in UNITS.items():
         if abs(scale / many - 1) <= max(SAME_LENGTH, field.uncertainty):
-            yield from _node_order(field, field.found / many, many, f", in {unit}")
+            yield from _node_order(field, field.found / many, many, unit)
 
 
-def _node_order(field: Field, found: Array, many: float, besides: str) -> Iterator[Explanation]:
+def _node_order(field: Field, found: Array, many: float, unit: str) -> Iterator[Cause]:
     """Elasticity of other nodes, each of one: the order of the nodes is lost."""
     if len(found) > MOST_NODES:
         return
-    name = "node order and unit" if besides else "node order"
+
+    def cause(key: str, left: float) -> Cause:
+        of = phrase(f"{key} in unit", unit=unit) if unit else phrase(key)
+        return Cause("node order", many, of, left, "unit" if unit else "")
+
     backwards = field.left(found[::-1])
     room = min(FITS * min(1.0, field.difference), RIGHT)
     if backwards <= room:
-        said = f"elasticity of the nodes in the reverse order{besides}?"
-        yield Explanation(name, said, backwards, many)
+        yield cause("reversed", backwards)
         return
     left = _matched(found, field.wanted, room * field.size)
     if left is not None:
-        said = f"elasticity of other nodes, each of one{besides}: is their order lost?"
-        yield Explanation(name, said, left / field.size, many)
+        yield cause("other nodes", left / field.size)
 
 
 def _matched(found: Array, wanted: Array, room: float) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,13 +56,76 @@ class Material:
     K_uncertainty: float = math.nan
 
 
-def nearest_material(case: ElasticCase, order: Array, found: Array, uncertainty: float) -> Material:
-    """Modulus and ratio of the elasticity that is nearest to a field, by Gauss and Newton's steps.
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The ratio and scale at which fields known by ratio are nearest to a field.
 
-    u = s·u(nu), and the modulus is E/s. Each step of nu is along what no scale explains, and the
-    scale is fitted again at the ratio that is taken. What a number may be off by is the sum of what
-    every component may be, weighed as the fit weighs them; in a uniform state no ratio shows, and a
-    modulus does if it is the same whatever the ratio.
+    Parameters
+    ----------
+    nu, scale
+        The ratio, and how many times the field at it is the given one.
+    own, alone
+        (n, d) in m: the field at the ratio, and its slope by the ratio without what a scale
+        explains of it; 0 where no ratio shows.
+    """
+
+    nu: float
+    scale: float
+    own: Array
+    alone: Array
+
+    @property
+    def shows(self) -> bool:
+        """Whether another ratio is another field, and no scale."""
+        return bool(self.alone.any())
+
+
+def fit_material(
+    found: Array,
+    by_ratio: Callable[[float], Array],
+    nu: float,
+    between: tuple[float, float],
+    *,
+    beyond: bool = False,
+    scaled: bool = True,
+) -> Fit:
+    """Fit found = s u(nu) by Gauss and Newton's steps from a ratio.
+
+    Each step of nu is along what no scale explains, and the scale is fitted again at the ratio that
+    is taken; not `scaled`, it stays 1. Slopes are differences, which may go `beyond` the ratios.
+    """
+    low, high = between
+    step = RATIO_STEP * (high - low)
+
+    def at(ratio: float) -> Fit:
+        least, most = (-math.inf, math.inf) if beyond else between
+        ahead, behind = min(ratio + step, most), max(ratio - step, least)
+        own = by_ratio(ratio)
+        slope = (by_ratio(ahead) - by_ratio(behind)) / (ahead - behind)
+        if not scaled:
+            return Fit(ratio, 1.0, own, slope)
+        alone = slope - best_scale(slope, own) * own
+        shows = np.linalg.norm(alone) > PARALLEL * np.linalg.norm(slope)
+        return Fit(ratio, best_scale(found, own), own, alone if shows else np.zeros_like(alone))
+
+    for _ in range(STEPS):
+        fit = at(nu)
+        square = fit.scale * float((fit.alone**2).sum())
+        if fit.scale <= 0 or not square:
+            return fit
+        change = float((fit.alone * (found - fit.scale * fit.own)).sum()) / square
+        before, nu = nu, float(np.clip(nu + change, low, high))
+        if abs(nu - before) < SETTLED:
+            break
+    return at(nu)
+
+
+def nearest_material(case: ElasticCase, order: Array, found: Array, uncertainty: float) -> Material:
+    """Modulus and ratio of the elasticity that is nearest to a field, without what does not show.
+
+    What a number may be off by is the sum of what every component may be, weighed as the fit weighs
+    them; in a uniform state no ratio shows, and a modulus does if it is the same whatever the
+    ratio.
 
     Parameters
     ----------
@@ -72,55 +136,27 @@ def nearest_material(case: ElasticCase, order: Array, found: Array, uncertainty:
     uncertainty
         How far each component may be off besides what the set leaves open, in m.
     """
-    low, high = case.ratios
-    nu = case.nu
-    for _ in range(STEPS):
-        own, scale, alone = _parts(case, order, found, nu)
-        square = scale * float((alone**2).sum())
-        if scale <= 0 or not square:
-            break
-        change = float((alone * (found - scale * own)).sum()) / square
-        before, nu = nu, float(np.clip(nu + change, low, high))
-        if abs(nu - before) < SETTLED:
-            break
-    return _described(case, order, found, uncertainty, nu)
-
-
-def _parts(case: ElasticCase, order: Array, found: Array, nu: float) -> tuple[Array, float, Array]:
-    """Elasticity (m, d) at a ratio, how many times the field is it, its slope beside a scale."""
-    low, high = case.ratios
-    step = RATIO_STEP * (high - low)
-    own = case.at_ratio(nu)[order]
-    slope = (case.at_ratio(nu + step)[order] - case.at_ratio(nu - step)[order]) / (2 * step)
-    if case.driven == "supports":
-        return own, 1.0, slope
-    alone = slope - best_scale(slope, own) * own
-    shows = np.linalg.norm(alone) > PARALLEL * np.linalg.norm(slope)
-    return own, best_scale(found, own), alone if shows else np.zeros_like(alone)
-
-
-def _described(
-    case: ElasticCase, order: Array, found: Array, uncertainty: float, nu: float
-) -> Material:
-    """What a fit found, without what does not show."""
-    own, scale, alone = _parts(case, order, found, nu)
-    rest = found - scale * own
+    loaded = case.driven != "supports"
+    fit = fit_material(
+        found, lambda nu: case.at_ratio(nu)[order], case.nu, case.ratios, beyond=True, scaled=loaded
+    )
+    rest = found - fit.scale * fit.own
     left = longest(rest) / longest(case.wanted)
-    if scale <= 0:
+    if fit.scale <= 0:
         return Material(left=left)
     away = uncertainty + float(np.abs(rest).max())
-    away += scale * longest(own) * (ROUNDING + case.uncertainty_at_ratio(nu))
-    by_nu = alone / (scale * (alone**2).sum()) if alone.any() else None
+    away += fit.scale * longest(fit.own) * (ROUNDING + case.uncertainty_at_ratio(fit.nu))
+    by_nu = fit.alone / (fit.scale * (fit.alone**2).sum()) if fit.shows else None
     nu_uncertainty = math.inf if by_nu is None else float(np.abs(by_nu).sum()) * away
-    shown = {"nu": (nu, nu_uncertainty)} if nu_uncertainty < SHOWS else {}
-    if case.driven != "supports":
-        shown |= _moduli(case, order, found, nu, by_nu if shown else None, away)
+    shown = {"nu": (fit.nu, nu_uncertainty)} if nu_uncertainty < SHOWS else {}
+    if loaded:
+        shown |= _moduli(case, order, found, fit, by_nu if shown else None, away)
     more = {f"{name}_uncertainty": each for name, (_, each) in shown.items()}
     return Material(left=left, **{name: value for name, (value, _) in shown.items()}, **more)
 
 
 def _moduli(
-    case: ElasticCase, order: Array, found: Array, nu: float, by_nu: Array | None, away: float
+    case: ElasticCase, order: Array, found: Array, fit: Fit, by_nu: Array | None, away: float
 ) -> dict[str, tuple[float, float]]:
     """Name -> modulus and its uncertainty: E if it shows, else G and K if they do.
 
@@ -131,8 +167,7 @@ def _moduli(
         times = best_scale(found, case.at_ratio(at)[order])
         return case.E * _over_E(name, case.state, at) / times if times > 0 else math.nan
 
-    own, scale, _ = _parts(case, order, found, nu)
-    by_scale = own / (scale * (own**2).sum())
+    nu, by_scale = fit.nu, fit.own / (fit.scale * (fit.own**2).sum())
     low, high = case.ratios
     step = RATIO_STEP * (high - low)
     shown = {}

@@ -23,6 +23,10 @@ ALIKE = 0.1
 """Part by which the size of the places and the body's may differ."""
 MOST_OUTSIDE = 0.1
 """Part of the places that may lie off the body: those of another body are refused."""
+ROOMS = 4.0
+"""Side of a cell of the grid by which points are matched, in rooms: a point's room is in few."""
+FARTHEST, MIX = 2.0**62, np.uint64(0x9E3779B97F4A7C15)
+"""Cells are numbered up to it; an odd number that mixes their numbers."""
 FEWEST = 3
 """Named points that have to be among those given, or all that there are."""
 
@@ -78,17 +82,24 @@ def _numbered(case: ElasticCase, given: Array) -> Array:
 
 
 def _placed(case: ElasticCase, places: Array, move: Array) -> Array:
-    """The named point at each place."""
+    """The named point at each place; of several places at a point the nearest counts."""
     named = case.points[case.named]
     size = float(np.ptp(named, axis=0).max())
     room = PLACED * size
+    place, point = pairs_within(places, named, room)
     number = np.full(len(places), -1)
-    for i, x in enumerate(named):
-        away = np.abs(places - x).max(axis=1)
-        nearest = int(away.argmin())
-        if away[nearest] <= room:
-            number[nearest] = i
-    _refuse_contradiction(case, places, move, number, room)
+    nearest = nearest_of_pairs(places, named, place, point)
+    at = np.flatnonzero(nearest >= 0)
+    number[nearest[at]] = at
+    again = np.abs(move[place] - move[nearest[point]]).max(axis=1, initial=0.0)
+    apart = np.flatnonzero(again > SAME * float(np.abs(move).max()))
+    if len(apart):
+        first = point[apart[0]]
+        where = ", ".join(f"{x:.4g}" for x in named[first])
+        raise CheckError(
+            f"points: ({where}) m stands {int((point == first).sum())} times, with displacements "
+            f"that differ by {float(again[point == first].max()):.3g} m; give one"
+        )
     outside = ((places < named.min(axis=0) - room) | (places > named.max(axis=0) + room)).any(
         axis=1
     )
@@ -98,20 +109,53 @@ def _placed(case: ElasticCase, places: Array, move: Array) -> Array:
     return number
 
 
-def _refuse_contradiction(
-    case: ElasticCase, places: Array, move: Array, number: Array, room: float
-) -> None:
-    """Raise `CheckError` where one place of the set's has two displacements."""
-    for at in np.flatnonzero(number >= 0):
-        x = case.points[number[at]]
-        same = np.abs(places - x).max(axis=1) <= room
-        apart = float(np.abs(move[same] - move[at]).max())
-        if apart > SAME * float(np.abs(move).max()):
-            where = ", ".join(f"{a:.4g}" for a in x)
-            raise CheckError(
-                f"points: ({where}) m stands {int(same.sum())} times, with displacements that "
-                f"differ by {apart:.3g} m; give one"
-            )
+def pairs_within(places: Array, points: Array, room: float) -> tuple[Array, Array]:
+    """All pairs (k,), (k,) of a place (n, d) and a point (m, d) within `room` along each axis.
+
+    By cells of a grid, so that it takes time by the pairs and not by n m. Ordered by the point,
+    then by the place.
+    """
+    side = ROOMS * room
+    keys = _cell_keys(places / side)
+    order = np.argsort(keys, kind="stable")
+    keys = keys[order]
+    d = points.shape[1]
+    corners = np.array(list(np.ndindex(*(2,) * d))) * 2 - 1
+    around = np.stack([_cell_keys((points + room * corner) / side) for corner in corners], axis=1)
+    around.sort(axis=1)
+    fresh = np.ones(around.shape, dtype=bool)  # most points lie within one cell and its room
+    fresh[:, 1:] = around[:, 1:] != around[:, :-1]
+    point, _ = np.nonzero(fresh)
+    first = np.searchsorted(keys, around[fresh], "left")
+    count = np.searchsorted(keys, around[fresh], "right") - first
+    point = np.repeat(point, count)
+    start = np.repeat(first - np.concatenate([[0], np.cumsum(count)[:-1]]), count)
+    place = order[start + np.arange(len(point))]
+    near = (np.abs(places[place] - points[point]) <= room).all(axis=1)
+    place, point = place[near], point[near]
+    sorted_ = np.lexsort((place, point))
+    return place[sorted_], point[sorted_]
+
+
+def _cell_keys(scaled: Array) -> Array:
+    """A number (n,) of the cell of side 1 of each place; seldom the same for two cells."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        cells = np.floor(np.clip(scaled, -FARTHEST, FARTHEST)).astype(np.int64).view(np.uint64)
+        keys = np.zeros(len(cells), dtype=np.uint64)
+        for column in cells.T:
+            keys = (keys ^ column) * MIX
+            keys ^= keys >> np.uint64(29)
+    return keys
+
+
+def nearest_of_pairs(places: Array, points: Array, place: Array, point: Array) -> Array:
+    """The nearest place (m,) of each point among pairs, the first of those alike; -1 for none."""
+    away = np.abs(places[place] - points[point]).max(axis=1, initial=0.0)
+    order = np.lexsort((place, away, point))
+    own, first = np.unique(point[order], return_index=True)
+    nearest = np.full(len(points), -1)
+    nearest[own] = place[order][first]
+    return nearest
 
 
 def _notes(case: ElasticCase, number: Array) -> tuple[str, ...]:

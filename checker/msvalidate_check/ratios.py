@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate_check.beside import Array, Explanation, Field, best_scale, fit
+from msvalidate_check.beside import Array, Field, best_scale, fit
+from msvalidate_check.causes import Cause, phrase
 from msvalidate_check.changes import frames
 from msvalidate_check.scales import NOTICED, read_scale
 
@@ -19,17 +20,17 @@ NO_SCALE = 1e-3
 """Scale beside a ratio that is none: elasticity between two known ratios is known to half of it."""
 
 
-def explain_ratio(field: Field) -> Iterator[Explanation]:
+def explain_ratio(field: Field) -> Iterator[Cause]:
     """Another ratio, the modulus kept."""
     if field.by_ratio is None:
         return
     nu = _fitted(field, field.by_ratio, scaled=False)
     if nu is not None:
-        said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
-        yield Explanation("ratio", said, field.left(field.found, field.by_ratio(nu)), nu)
+        of = phrase("ratio", nu=nu, given=field.ratio)
+        yield Cause("ratio", nu, of, field.left(field.found, field.by_ratio(nu)))
 
 
-def explain_ratio_besides(field: Field) -> Iterator[Explanation]:
+def explain_ratio_besides(field: Field) -> Iterator[Cause]:
     """Another ratio and a scale, other axes or signs, or a coarse mesh."""
     if field.by_ratio is None:
         return
@@ -38,36 +39,38 @@ def explain_ratio_besides(field: Field) -> Iterator[Explanation]:
     for name, by_ratio in field.known.items():
         nu = _fitted(field, by_ratio, scaled=False)
         if nu is not None:
-            said = f"as {name} give it for Poisson's ratio {nu:.4g} (given {field.ratio:g})?"
+            image = phrase("named", name=name)
+            of = phrase("coarse mesh and ratio", image=image, nu=nu, given=field.ratio)
             left = field.left(field.found, by_ratio(nu))
-            yield Explanation("coarse mesh and ratio", said, left, nu)
+            yield Cause("coarse mesh", nu, of, left, "ratio")
 
 
-def _with_scale(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Explanation]:
+def _with_scale(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Cause]:
     nu = _fitted(field, by_ratio, scaled=True)
     if nu is None:
         return
-    given = f"elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g})"
+    image = phrase("of ratio", nu=nu, given=field.ratio)
     for times in read_scale(field, field.found, by_ratio(nu)):
         if abs(times.scale - 1) <= NO_SCALE:
-            said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
-            yield Explanation("ratio", said, times.left, nu)
+            of = phrase("ratio", nu=nu, given=field.ratio)
+            yield Cause("ratio", nu, of, times.left)
         elif abs(times.scale - 1) > NOTICED * field.uncertainty:
-            end = f": {times.said}?" if times.said else "?"
-            said = f"{times.scale:.4g} times {given}{end}"
-            yield Explanation(f"{times.name} and ratio", said, times.left, nu)
+            key = "times of ratio" if times.unit is None else "unit and"
+            of = phrase(key, scale=times.scale, image=image, unit=times.unit)
+            yield Cause(times.kind, nu, of, times.left, "ratio")
 
 
-def _with_frame(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Explanation]:
+def _with_frame(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Cause]:
     """The axes or signs that are nearest by themselves, as each needs solutions of its own."""
-    every = [(frame, frame.of(field.found)) for frame in frames(field.found.shape[1])]
+    every = [(frame, frame.back(field.found)) for frame in frames(field.found.shape[1])]
     frame, back = min(every, key=lambda each: float(((each[1] - field.wanted) ** 2).sum()))
-    if not frame.name:
+    if not frame.kind:
         return
     nu = _fitted(replace(field, found=back), by_ratio, scaled=False)
     if nu is not None:
-        said = f"elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g}) with {frame.said}?"
-        yield Explanation(f"{frame.name} and ratio", said, field.left(back, by_ratio(nu)), nu)
+        image = phrase("of ratio", nu=nu, given=field.ratio)
+        of = phrase("image", image=phrase("with", image=image, frame=frame.words))
+        yield Cause(frame.kind, nu, of, field.left(back, by_ratio(nu)), "ratio")
 
 
 def _fitted(field: Field, by_ratio: Callable[[float], Array], *, scaled: bool) -> float | None:

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from msvalidate_check.beside import Array, Explanation, Field, best_scale
+from msvalidate_check.beside import Array, Field, best_scale
+from msvalidate_check.causes import Cause, Phrase, phrase
 
 AS_WELL = 2.0
 """Times what the best explanation leaves, up to which another fits as well."""
@@ -23,7 +24,7 @@ UNITS = {
     "inches for millimetres": 25.4,
     "millimetres for inches": 1 / 25.4,
 }
-"""What displacements may be in instead of m, and how many of these a metre has."""
+"""Phrase of what displacements may be in instead of m, and how many of these a metre has."""
 NEAR_UNIT = 1.05
 """Times by which a scale may differ from a unit's: a modulus or a load a little off besides."""
 FAR_UNIT = 3.0
@@ -32,12 +33,15 @@ FAR_UNIT = 3.0
 
 @dataclass(frozen=True)
 class Times:
-    """A number of times: "unit" or "scale", the number, in words, and what it leaves."""
+    """A number of times: kind "unit" or "scale", the unit's own and the whole, what it leaves.
 
-    name: str
+    `unit` names a unit, and what is off besides; None of a plain number.
+    """
+
+    kind: str
     many: float
     scale: float
-    said: str
+    unit: Phrase | None
     left: float
 
 
@@ -52,7 +56,7 @@ def read_scale(field: Field, found: Array, wanted: Array) -> list[Times]:
     left = field.left(found / scale, wanted)
     units = list(_units(field, found, wanted, scale, left))
     exact = [each for each in units if each.scale == each.many]
-    return exact or units or [Times("scale", scale, scale, "", left)]
+    return exact or units or [Times("scale", scale, scale, None, left)]
 
 
 def _units(field: Field, found: Array, wanted: Array, scale: float, left: float) -> Iterator[Times]:
@@ -64,35 +68,30 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
             continue
         exact = field.left(found / many, wanted)
         if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.uncertainty):
-            yield Times("unit", many, many, unit, exact)
+            yield Times("unit", many, many, phrase("named", name=unit), exact)
         elif powers >= 1:  # any number is near some unit that is close to 1
-            besides = f"{unit}, and {scale / many:.4g} times as large besides"
+            besides = phrase("unit besides", unit=phrase("named", name=unit), times=scale / many)
             yield Times("unit", many, scale, besides, left)
 
 
-def explain_scale(field: Field) -> Iterator[Explanation]:
+def explain_scale(field: Field) -> Iterator[Cause]:
     """The field is elasticity times a number: a unit, a modulus, a load."""
     times = read_scale(field, field.found, field.wanted)
     for each in times:
-        if each.name == "unit":
-            said = f"{each.scale:.4g} times elasticity: {each.said}?"
-            yield Explanation("unit", said, each.left, each.many)
+        if each.kind == "unit":
+            said = phrase("unit", scale=each.scale, unit=each.unit)
+            yield Cause("unit", each.many, said, each.left)
     if not times:
         return
     scale = best_scale(field.found, field.wanted)
     left = field.left(field.found / scale)
-    many = f"{scale:.4g} times elasticity"
-    if field.driven in {"loads", "weight"}:
-        said = f"{many}: a modulus E {1 / scale:.4g} times as large?"
-        yield Explanation("modulus", said, left, scale)
-        what = "loads" if field.driven == "loads" else "gravity or masses"
-        yield Explanation("load", f"{many}: {what} {scale:.4g} times as large?", left, scale)
-        if field.driven == "loads" and len(field.span) == 2:
-            said = f"{many}: a thickness {1 / scale:.4g} times as large?"
-            yield Explanation("thickness", said, left, scale)
-    elif field.driven == "supports":
-        said = f"{many}: prescribed displacements {scale:.4g} times as large? "
-        said += "(No modulus shows where supports alone move the body.)"
-        yield Explanation("scale", said, left, scale)
-    else:
-        yield Explanation("scale", many, left, scale)
+    kinds = {
+        "loads": {"modulus": "modulus", "load": "loads"},
+        "weight": {"modulus": "modulus", "load": "weight"},
+        "supports": {"scale": "supports"},
+        "both": {"scale": "scale"},
+    }[field.driven]
+    if field.driven == "loads" and len(field.span) == 2:
+        kinds["thickness"] = "thickness"
+    for kind, key in kinds.items():
+        yield Cause(kind, scale, phrase(key, scale=scale, part=1 / scale), left)

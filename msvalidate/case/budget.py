@@ -128,7 +128,7 @@ def _large_rows(
 
 def tables(found: Comparison) -> dict[str, pd.DataFrame]:
     """Tables of a comparison, by name."""
-    rows = pd.DataFrame([vars(row) for row in found.rows])
+    rows = pd.DataFrame([row.row() for row in found.rows])
     return (
         {
             "quantities": rows,

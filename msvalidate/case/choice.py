@@ -28,6 +28,7 @@ from msvalidate.case.case import (
     spacing_of,
 )
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.quantities import POINT_STRESS
 from msvalidate.case.springs import ROUNDING, SpringAnswer, compared_points, solve_springs
 from msvalidate.lattice import PatternLattice
 from msvalidate.lattice.cut import joins_corners
@@ -245,7 +246,7 @@ def _reasons(found: Comparison) -> tuple[str, ...]:
         f"{walls:.2g} cells across where the body is thickest": walls <= THIN,
         "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
         "stress at points differs": any(
-            row.verdict == DIFFERS and row.quantity.startswith("stress at") for row in found.rows
+            row.verdict == DIFFERS and row.of == POINT_STRESS for row in found.rows
         ),
     }
     return tuple(why for why, fit in fits.items() if fit)

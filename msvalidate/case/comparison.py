@@ -14,7 +14,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.fracture import break_springs
 from msvalidate.case.large import converge_case
 from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
-from msvalidate.case.quantities import Row, compare_quantities
+from msvalidate.case.quantities import NotCompared, Row, compare_quantities
 from msvalidate.case.springs import (
     ROUNDING,
     SpringAnswer,
@@ -87,7 +87,7 @@ class Comparison:
     homogenised: Reference | None
     rows: tuple[Row, ...]
     kind: str
-    notes: tuple[str, ...]
+    notes: tuple[str | NotCompared, ...]
     on_mesh: MeshSprings | None = None
 
     @property
@@ -154,14 +154,13 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     support = _support(case, answers, homogenised or reference)
     limit = limit_of(answers, [u - part for u, part in zip(values, support, strict=True)])
     rows, more = compare_quantities(case, answers[0], reference, progress)
-    notes += more
     if isinstance(case.problem.domain, Mesh):
         progress("springs on the mesh")
     on_mesh, why = compare_on_mesh(case, reference, len(answers[0].lattice.points))
-    notes += [why] if why else []
+    remarks: tuple[str | NotCompared, ...] = (*notes, *more, *([why] if why else []))
     bridged = say_bridged(answers[0].lattice)
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
-    given = (answers, support[0], limit, reference, homogenised, rows, kind, tuple(notes))
+    given = (answers, support[0], limit, reference, homogenised, rows, kind, remarks)
     return Comparison(case, points, *given, on_mesh)
 
 

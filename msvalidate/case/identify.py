@@ -56,6 +56,8 @@ class Identified:
         largest error of an entry, as in `Homogenised`.
     stable
         `STABLE`, or why not.
+    solid
+        Whether every strain costs energy.
     omega, whose
         Highest frequency (rad/s), NaN where masses are not known, and of what.
     """
@@ -64,6 +66,7 @@ class Identified:
     tensor: Array
     error: float
     stable: str
+    solid: bool = True
     omega: float = math.nan
     whose: str = ""
 
@@ -125,12 +128,12 @@ def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
     if kappa and np.abs(solid.affine - tensor).max() > ALIKE * np.abs(tensor).max():
         raise ProblemError(f"{what}: points move on in a uniform strain, cells change how; no κ")
     tensor[:d, :d] += kappa
-    stable = STABLE
+    stable, whole = STABLE, True
     if solid.floppy:
         stable = f"not stable: {solid.floppy} motions of points stretch no spring"
     if np.linalg.eigvalsh(tensor)[0] <= ALIKE * np.abs(tensor).max():
-        stable = "no solid: some strain costs no energy"
-    return Identified(what, tensor, solid.error, stable)
+        stable, whole = "no solid: some strain costs no energy", False
+    return Identified(what, tensor, solid.error, stable, whole)
 
 
 def identified_lines(found: Identified, thickness: float | None = None) -> tuple[str, ...]:
@@ -146,7 +149,7 @@ def identified_lines(found: Identified, thickness: float | None = None) -> tuple
         f"{found.what}: {found.stable}",
         f"  C in {unit} ({order}; to {found.error:.1g}): {rows}",
     ]
-    if found.stable.startswith("no solid"):
+    if not found.solid:
         return tuple(lines)
     mean = isotropic_moduli(C)
     solid = f"E = {mean.E:.9g} {unit}, nu = {mean.nu:.9g}"

@@ -20,7 +20,8 @@ from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, So
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.beside import MOST_RATIO
-from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
+from msvalidate_check.causes import Cause, phrase
+from msvalidate_check.diagnosis import NOTICED, Driven, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
 from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
@@ -59,7 +60,7 @@ class Judgement:
     matched: Matched
     reference: Reference
     row: Row
-    explanations: tuple[Explanation, ...]
+    explanations: tuple[Cause, ...]
     residual_motion: float
 
     @property
@@ -129,10 +130,7 @@ def judge_result(
         plain = replace(field, by_ratio=None, known={}, other_state=lambda: None)
         causes = explain(plain)
     if rest >= difference > NOTICED * uncertainty:
-        causes = (
-            Explanation("rest", "not at rest: it may still change by as much", 0.0, rest),
-            *causes,
-        )
+        causes = (Cause("rest", rest, phrase("rest"), 0.0), *causes)
     return Judgement(case, result, matched, reference, row, causes, rest)
 
 
@@ -254,10 +252,10 @@ def budget(found: Judgement) -> pd.DataFrame:
 def tables(found: Judgement) -> dict[str, pd.DataFrame]:
     """Tables of a judgement, by name."""
     causes = pd.DataFrame(
-        [vars(each) for each in found.explanations], columns=["name", "said", "left", "value"]
+        [each.row() for each in found.explanations], columns=["name", "said", "left", "value"]
     )
     made = {
-        "quantities": pd.DataFrame([vars(found.row)]),
+        "quantities": pd.DataFrame([found.row.row()]),
         "causes": causes,
         "budget": budget(found),
         "compared": point_table(found.matched.places, found.matched.displacement, found.reference),

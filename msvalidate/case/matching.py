@@ -5,25 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from msvalidate.case.case import Case, make_lattice, spacing_of
 from msvalidate.case.results import Result
 from msvalidate.case.springs import compared_points
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
 from msvalidate.problem.normals import nearest_on_facets
 from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import is_on_any
+from msvalidate_check.points import ALIKE, PLACED, UNITS, pairs_within
 from reference_fem.mesh.discretisation import Discretisation
 
-PLACED = 1e-5
-"""Of the body's size, within which a point on the surface may lie outside."""
 MOSTLY = 0.5
 """Part of the points that must be in the body."""
-SMALLER = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
-"""Units in which a file's lengths may be, and how many of them a metre has."""
-ALIKE = 0.1
-"""Part by which the size of a file's points and the body's may differ."""
 OUTSIDE = "lie outside the body and are left out"
 SHOWN = 5
 """Points that a sentence names one by one."""
@@ -84,10 +79,10 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     if result.points is None:
         return _by_number(case, result, move)
     places = unit * result.points
-    first = _first_of_each(places, case.problem.domain.tolerance)
-    again = np.setdiff1d(np.arange(len(places)), first)
+    owner = _first_of_each(places, case.problem.domain.tolerance)
+    first, again = np.unique(owner), np.flatnonzero(owner != np.arange(len(places)))
     doubled = places[again]
-    apart = _contradiction(places, move, first, again)
+    apart = _largest(move[again] - move[owner[again]])
     places, move = places[first], move[first]
     room = _room(case)
     inside, at = _into_body(body, places, room, case.problem.domain.tolerance)
@@ -105,12 +100,9 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     return Matched(*there, tuple(notes), first[inside], apart)
 
 
-def _contradiction(places: Array, move: Array, first: Index, again: Index) -> float:
-    """Largest difference (m) of the displacements of places that are there again."""
-    if not len(again):
-        return 0.0
-    _, same = KDTree(places[first]).query(places[again])
-    return float(np.linalg.norm(move[again] - move[first][same], axis=1).max())
+def _largest(apart: Array) -> float:
+    """Length (m) of the longest of these, of which there may be none."""
+    return max_length(apart) if len(apart) else 0.0
 
 
 def _contradicted(apart: float) -> Sequence[str]:
@@ -127,10 +119,10 @@ def _by_number(case: Case, result: Result, move: Array) -> Matched:
             f"result: id {number.min()} to {number.max()}; the case has points 0 to "
             f"{len(points) - 1}: give these, or places"
         )
-    _, first = np.unique(number, return_index=True)
+    _, first, which = np.unique(number, return_index=True, return_inverse=True)
     again = np.setdiff1d(np.arange(len(number)), first)
     doubled = points[number[again]]
-    apart = _contradiction(number[:, None].astype(float), move, first, again)
+    apart = _largest(move[again] - move[first[which[again]]])
     missing = points[np.setdiff1d(np.flatnonzero(inside), number)]
     first, beyond = first[inside[number[first]]], first[~inside[number[first]]]
     if not len(first):
@@ -158,7 +150,7 @@ def _numbered(case: Case) -> tuple[Array, Mask]:
 
 
 def _first_of_each(places: Array, tolerance: float) -> Index:
-    """The first point (k,) at each place, in their order.
+    """The first point (n,) that is at the place of each.
 
     First of each cell of a grid so fine that all in a cell are at one place; then of cells next to
     each other, of which a point has few beside it, however often a place is repeated.
@@ -168,11 +160,17 @@ def _first_of_each(places: Array, tolerance: float) -> Index:
     order = np.lexsort(cell.T)  # which leaves those of one cell in their order
     fresh = np.ones(len(places), dtype=bool)
     fresh[1:] = (cell[order][1:] != cell[order][:-1]).any(axis=1)
+    owner = np.empty(len(places), dtype=np.int64)
+    owner[order] = order[fresh][np.cumsum(fresh) - 1]
     first = np.sort(order[fresh])
-    pairs = KDTree(places[first]).query_pairs(tolerance, output_type="ndarray")
-    later = np.zeros(len(first), dtype=bool)
-    later[pairs.max(axis=1) if len(pairs) else []] = True
-    return np.asarray(first[~later])
+    one, other = pairs_within(places[first], places[first], tolerance)
+    near = np.linalg.norm(places[first[one]] - places[first[other]], axis=1) <= tolerance
+    one, other = first[one[near]], first[other[near]]
+    before = np.arange(len(places))
+    np.minimum.at(before, other, one)
+    while (before[before] != before).any():
+        before = before[before]
+    return np.asarray(before[owner])
 
 
 def _room(case: Case) -> float:
@@ -202,8 +200,8 @@ def _missing(case: Case, places: Array, room: float) -> Array:
     if isinstance(case.points, str) and case.points == "lattice":
         return np.empty((0, places.shape[1]))
     wanted = compared_points(case)
-    distance, _ = KDTree(places).query(wanted)
-    return np.asarray(wanted[distance > max(room, case.problem.domain.tolerance)])
+    _, there = pairs_within(places, wanted, max(room, case.problem.domain.tolerance))
+    return np.asarray(np.delete(wanted, there, axis=0))
 
 
 def _unit_meant(case: Case, places: Array) -> str:
@@ -211,7 +209,7 @@ def _unit_meant(case: Case, places: Array) -> str:
     low, high = np.array(case.problem.domain.span).T
     given = np.sort(np.ptp(places, axis=0))
     own = np.sort(high - low)
-    for unit, many in SMALLER.items():
+    for unit, many in UNITS.items():
         if (np.abs(given / (many * own) - 1) < ALIKE).all():
             return f" (are they in {unit}? --unit {unit})"
     if (np.ptp(places, axis=0) <= 1.05 * (high - low)).all():

@@ -20,7 +20,7 @@ from msvalidate.case.comparison import (
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judgement
 from msvalidate.case.mesh_springs import locking
-from msvalidate.case.quantities import STRESS_BAND, Row
+from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, Row
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.gaps import narrow_holes
@@ -125,7 +125,10 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     band = band_words(found.case, found.rows)
     head = f"{springs} beside elasticity: {'; '.join(groups)}. {band}."
     if not groups:
-        why = "; ".join(found.notes).replace(": not compared:", ",")
+        why = "; ".join(
+            f"{each.quantity}, {each.why}" if isinstance(each, NotCompared) else each
+            for each in found.notes
+        )
         head = f"{springs} are compared in nothing that was asked: {why}."
     return head, (
         _kind_sentence(found),
@@ -198,7 +201,7 @@ def _contact_sentence(found: Comparison) -> tuple[str, ...]:
 
 def band_words(case: Case, rows: Sequence[Row]) -> str:
     """How far apart still agrees."""
-    stress = any(row.quantity.startswith("stress at") for row in rows)
+    stress = any(row.of == POINT_STRESS for row in rows)
     own = f", of stress at points {percent(STRESS_BAND * case.band)}" if stress else ""
     return f"The band is {percent(case.band)}{own}"
 

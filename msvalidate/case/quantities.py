@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,8 @@ STRESS_BAND = 2.0
 cell, each of which may use up the band."""
 STRESSED_POINTS = 400
 """Points, about, at which stresses are compared: each is looked for in the elements."""
+POINT_STRESS = "point stress"
+"""Quantity of a case with a band of its own."""
 FITS_ALIKE = 0.05
 """Of a stress, what fits of two degrees may differ by. In bent blocks of triangular, BCC and FCC
 lattices they did by up to 0.041 up to ratio 1/3, where the stress was off by less than 0.07, and by
@@ -54,6 +57,8 @@ class Row:
         How far elasticity's own value may be off, on the same scale.
     verdict
         A word of `judging.compare`.
+    of
+        Of which of a case's quantities it is one; no column of tables.
     """
 
     quantity: str
@@ -63,13 +68,29 @@ class Row:
     difference: float
     uncertainty: float
     verdict: str
+    of: str = "displacement"
+
+    def row(self) -> dict[str, Any]:
+        """As a row of a table."""
+        return {name: value for name, value in vars(self).items() if name != "of"}
+
+
+@dataclass(frozen=True)
+class NotCompared:
+    """A quantity that was asked for and not compared, and why."""
+
+    quantity: str
+    why: str
+
+    def __str__(self) -> str:
+        return f"{self.quantity}: not compared: {self.why}"
 
 
 def compare_quantities(
     case: Case, springs: SpringAnswer, reference: Reference, progress: Callable[[str], None]
-) -> tuple[tuple[Row, ...], list[str]]:
+) -> tuple[tuple[Row, ...], list[NotCompared]]:
     """A row a quantity that a case asks for, and what was not compared, and why."""
-    rows, notes = list[Row](), list[str]()
+    rows, notes = list[Row](), list[NotCompared]()
     if "displacement" in case.quantities:
         rows.append(_displacement(case, springs, reference))
     if reference.contact is not None:
@@ -78,7 +99,7 @@ def compare_quantities(
         "reactions": _reactions,
         "strain energy": _energy,
         "mean stress": _mean_stress,
-        "point stress": _point_stress,
+        POINT_STRESS: _point_stress,
     }
     for name, make in makers.items():
         if name in case.quantities:
@@ -87,7 +108,7 @@ def compare_quantities(
                 _refuse_unknown(case, reference)
                 rows += make(case, springs, reference)
             except (ProblemError, SolverError) as error:
-                notes.append(f"{name}: not compared: {error}")
+                notes.append(NotCompared(name, str(error)))
                 rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
     return tuple(rows), notes
 
@@ -231,7 +252,8 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
     difference, uncertainty = mean(found - wanted) / size, mean(uncertainties[:, None]) / size
     name = f"stress at {len(found)} of {len(known)} points"
     word = _word(case, difference, uncertainty, STRESS_BAND)
-    return [Row(name, "Pa", mean(found), mean(wanted), difference, uncertainty, word)]
+    sizes = mean(found), mean(wanted)
+    return [Row(name, "Pa", *sizes, difference, uncertainty, word, POINT_STRESS)]
 
 
 def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:

@@ -33,8 +33,8 @@ from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, whole_number
 from msvalidate.problem.records import replace
-from msvalidate.simulators.export import export_case, lammps_of, ratio_words
-from msvalidate.simulators.folders import write_request
+from msvalidate.simulators.exchange.export import export_case, lammps_of, ratio_words
+from msvalidate.simulators.exchange.folders import write_request
 from msvalidate_check import exchange
 from msvalidate_check.words import AGREES
 

@@ -14,7 +14,7 @@ from msvalidate.cli.terminal import tell
 from msvalidate.judging import catalogue
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.template import adapter_template
+from msvalidate.simulators.exchange.template import adapter_template
 from msvalidate_check import exchange
 
 EXAMPLE = studies.OURS.parent / "examples" / "study.py"

@@ -26,18 +26,23 @@ from msvalidate.cli.terminal import Progress, naming, print_lines, tell, tell_er
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.asked import Asked, NoAnswerError
-from msvalidate.simulators.bench import ROUNDING
-from msvalidate.simulators.causes import AGREES
-from msvalidate.simulators.export import export_case, on_mesh
-from msvalidate.simulators.judgement import PARTS, judge_simulator
-from msvalidate.simulators.laws import LAWS, law_named, predicted
-from msvalidate.simulators.program import LOG, OUT, Program, label_of
-from msvalidate.simulators.protocol import Answer, CannotRepresent, Request, SimulatorError
-from msvalidate.simulators.record import record_of, text_of
-from msvalidate.simulators.rest import stated_residual_motion
-from msvalidate.simulators.sheet import sheet_of
-from msvalidate.simulators.sheet_page import PAGE, sheet_files
+from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
+from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
+from msvalidate.simulators.exchange.export import export_case, on_mesh
+from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    SimulatorError,
+    stated_residual_motion,
+)
+from msvalidate.simulators.probe.bench import ROUNDING
+from msvalidate.simulators.verdict.causes import AGREES
+from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
+from msvalidate.simulators.verdict.page import PAGE, sheet_files
+from msvalidate.simulators.verdict.record import json_of, record_of
+from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
 
@@ -165,7 +170,7 @@ def check_adapter(args: argparse.Namespace) -> int:
             )
             sheet = sheet_of(found, asked, parts)
             record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
-            text = f"{text_of(record)}\n".encode()
+            text = f"{json_of(record)}\n".encode()
             if args.json is not None:
                 exchange.replace_file(args.json, lambda: text)
             if folder is not None:

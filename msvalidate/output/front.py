@@ -183,7 +183,7 @@ def _with_uncertainty(error: str, uncertainty: str) -> str:
     known = (
         _is_number(error) and _is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
     )
-    return percent(error).replace(" %", f" ± {percent(uncertainty)}") if known else percent(error)
+    return f"{100 * float(error):.2g} ± {percent(uncertainty)}" if known else percent(error)
 
 
 def percent(text: str) -> str:

@@ -28,7 +28,7 @@ from typing import Any
 
 from msvalidate import kit
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.protocol import Simulator
+from msvalidate.simulators.exchange.protocol import Simulator
 
 from . import curve, faults, hanging, held, iterations, judged, laws, recorded
 from .synthetic import clean, controls

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.causes import STOPPED
+from msvalidate.simulators.verdict.causes import STOPPED
 
 from .curve_drawing import curve as drawing
 from .gaps import ASKED_RATIO, fill_gaps, with_none

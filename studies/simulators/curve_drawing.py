@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.simulators.causes import STOPPED
+from msvalidate.simulators.verdict.causes import STOPPED
 
 
 def curve(tables: kit.Tables) -> Figure:

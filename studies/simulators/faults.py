@@ -11,8 +11,8 @@ from __future__ import annotations
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.causes import AGREES
-from msvalidate.simulators.judgement import judge_simulator
+from msvalidate.simulators.verdict.causes import AGREES
+from msvalidate.simulators.verdict.judgement import judge_simulator
 
 from .synthetic import Faulty, clean, clean_implicit, synthetic_faults
 
@@ -29,8 +29,8 @@ COLUMNS = {
 def run(setting: kit.Setting) -> kit.Evidence:
     """Judge every one."""
     sound = {
-        "none": Faulty(clean, (AGREES,)),
-        "none, implicit steps": Faulty(clean_implicit, (AGREES,)),
+        "none": Faulty(clean, AGREES),
+        "none, implicit steps": Faulty(clean_implicit, AGREES),
     }
     rows = [_row(name, each) for name, each in (sound | dict(synthetic_faults())).items()]
     table = pd.DataFrame(rows)
@@ -65,10 +65,9 @@ def _finding(missed: pd.Series, free: pd.Series) -> str:
 
 def _row(name: str, faulty: Faulty) -> dict[str, object]:
     found = judge_simulator(faulty.simulate, ASKED, meshes=MESH)
-    said = " | ".join((found.state, *found.causes))
     return {
         "fault": name,
         "state_said": found.state,
-        "said": found.causes[0] if found.causes else "",
-        "named": all(word in said for word in faulty.named),
+        "said": found.causes[0].said if found.causes else "",
+        "named": faulty.is_named_in(found),
     }

@@ -25,10 +25,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.laws import LAWS, lame, predicted
-from msvalidate.simulators.probe_mesh import Block
-from msvalidate.simulators.protocol import Request
-from msvalidate.simulators.tetrahedra import Stress, at_rest, tetrahedra_of
+from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
+from msvalidate.simulators.bodies.tetrahedra import Stress, at_rest
+from msvalidate.simulators.exchange.protocol import Request
+from msvalidate.simulators.probe.block import Block
 
 from .gaps import fill_gaps, with_none
 
@@ -185,5 +185,5 @@ def _linear_tip(*, heavy: bool) -> float:
 
 def _solved(stress: Stress, *, heavy: bool) -> float:
     request = _weighed(_bar(), heavy=heavy)
-    move, _ = at_rest(tetrahedra_of(request.mesh), request, stress)
+    move, _ = at_rest(request, stress)
     return float(-1e3 * move[:, 2].min())

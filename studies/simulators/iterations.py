@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.gate_block import STRAIN
+from msvalidate.simulators.gate.gate import STRAIN
 
 from .gaps import NONE, fill_gaps, with_none
 from .iterations_drawing import iterations as drawing

@@ -15,11 +15,11 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.laws import LAWS, lame, predicted
-from msvalidate.simulators.moduli import SHOWN
-from msvalidate.simulators.probe import probe
-from msvalidate.simulators.protocol import Request
-from msvalidate.simulators.tetrahedra import Stress, tetrahedra
+from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
+from msvalidate.simulators.bodies.tetrahedra import Stress, tetrahedra
+from msvalidate.simulators.exchange.protocol import Request
+from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import SHOWN
 
 from .gaps import ASKED_RATIO, fill_gaps, with_none
 from .synthetic import OWN_LAW
@@ -27,7 +27,7 @@ from .synthetic import OWN_LAW
 E = 1e7
 RATIOS = (0.3, 0.45)
 COLUMNS = {
-    "law": "as `msvalidate.simulators.laws` names it",
+    "law": "as `msvalidate.simulators.bodies.laws` names it",
     "source": "where it is documented",
     "steps": "explicit or implicit",
     "asked_ratio": ASKED_RATIO,

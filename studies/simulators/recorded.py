@@ -21,8 +21,8 @@ from typing import Any
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.causes import NOT_EXPLAINED
-from msvalidate.simulators.gate import SOLVES_TO, STOPPED
+from msvalidate.simulators.gate.gate import SOLVES_TO, STOPPED
+from msvalidate.simulators.verdict.causes import NOT_EXPLAINED
 
 from . import judged
 from .gaps import ASKED_RATIO, fill_gaps, with_none

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from msvalidate.lattice.edges import mesh_lattice
 from msvalidate.network import internal_force, spring_network
-from msvalidate.simulators.laws import LAWS, lame
-from msvalidate.simulators.program import Program
-from msvalidate.simulators.protocol import Answer, Request, Simulator, SimulatorError
-from msvalidate.simulators.tetrahedra import Stress, tetrahedra
+from msvalidate.simulators.bodies.laws import LAWS, lame
+from msvalidate.simulators.bodies.tetrahedra import Stress, of_law, tetrahedra
+from msvalidate.simulators.exchange.program import Program
+from msvalidate.simulators.exchange.protocol import Answer, Request, Simulator, SimulatorError
+from msvalidate.simulators.verdict.causes import (
+    CAUSE,
+    NOT_AT_REST,
+    NOT_EXPLAINED,
+    OVER_DENSITY,
+    STOPPED,
+)
+from msvalidate.simulators.verdict.judgement import Judgement
+from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate.statics.equilibrium import equilibrium
 
 OWN_LAW = "neo-Hookean, log J"
@@ -22,6 +31,11 @@ STIFFER = 1.01
 CONVERGED = 0.9
 """Of the way to rest, after the iterations asked for."""
 ITERATIONS = 20
+STATED = 1e-6
+"""Of the displacement, what one that is not at rest says that may still change."""
+CRASHED = "the program ended with signal 11"
+NEAR = 2e-3
+"""Of a cause's number."""
 LIMIT = 2.0
 """Seconds that one that hangs is given."""
 
@@ -34,12 +48,30 @@ class Faulty:
     ----------
     simulate
         It.
-    named
-        Words that its state or causes must hold.
+    state, kind
+        That it must be in, and of a cause that must be told of it; "" where none must.
+    value
+        Number of that cause, to a thousandth; None where it has none, or any will do.
+    of
+        Name -> value that the cause must name.
     """
 
     simulate: Simulator
-    named: tuple[str, ...]
+    state: str
+    kind: str = ""
+    value: float | None = None
+    of: Mapping[str, object] = field(default_factory=dict)
+
+    def is_named_in(self, found: Judgement) -> bool:
+        """Whether state and causes name the fault."""
+        return found.state == self.state and (
+            not self.kind or any(self._is(cause) for cause in found.causes)
+        )
+
+    def _is(self, cause: Cause) -> bool:
+        sized = self.value is None or abs(cause.value - self.value) <= NEAR
+        named = cause.of.values
+        return cause.kind == self.kind and sized and all(each in named for each in self.of.items())
 
 
 def clean(request: Request) -> Answer:
@@ -54,11 +86,7 @@ def clean_implicit(request: Request) -> Answer:
 
 
 def _of_law(name: str) -> Simulator:
-    def law_of(request: Request) -> Stress:
-        mu, lam = lame(request.material.E, request.material.nu)
-        return lambda F: LAWS[name].stress(F, mu, lam)
-
-    return tetrahedra(law_of, f"synthetic, {name}")
+    return of_law(name, f"synthetic, {name}")
 
 
 def _volume_constant(request: Request) -> Answer:
@@ -109,7 +137,9 @@ def _half_done(request: Request) -> Answer:
         return answer
     iterations = int(request.settings.get("iterations", ITERATIONS))
     part = 1 - (1 - CONVERGED) ** (iterations / ITERATIONS)
+    size = float(np.linalg.norm(answer.displacement, axis=1).max())
     about = dict(answer.about) | {"settings": {"iterations": [iterations, "1"]}}
+    about["at_rest"] = {"change_when_twice_as_long": STATED * size}
     return replace(answer, displacement=part * answer.displacement, about=about)
 
 
@@ -175,7 +205,7 @@ def _springs(request: Request) -> Answer:
 
 
 def _crashing(request: Request) -> Answer:
-    raise SimulatorError("the program ended with signal 11")
+    raise SimulatorError(CRASHED)
 
 
 class _Forgetful:
@@ -203,34 +233,29 @@ def _resetting(request: Request) -> Answer:
 def synthetic_faults() -> Mapping[str, Faulty]:
     """Fault -> the simulator that has it, and what has to be said of it."""
     hanging = Program(f'{sys.executable} -c "import time; time.sleep(60)"', LIMIT)
+    weighed = {"case": "cantilever_gravity_space"}
     return {
-        "lam for lam + mu": Faulty(_volume_constant, ("differs with cause", "law: E")),
-        "Smith's law, Lamé's constants": Faulty(
-            _of_law(SMITH), ("differs with cause", "law: E 0.73")
-        ),
-        "a full cell's mass on each node": Faulty(
-            _full_cells, ("differs with cause", "mass: equal")
-        ),
+        "lam for lam + mu": Faulty(_volume_constant, CAUSE, "law"),
+        "Smith's law, Lamé's constants": Faulty(_of_law(SMITH), CAUSE, "law", 0.7322),
+        "a full cell's mass on each node": Faulty(_full_cells, CAUSE, "mass"),
         "a full cell's mass, at rest alone": Faulty(
-            _full_cells_at_rest, ("not explained", "cantilever_gravity_space")
+            _full_cells_at_rest, NOT_EXPLAINED, "body", of=weighed
         ),
-        "half the weight at rest": Faulty(
-            _half_weight, ("not explained", "cantilever_gravity_space")
-        ),
-        "one way more than the other": Faulty(_one_way, ("not explained", "goes one way")),
-        "0.9 converged": Faulty(_half_done, ("gate", "twice the iterations")),
-        "0.9 converged, and says so": Faulty(_settling, ("not at rest", "run longer: 15 %")),
+        "half the weight at rest": Faulty(_half_weight, NOT_EXPLAINED, "body", of=weighed),
+        "one way more than the other": Faulty(_one_way, NOT_EXPLAINED, "one way"),
+        "0.9 converged": Faulty(_half_done, STOPPED, "gate", of={"row": "twice the iterations"}),
+        "0.9 converged, and says so": Faulty(_settling, NOT_AT_REST, "rest", 0.15),
         "all over the density, but forces": Faulty(
-            _over_density, ("differs with cause", "as E over the density")
+            _over_density, CAUSE, "law", of={"over": OVER_DENSITY}
         ),
-        "points swapped": Faulty(_swapped, ("not explained", "other nodes")),
-        "1 % too stiff": Faulty(_stiffer, ("differs with cause", "law: E 1.01 ")),
-        "k = E h on each edge": Faulty(_springs, ("not explained", "of no one solid")),
-        "states a rest that it is not at": Faulty(_lying, ("gate", "its rest is stated to 0,")),
-        "crashes": Faulty(_crashing, ("gate", "signal 11")),
-        "hangs": Faulty(hanging, ("gate", "limit")),
-        "state survives": Faulty(_Forgetful(), ("gate", "the same again")),
-        "resets itself": Faulty(_resetting, ("gate", "does not move")),
+        "points swapped": Faulty(_swapped, NOT_EXPLAINED, "body"),
+        "1 % too stiff": Faulty(_stiffer, CAUSE, "law", STIFFER),
+        "k = E h on each edge": Faulty(_springs, NOT_EXPLAINED, "bound"),
+        "states a rest that it is not at": Faulty(_lying, STOPPED, "gate", 0.1),
+        "crashes": Faulty(_crashing, STOPPED, "gate failed", of={"because": CRASHED}),
+        "hangs": Faulty(hanging, STOPPED, "gate failed"),
+        "state survives": Faulty(_Forgetful(), STOPPED, "gate", of={"row": "the same again"}),
+        "resets itself": Faulty(_resetting, STOPPED, "gate failed"),
     }
 
 

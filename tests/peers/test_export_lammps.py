@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from msvalidate.case.springs import solve_springs
-from msvalidate.simulators.lammps import lammps_files
+from msvalidate.simulators.exchange.lammps import lammps_files
 from msvalidate.statics.equilibrium import equilibrium
 from tests.msvalidate.case.test_network_files import BRACKET, HOLES, case_of
 from tests.peers.with_lammps import opened

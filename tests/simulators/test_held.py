@@ -9,7 +9,7 @@ from msvalidate.studies.simulators import held as question
 from msvalidate.studies.simulators.recorded import EXCLUDED as WRITTEN
 
 from msvalidate.problem import SHAPES, Isotropic, ProblemError
-from msvalidate.simulators.blocks import frozen_case, request_of
+from msvalidate.simulators.bodies.blocks import frozen_case, request_of
 from simulators import held
 from simulators.jobs import EXCLUDED, JOBS
 from simulators.one_cell import PLACES, one_cell

@@ -5,13 +5,12 @@ from dataclasses import replace
 import pytest
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.blocks import linear_law
-from msvalidate.simulators.protocol import CannotRepresent
-from msvalidate.simulators.tetrahedra import tetrahedra
+from msvalidate.simulators.bodies.tetrahedra import of_law
+from msvalidate.simulators.exchange.protocol import CannotRepresent
 from simulators.sweep import Sweep, rest_states
 
 SOLID = Isotropic(1e7, 0.3, "solid", 1000.0)
-exact = tetrahedra(lambda request: linear_law(request.material.E, request.material.nu))
+exact = of_law("linear")
 
 
 def unsettled(request):

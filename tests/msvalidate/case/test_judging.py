@@ -18,8 +18,9 @@ from msvalidate.case.judge import budget, judge_result
 from msvalidate.case.results import read_result
 from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
-from msvalidate.simulators.export import export_case, on_mesh
-from msvalidate.simulators.protocol import Answer
+from msvalidate.simulators.exchange.export import export_case, on_mesh
+from msvalidate.simulators.exchange.protocol import Answer
+from msvalidate_check import causes
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 
@@ -143,6 +144,19 @@ def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
     other = judge_result(case, simulated(request, Answer(on_mesh(request, 0.1))))
     assert names(other) == ["coarse mesh and ratio"]
     assert other.explanations[0].value == pytest.approx(0.1, abs=1e-3)
+
+
+@pytest.mark.parametrize("fault", [lambda u: 1e3 * u, lambda u: 1.1 * one_moved(u), rigid])
+def test_other_words_change_no_verdict_and_no_cause(tmp_path, monkeypatch, fault):
+    def decided():
+        found = judged(tmp_path, X, fault(elastic()))
+        each = [(cause.kinds, cause.value, cause.left) for cause in found.explanations]
+        return found.row.verdict, each, budget(found)[["value", "uncertainty"]].to_numpy()
+
+    before = decided()
+    for key in causes.PHRASES:
+        monkeypatch.setitem(causes.PHRASES, key, "ratio and coarse mesh")
+    np.testing.assert_equal(decided(), before)
 
 
 def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):

@@ -16,7 +16,7 @@ from msvalidate.case.springs import solve_springs
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction, Zone
 from msvalidate.problem.normals import pressure
 from msvalidate.problem.records import replace
-from msvalidate.simulators.export import nearest_case
+from msvalidate.simulators.exchange.export import nearest_case
 from reference_fem.body import solve_problem
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation

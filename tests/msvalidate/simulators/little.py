@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.simulators.protocol import Answer
+from msvalidate.simulators.exchange.protocol import Answer
 
 
 def lame(E, nu):

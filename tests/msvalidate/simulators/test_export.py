@@ -28,8 +28,8 @@ from msvalidate.problem import (
     Weight,
     Zone,
 )
-from msvalidate.simulators.export import export_case, lumped_mass
-from msvalidate.simulators.folders import write_request
+from msvalidate.simulators.exchange.export import export_case, lumped_mass
+from msvalidate.simulators.exchange.folders import write_request
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
 

@@ -13,10 +13,9 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction
-from msvalidate.simulators.export import export_case
-from msvalidate.simulators.folders import read_answer, write_request
-from msvalidate.simulators.protocol import Answer, SimulatorError
-from msvalidate.simulators.rest import stated_residual_motion
+from msvalidate.simulators.exchange.export import export_case
+from msvalidate.simulators.exchange.folders import read_answer, write_request
+from msvalidate.simulators.exchange.protocol import Answer, SimulatorError, stated_residual_motion
 from tests.table import table
 
 BOX = Box((0.3, 0.1, 0.1))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.gate import MOVING, PASSED, STOPPED, gate
-from msvalidate.simulators.protocol import Answer, CannotRepresent, SimulatorError
+from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, SimulatorError
+from msvalidate.simulators.gate.gate import MOVING, PASSED, STOPPED, gate
 from reference_fem import mesh_discretisation
 from reference_fem.elasticity import stiffness
 from tests.table import table

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import ProblemError
-from msvalidate.simulators.laws import LAWS, first_order, predicted
+from msvalidate.simulators.bodies.laws import LAWS, first_order, predicted
 from tests.table import table
 
 E0, NU = 1e7, 0.3

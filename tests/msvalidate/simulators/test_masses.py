@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bench import Bench
-from msvalidate.simulators.masses import measure_masses
-from msvalidate.simulators.probe_mesh import Block, probe_mesh
-from msvalidate.simulators.protocol import SimulatorError
+from msvalidate.simulators.exchange.protocol import SimulatorError
+from msvalidate.simulators.probe.bench import Bench
+from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.probe.masses import measure_masses
+from msvalidate.simulators.verdict.sentences import text_of
 from tests.msvalidate.simulators.little import Little, Tetrahedra, isotropic, lame, linear, lumped
 from tests.table import table
 
@@ -43,7 +44,8 @@ def test_one_node_of_twice_its_mass_is_named(kind):
     masses = OWN * np.where(np.arange(len(OWN)) == 17, 2, 1)
     found = measured(kind, masses=masses)
     assert found.exceptions.tolist() == [17]
-    assert "node 17 2 times" in found.pattern
+    assert found.pattern == "each node's own share"
+    assert "node 17 2 times" in text_of(found.words)
     assert found.known is None
 
 
@@ -52,7 +54,7 @@ def test_shares_by_count_and_last_cell_are_told_apart():
     assert "a share for each cell" in measured(masses=counted).pattern
     wild = np.random.default_rng(1).uniform(1, 3, len(OWN))
     found = measured(masses=wild)
-    assert found.pattern == "no known pattern"
+    assert found.pattern == ""
     assert found.values / wild == pytest.approx(OWN.sum() / wild.sum(), rel=1e-9)
 
 

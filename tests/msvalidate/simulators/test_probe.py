@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.simulators.masses import Masses
-from msvalidate.simulators.moduli import anisotropy
-from msvalidate.simulators.probe import probe
-from msvalidate.simulators.probe_mesh import Block, probe_mesh
-from msvalidate.simulators.protocol import Answer, SimulatorError
-from msvalidate.simulators.sheet import ISOTROPIC
+from msvalidate.simulators.exchange.protocol import Answer, SimulatorError
+from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.probe.masses import Masses
+from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import anisotropy
+from msvalidate.simulators.verdict.sentences import text_of
+from msvalidate.simulators.verdict.sheet import ISOTROPIC
 from tests.msvalidate.simulators.little import (
     Little,
     Springs,
@@ -123,7 +124,7 @@ def test_laws_are_read(law, kind, implicit):
     assert off < reading.error  # what it says of itself
     if isinstance(expected, str):
         assert reading.E is reading.nu is None
-        assert expected in reading.elastic.because
+        assert expected in text_of(reading.elastic.because)
     elif expected:
         assert pytest.approx(expected[0], rel=of_E) == reading.E
         assert reading.nu == pytest.approx(expected[1], abs=of_nu)
@@ -141,7 +142,7 @@ def test_reading_springs_is_a_bound():
     reading = probe(little, ASKED)
     assert reading.is_bound
     assert reading.E is None
-    assert "upper bound" in reading.elastic.because
+    assert "upper bound" in text_of(reading.elastic.because)
     assert failed(reading) == {"force on inner nodes"}
     implicit = Little(lambda mesh, kind: Springs(mesh, 1e4, kind), implicit=True)
     assert probe(implicit, ASKED).is_bound
@@ -185,7 +186,7 @@ def test_faults_are_flagged(name):
         pytest.fail(str(error))
     assert name in failed(reading)
     assert reading.E is None
-    assert name in reading.elastic.because
+    assert name in text_of(reading.elastic.because)
 
 
 def test_a_floor_is_refused():
@@ -206,7 +207,7 @@ def test_wrong_masses_leave_the_law_as_it_is():
     reading = read(linear(isotropic(MU, LAM)), masses=equal)
     assert reading.is_valid
     assert pytest.approx(E0, rel=1e-6) == reading.E
-    assert "equal masses on all nodes" in reading.masses.line()
+    assert "equal masses on all nodes" in text_of(reading.masses.line)
     assert [flag.name for flag in reading.flags if not flag.holds] == ["masses"]
 
 

@@ -11,10 +11,10 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
-from msvalidate.simulators.export import export_case
-from msvalidate.simulators.program import KEPT, Program, label_of, words_of
-from msvalidate.simulators.protocol import CannotRepresent, SimulatorError
-from msvalidate.simulators.template import adapter_template
+from msvalidate.simulators.exchange.export import export_case
+from msvalidate.simulators.exchange.program import KEPT, Program, label_of, words_of
+from msvalidate.simulators.exchange.protocol import CannotRepresent, SimulatorError
+from msvalidate.simulators.exchange.template import adapter_template
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 

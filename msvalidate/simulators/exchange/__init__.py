@@ -1,0 +1,1 @@
+"""What simulators are asked and what they answer: requests, programs, files."""

@@ -1,0 +1,292 @@
+"""What an adapter left in its folder, read strictly: an answer is whole, or it is none."""
+
+from __future__ import annotations
+
+import csv
+import re
+import zipfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+import numpy as np
+import pandas as pd
+
+from msvalidate.bodies.mesh_file import read_points
+from msvalidate.case.results import refuse_wide
+from msvalidate.problem import AXES, Array, ProblemError
+from msvalidate.problem.checks import finite_number, format_value, numbers
+from msvalidate.simulators.exchange.protocol import (
+    LARGEST,
+    Answer,
+    ForcesAt,
+    Request,
+    SimulatorError,
+    ask,
+)
+
+
+def read_table(path: Path, columns: Sequence[str]) -> Array:
+    """Numbers (n, k) in a CSV file with a header, in the order of its column `id` if it has one.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        Those wanted, in this order.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such file, a column is missing, an entry is no number, or `id` does not
+        number the rows from 0. NaN, written so, is a number here.
+    """
+    said = f"table {format_value(path.name)}"
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as lines:
+            refuse_wide(lines)
+        # As texts, whose numbers Python reads exactly: the library's own way differs by version.
+        text = pd.read_csv(
+            path, skipinitialspace=True, encoding="utf-8-sig", keep_default_na=False, dtype=str
+        )
+    except OSError as error:
+        raise ProblemError(f"{said}: {error.strerror}; write it") from error
+    except (csv.Error, ValueError) as error:
+        why = " ".join(str(error).split())
+        raise ProblemError(f"{said}: not a table: {format_value(why)}; write it again") from error
+    text.columns = [str(name).strip() for name in text.columns]
+    missing = [name for name in columns if name not in text.columns]
+    if missing:
+        there = ", ".join(map(str, text.columns))
+        raise ProblemError(f"{said}: no column {missing[0]}; it has {format_value(there)}")
+    found = np.empty((len(text), len(columns)))
+    for place, name in enumerate(columns):
+        found[:, place] = _numbers(said, name, text[name].to_list())
+    if "id" in text.columns:
+        return _by_id(said, _numbers(said, "id", text["id"].to_list()), found)
+    return found
+
+
+def _numbers(said: str, name: str, texts: list[str]) -> Array:
+    found = np.empty(len(texts))
+    for row, each in enumerate(texts):
+        try:
+            found[row] = float(each)
+        except (TypeError, ValueError) as error:
+            shown = format_value(each)
+            raise ProblemError(
+                f"{said}: {name} in row {row + 1}: {shown}; give a number"
+            ) from error
+    return found
+
+
+def _by_id(said: str, number: Array, rows: Array) -> Array:
+    order = np.argsort(number, kind="stable")
+    wrong = np.flatnonzero(number[order] != np.arange(len(rows)))
+    if len(wrong):
+        at = wrong[0]
+        raise ProblemError(
+            f"{said}: id {number[order][at]:g} where {at} is due; number each row once, from 0"
+        )
+    return np.ascontiguousarray(rows[order])
+
+
+ABOUT = "result.json"
+RESULTS = ("result.npz", "result.csv", "result.vtu")
+NO_NUMBER = re.compile(r'"(\w+)"\s*:\s*\[?\s*(-?NaN|-?Infinity)\b')
+"""A key of it whose value Python writes where there is no number, which is no JSON."""
+LARGEST_ABOUT = 1_000_000
+"""Bytes of `result.json`."""
+LOOSEST = 0.1
+"""Of what a step may be solved to: beyond that no law can be read from it."""
+LARGEST_EMPTY, BYTES_A_NODE = 10_000_000, 2_000
+"""Bytes that a result may have: of its own, and for each node."""
+SAME_PLACE = 1e-6
+"""Of the body's size, how far points of a .vtu may be from the nodes: they may be in float32."""
+COLUMNS = {"displacement": "u", "position": "", "velocity": "v", "force": "f"}
+"""Array -> what its columns begin with in a table, before x, y and z."""
+
+
+class AtRest(msgspec.Struct, forbid_unknown_fields=True):
+    """How far an answer is from rest, as its program knows it.
+
+    Parameters
+    ----------
+    residual
+        Largest force on a free node that nothing balances, N.
+    largest_speed
+        Of any node, m/s.
+    change_when_twice_as_long
+        Largest change of a node's displacement when run twice as long, m.
+    """
+
+    residual: float | None = None
+    largest_speed: float | None = None
+    change_when_twice_as_long: float | None = None
+
+
+class About(msgspec.Struct, forbid_unknown_fields=True):
+    """The keys of `result.json`: as `Answer.about` tells them."""
+
+    simulator: str
+    version: str
+    law: str
+    precision: Literal["float64", "float32"]
+    settings: dict[str, tuple[Any, str]] = {}
+    steps: int | None = None
+    dt: float | None = None
+    mass: Literal["lumped", "consistent", "one point"] | None = None
+    forces_at: ForcesAt | None = None
+    solves_to: float | None = None
+    at_rest: AtRest = msgspec.field(default_factory=AtRest)
+    seconds: float | None = None
+    notes: str | list[str] = ""
+
+
+def read_answer(folder: str | Path, request: Request) -> Answer:
+    """What an adapter left in a folder as the answer to a request.
+
+    Raises
+    ------
+    SimulatorError
+        If `result.json` or the result is missing, is too large, is no such file, lacks a key, has
+        one that is not known or of a wrong type, or an array is of another shape or not finite.
+    """
+    place = Path(folder)
+    try:
+        about = _read_about(place / ABOUT)
+        arrays = _read_arrays(place, request)
+    except SimulatorError:
+        raise
+    except ProblemError as error:
+        raise SimulatorError(f"answer: {error}") from error
+    answer = Answer(**arrays, about=about)
+    return ask(lambda _: answer, request)
+
+
+def _read_about(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise SimulatorError(f"answer: no {ABOUT}; an adapter writes it beside its result")
+    _refuse_large(path, LARGEST_ABOUT)
+    try:
+        about = msgspec.json.decode(path.read_bytes(), type=About)
+    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+        why = " ".join(str(error).split())
+        if no_number := NO_NUMBER.search(path.read_text(encoding="utf-8", errors="replace")):
+            raise SimulatorError(
+                f"answer: {ABOUT}: {no_number[1]} is {no_number[2]}; did it diverge?"
+            ) from error
+        known = f"; the keys are {', '.join(About.__struct_fields__)}" if "field" in why else ""
+        raise SimulatorError(f"answer: {ABOUT}: {why}{known}") from error
+    for name, least in (("steps", 0), ("dt", 0), ("seconds", 0)):
+        if getattr(about, name) is not None:
+            finite_number(f"{ABOUT}: {name}", getattr(about, name), least=least)
+    if about.solves_to is not None:
+        finite_number(f"{ABOUT}: solves_to", about.solves_to, least=0.0, below=LOOSEST)
+    rest = msgspec.to_builtins(about.at_rest)
+    given = {name: value for name, value in rest.items() if value is not None}
+    for name, value in given.items():
+        finite_number(f"{ABOUT}: at_rest.{name}", value, least=0.0, most=LARGEST)
+    found = msgspec.to_builtins(about) | {"at_rest": given}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def _refuse_large(path: Path, most: int) -> None:
+    _refuse_more(path, path.stat().st_size, most)
+
+
+def _refuse_more(path: Path, size: int, most: int) -> None:
+    if size > most:
+        raise SimulatorError(f"answer: {path.name}: {size:g} bytes; the most is {most:g}")
+
+
+def _read_arrays(place: Path, request: Request) -> dict[str, Array]:
+    there = [name for name in RESULTS if (place / name).is_file()]
+    if len(there) != 1:
+        said = " and ".join(there) or "no result"
+        raise SimulatorError(f"answer: {said}; write one of {', '.join(RESULTS)}")
+    path = place / there[0]
+    most = LARGEST_EMPTY + BYTES_A_NODE * len(request.mesh.points)
+    _refuse_large(path, most)
+    readers: dict[str, Callable[[Path, Request, int], dict[str, Array]]] = {
+        ".npz": _read_npz,
+        ".csv": _read_csv,
+        ".vtu": _read_vtu,
+    }
+    return readers[path.suffix](path, request, most)
+
+
+def _wanted(request: Request) -> tuple[tuple[str, ...], ...]:
+    """Arrays that answer a request, the ways that there are."""
+    moved = ("position", "velocity")
+    return (("displacement",),) if request.task == "rest" else (moved, ("force",))
+
+
+def _take(said: str, there: dict[str, Any], request: Request) -> dict[str, Array]:
+    """Arrays of the first way to answer that is there."""
+    for way in _wanted(request):
+        if all(name in there for name in way):
+            return {name: numbers(f"{said}: {name}", there[name]) for name in way}
+    ways = " or ".join(" and ".join(way) for way in _wanted(request))
+    held = format_value(", ".join(map(str, there)) or "nothing")
+    raise SimulatorError(f"answer: {said} holds {held}; a {request.task} needs {ways}")
+
+
+def _read_npz(path: Path, request: Request, most: int) -> dict[str, Array]:
+    try:
+        with zipfile.ZipFile(path) as packed:
+            _refuse_more(path, sum(each.file_size for each in packed.infolist()), most)
+        with np.load(path, allow_pickle=False) as content:
+            there = {name: content[name] for name in content.files if name in COLUMNS}
+    except SimulatorError:
+        raise
+    except Exception as error:  # whatever the readers of archives and arrays stumble over
+        why = format_value(str(error) or type(error).__name__)
+        raise SimulatorError(f"answer: {path.name}: not whole arrays ({why})") from error
+    return _take(path.name, there, request)
+
+
+def _read_csv(path: Path, request: Request, _most: int) -> dict[str, Array]:
+    axes = AXES[: request.mesh.dim]
+    with path.open(encoding="utf-8-sig", errors="replace") as lines:
+        header = [name.strip() for name in lines.readline(LARGEST_ABOUT).split(",")]
+    there = {
+        name: [f"{start}{a}" for a in axes]
+        for name, start in COLUMNS.items()
+        if all(f"{start}{a}" in header for a in axes)
+    }
+    for way in _wanted(request):
+        if all(name in there for name in way):
+            return {name: read_table(path, there[name]) for name in way}
+    raise SimulatorError(
+        f"answer: {path.name} has columns {format_value(', '.join(header))}; a {request.task} "
+        f"needs {' or '.join(','.join(_columns(way, axes)) for way in _wanted(request))}"
+    )
+
+
+def _columns(way: tuple[str, ...], axes: tuple[str, ...] | str) -> list[str]:
+    return [f"{COLUMNS[name]}{a}" for name in way for a in axes]
+
+
+def _read_vtu(path: Path, request: Request, _most: int) -> dict[str, Array]:
+    points, data = read_points(path)
+    nodes, dim = request.mesh.points, request.mesh.dim
+    if points.shape[0] != len(nodes):
+        raise SimulatorError(
+            f"answer: {path.name}: {len(points)} points; the request has {len(nodes)} nodes"
+        )
+    size = max(high - low for low, high in request.mesh.span)
+    if np.abs(points[:, :dim] - nodes).max() > SAME_PLACE * size:
+        raise SimulatorError(
+            f"answer: {path.name}: its points are not the nodes; give those of points.csv, at "
+            "rest and in their order"
+        )
+    there = {name: np.asarray(data[name]) for name in COLUMNS if name in data}
+    if dim == 2:  # a third component that is not 0 stays, and is refused as one too many
+        there = {
+            name: each[:, :2] if each.ndim == 2 and not each[:, 2:].any() else each
+            for name, each in there.items()
+        }
+    return _take(path.name, there, request)

@@ -1,0 +1,1 @@
+"""What a simulator must do right before any number of it counts."""

@@ -1,0 +1,450 @@
+"""The gate: what a simulator must do right before any number of it counts.
+
+Rest stays at rest, free fall gives g, a turn is free of stress, twice the modulus halves what
+forces move, what it says of its own rest is true, and the same question has the same answer. None
+of it asks for a right modulus: a simulator of another law passes, one that cannot be read does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from msvalidate.case.case import Case
+from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction, Weight
+from msvalidate.problem.checks import require_type, whole_number
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.simulators.exchange.export import export_case
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    CannotRepresent,
+    NotAskedError,
+    Request,
+    Simulator,
+    SimulatorError,
+    ask,
+    solves_to,
+    stated_residual_motion,
+)
+
+ACROSS = 4
+"""Cells across the block, whose side is 1 m: quarters are exact in float32."""
+ONE_STEP, MANY_STEPS = 0.5, 0.1
+"""Time step over the time that a pressure wave takes through a cell. One step from rest is stable
+whatever it is, and the longer it is the more of its velocity is above rounding."""
+STRAIN = 2.0**-10
+"""Of the pulled block: far above rounding in float32, small beside 1."""
+
+
+def pulled_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
+    """A block of side 1 m, clamped at its left, pulled at its right to about `STRAIN`."""
+    pull = (STRAIN * material.E, *[0.0] * (material.dim - 1))
+    return _block(material, settings, lambda box: Traction(box.side("right"), pull))
+
+
+def hanging_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
+    """The same under a weight that stretches it as much, for programs without nodal forces."""
+    weight = STRAIN * material.E / material.density  # over a side of 1 m
+    acceleration = (weight, *[0.0] * (material.dim - 1))
+    return _block(material, settings, lambda _: Weight(acceleration))
+
+
+def _block(
+    material: Isotropic,
+    settings: Mapping[str, Any],
+    load: Callable[[Box], Traction | Weight],
+) -> Request:
+    box = Box((1.0,) * material.dim)
+    clamp = Support(box.side("left"), (0.0,) * material.dim)
+    problem = Problem(box, material, (clamp,), (load(box),), "block")
+    return export_case(Case(problem), cells=ACROSS, settings=settings)
+
+
+def motion(block: Request, start: Array, steps: int = 1, gravity: Array | None = None) -> Request:
+    """The block let go from positions (n, d) in m, in steps short enough to be stable."""
+    material = block.material
+    stiff = min(material.nu, 0.49)
+    modulus = material.E * (1 - stiff) / ((1 + stiff) * (1 - 2 * stiff))
+    part = ONE_STEP if steps == 1 else MANY_STEPS
+    dt = part / ACROSS * math.sqrt(material.density / modulus)
+    none = np.zeros_like(block.force)
+    return replace(
+        block,
+        task="motion",
+        start=start,
+        # A power of two, so that floats of either kind hold it.
+        dt=2.0 ** math.floor(math.log2(dt)),
+        steps=whole_number("steps", steps, 1),
+        gravity=np.zeros(block.mesh.dim) if gravity is None else gravity,
+        force=none,
+        held=none.astype(bool),
+        value=none,
+    )
+
+
+def epsilon(answer: Answer) -> float:
+    """Rounding of the floats that an answer was reckoned in; of float64, where it does not say."""
+    single = answer.about.get("precision") == "float32"
+    return float(np.finfo(np.float32 if single else np.float64).eps)
+
+
+def turned(points: Array, angle: float) -> Array:
+    """Places (n, d) turned in the plane of the first two axes about their middle."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    turn = np.eye(points.shape[1])
+    turn[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return np.asarray((points - middle) @ turn.T + middle)
+
+
+def forces(request: Request, answer: Answer) -> Array:
+    """Force (n, d) in N that the body puts on its nodes, from what one step does to velocities."""
+    if answer.force is not None:
+        return answer.force
+    if answer.velocity is None or request.dt is None:
+        raise SimulatorError("answer: neither velocities nor forces")
+    return np.asarray(request.mass[:, None] * (answer.velocity / request.dt - request.gravity))
+
+
+Word = Literal["passed", "stopped", "cannot", "told", "not at rest", "not asked"]
+PASSED: Word = "passed"
+STOPPED: Word = "stopped"
+TOLD: Word = "told"
+MOVING: Word = "not at rest"
+LEFT_OUT: Word = "not asked"
+FREE_FALL = "free fall"
+SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
+"""Rows that only what is not at rest is stopped by: to be mended first."""
+HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
+"""Rows for which it is known what helps."""
+STEPS = 10
+"""Of a motion."""
+FALL = 0.25
+"""Of the block's side, what it falls: so much that positions in float32 tell the velocity."""
+SMALL_TURN = 2.0**-8
+"""Angle (rad) of the turn that every program must see as one."""
+LARGE_TURN = math.pi / 6
+ROUNDINGS = 100
+"""Roundings of a coordinate that a force or a displacement may be off by: it is a sum of some tens
+of terms, each rounded a few times."""
+FEW = 4
+"""Roundings of the difference of two positions, which a velocity may be: one each, and one to spare
+on either side."""
+UNSTATED = 1e-3
+"""Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
+that readings of a modulus are held to."""
+MOVES = 0.01
+"""Part of the displacement beyond which what changes as stated is no state at rest: the band that
+bodies are held to."""
+SOLVES_TO = "what it states to solve to"
+ORDERS = 5
+"""Times the strain, by how much laws and shapes of large strain may leave proportion."""
+
+
+@dataclass(frozen=True)
+class GateRow:
+    """One thing that was tried.
+
+    Parameters
+    ----------
+    name
+        What.
+    value, unit, limit
+        Found, and the most that passes; NaN where there is none.
+    because
+        Why the limit is as wide as it is, or what kept it from being tried.
+    verdict
+        "passed", "stopped", "cannot" (it could not be asked), "told" (no limit), "not asked" (after
+        a question that took too long), or "not at rest": within the limit, by what it says may
+        still change alone.
+    """
+
+    name: str
+    value: float
+    unit: str
+    limit: float
+    because: str
+    verdict: Word
+
+    @property
+    def passed(self) -> bool:
+        """Whether it does not stop the simulator."""
+        return self.verdict != STOPPED
+
+
+@dataclass(frozen=True)
+class Gate:
+    """All that was tried of a simulator; one that does not pass has no error to show."""
+
+    rows: tuple[GateRow, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing stopped it, and something was tried."""
+        verdicts = {row.verdict for row in self.rows}
+        return STOPPED not in verdicts and PASSED in verdicts
+
+    @property
+    def moving(self) -> float:
+        """Part of the displacement that running longer changes; 0 where it is at rest."""
+        return max((row.value for row in self.rows if row.verdict == MOVING), default=0.0)
+
+    @property
+    def stops(self) -> tuple[GateRow, ...]:
+        """Rows that stopped it."""
+        return tuple(row for row in self.rows if row.verdict == STOPPED)
+
+
+def gate(
+    simulator: Simulator,
+    material: Isotropic,
+    settings: Mapping[str, Any] | None = None,
+) -> Gate:
+    """Try a simulator on a small block of a material.
+
+    Parameters
+    ----------
+    simulator
+        What is tried; it is asked some ten times.
+    material
+        Of which the block is.
+    settings
+        Of the simulator.
+    """
+    require_type("gate: material", material, Isotropic)
+    block = pulled_block(material, dict(settings or {}))
+    rows = _motion_rows(simulator, block)
+    hanging = hanging_block(material, dict(settings or {}))
+    for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
+        try:
+            first = ask(simulator, asked)
+        except CannotRepresent as error:
+            rows.append(_no_way(name, str(error)))
+            continue
+        except SimulatorError as error:
+            rows.append(_broken(name, error))
+        else:
+            rows += _rest_rows(simulator, asked, first)
+        break
+    return Gate(tuple(rows))
+
+
+# Motions ------------------------------------------------------------------------------------------
+
+
+def _motion_rows(simulator: Simulator, block: Request) -> list[GateRow]:
+    rows = []
+    tried: dict[str, Callable[[Simulator, Request], list[GateRow]]] = {
+        "rest stays at rest": _at_rest,
+        "free fall": _free_fall,
+        "small turn": _small_turn,
+        "turn by 30°": _large_turn,
+    }
+    for name, act in tried.items():
+        try:
+            rows += act(simulator, block)
+        except CannotRepresent as error:
+            rows.append(_no_way(name, str(error)))
+        except SimulatorError as error:
+            rows.append(_broken(name, error))
+    return rows
+
+
+def _at_rest(simulator: Simulator, block: Request) -> list[GateRow]:
+    points = block.mesh.points
+    try:
+        answer = ask(simulator, motion(block, points, STEPS))
+    except CannotRepresent:  # a static program, which may still tell forces
+        answer = ask(simulator, motion(block, points))
+    because = f"{ROUNDINGS} roundings, which {STEPS} steps may each repeat"
+    limit = ROUNDINGS * STEPS * epsilon(answer)
+    if answer.position is None:
+        strain = _as_strain(block, forces(motion(block, points), answer))
+        return [_judged("rest stays at rest", strain, "strain", limit, because)]
+    moved = float(np.abs(answer.position - points).max())
+    return [_judged("rest stays at rest", moved, "of its size", limit, because)]
+
+
+def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
+    points = block.mesh.points
+    plain = motion(block, points, STEPS)
+    time = STEPS * float(plain.dt or 0.0)
+    g = np.zeros(block.mesh.dim)
+    g[-1] = -2 * FALL / time**2
+    answer = ask(simulator, replace(plain, gravity=g))
+    if answer.position is None or answer.velocity is None:
+        return [_no_way("free fall", "it answers by forces, and moves nothing")]
+    wanted = g * time
+    off = float(np.abs(answer.velocity - wanted).max() / np.abs(wanted).max())
+    # Velocities may be differences of positions: these are rounded, and one step is a part of them.
+    stated = solves_to(answer.about)
+    limit = ROUNDINGS * STEPS * epsilon(answer) / FALL + stated
+    because = f"{ROUNDINGS} roundings of a position over a step's part of the fall, and {SOLVES_TO}"
+    because += f" ({stated:g})"
+    fallen = float((answer.position - points)[:, -1].mean() / (g[-1] * float(plain.dt or 1) ** 2))
+    return [
+        _judged("free fall", off, "of g t", limit, because),
+        GateRow(
+            "free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen, stated), TOLD
+        ),
+    ]
+
+
+def _integrator(fallen: float, stated: float) -> str:
+    known = {
+        STEPS * (STEPS + 1) / 2: "semi-implicit: velocity first, then position by the new one",
+        STEPS**2 / 2: "positions exact: by the mean of velocities",
+        STEPS * (STEPS - 1) / 2: "position by the old velocity",
+    }
+    near = min(known, key=lambda each: abs(each - fallen))
+    return (
+        known[near] if abs(near - fallen) < 0.1 + stated * near else "of no kind that is known here"
+    )
+
+
+def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
+    """Forces' odd part: what a turn forwards and one back put differently, without its square."""
+    found, answers = [], []
+    for sign in (1, -1):
+        asked = motion(block, turned(block.mesh.points, sign * SMALL_TURN))
+        answers.append(ask(simulator, asked))
+        found.append(forces(asked, answers[-1]))
+    strain = _as_strain(block, (found[0] - found[1]) / 2) / SMALL_TURN
+    # Of a coordinate over a cell; and of positions that velocities are differences of.
+    time = float(asked.dt or 1.0)
+    step = _as_strain(block, asked.mass[:, None]) / time**2
+    limit = (ROUNDINGS * ACROSS + FEW * step) * epsilon(answers[0]) / SMALL_TURN
+    because = f"{ROUNDINGS} roundings of a coordinate over a cell, {FEW} over a step, by the angle"
+    return [_judged("small turn", strain, "strain over angle", limit, because)]
+
+
+def _large_turn(simulator: Simulator, block: Request) -> list[GateRow]:
+    asked = motion(block, turned(block.mesh.points, LARGE_TURN))
+    strain = _as_strain(block, forces(asked, ask(simulator, asked)))
+    linear = 1 - math.cos(LARGE_TURN)
+    because = f"a linear law sees a strain of {linear:.3g}, and others none"
+    return [GateRow("turn by 30°", strain, "strain", math.nan, because, TOLD)]
+
+
+def _as_strain(block: Request, force: Array) -> float:
+    """Largest nodal force as the strain that would put it on a face of a cell."""
+    side = 1.0 / ACROSS
+    face = side ** (block.mesh.dim - 1) * block.material.thickness
+    return float(np.abs(force).max() / (block.material.E * face))
+
+
+# Rest ---------------------------------------------------------------------------------------------
+
+
+def _rest_rows(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
+    rows = []
+    tried: dict[str, Callable[[Simulator, Request, Answer], GateRow]] = {
+        "twice the modulus": _twice_the_modulus,
+        "dt / 2": lambda s, b, a: _changed(s, b, a, "dt", 0.5),
+        "twice the iterations": lambda s, b, a: _changed(s, b, a, "iterations", 2),
+        "twice the steps": lambda s, b, a: _changed(s, b, a, "steps", 2),
+        "the same again": _same_again,
+    }
+    for name, act in tried.items():
+        try:
+            rows.append(replace(act(simulator, block, first), name=name))
+        except CannotRepresent as error:
+            rows.append(_no_way(name, str(error)))
+        except SimulatorError as error:
+            rows.append(_broken(name, error))
+    return rows
+
+
+def _twice_the_modulus(simulator: Simulator, block: Request, first: Answer) -> GateRow:
+    stiff = replace(block, material=replace(block.material, E=2 * block.material.E))
+    answer = ask(simulator, stiff)
+    away = _change(_moved(first), 2 * _moved(answer))
+    rest = _left(block, first) + 2 * _left(stiff, answer)
+    limit = ORDERS * STRAIN + rest + ROUNDINGS * epsilon(first) / STRAIN
+    because = f"{ORDERS} times the strain, what rest leaves, and {ROUNDINGS} roundings"
+    return _moving(_judged("", away, "of u", limit, because), rest)
+
+
+def _changed(
+    simulator: Simulator, block: Request, first: Answer, name: str, times: float
+) -> GateRow:
+    """The same with another setting, where the answer names it and takes another."""
+    before = _named(first, name)
+    if before is None:
+        return _no_way("", f"its settings name no {name}, so that it cannot be changed")
+    wanted: float = before * times if name == "dt" else round(before * times)
+    other = replace(block, settings={**block.settings, name: wanted})
+    answer = ask(simulator, other)
+    if _named(answer, name) == before:
+        return _no_way("", f"asked for {name} {wanted:g}, it took {before:g} again")
+    away = _change(_moved(first), _moved(answer))
+    noise = ROUNDINGS * epsilon(first) / STRAIN
+    stated = stated_residual_motion(block, first)
+    limit = _left(block, first) + _left(other, answer) + noise
+    if math.isnan(stated):
+        said = f"nothing is said of rest: {UNSTATED:g} each"
+    else:
+        said = f"what both say of their rest ({limit - noise:.2g}), and {ROUNDINGS} roundings"
+    row = _judged("", away, "of u", limit, said)
+    if row.verdict == STOPPED and not math.isnan(stated):
+        told = f"its rest is stated to {stated:.2g}, and it moves by {away:.2g}"
+        return replace(row, because=f"{told} with {name} {wanted:g}")
+    return _moving(row, limit - noise)
+
+
+def _moving(row: GateRow, rest: float) -> GateRow:
+    """The row, "not at rest" where what is stated of that alone lets it pass."""
+    if row.verdict != PASSED or row.value <= max(MOVES, row.limit - rest):
+        return row
+    return replace(row, verdict=MOVING, because="it says that so much may still change: run longer")
+
+
+def _same_again(simulator: Simulator, block: Request, first: Answer) -> GateRow:
+    away = _change(_moved(first), _moved(ask(simulator, block)))
+    limit = ROUNDINGS * epsilon(first) / STRAIN
+    because = f"{ROUNDINGS} roundings, as sums in another order leave; more is state that survives"
+    return _judged("", away, "of u", limit, because)
+
+
+def _named(answer: Answer, name: str) -> float | None:
+    """A number among the settings that an answer tells: those it takes."""
+    given = (answer.about.get("settings", {}).get(name) or [None])[0]
+    number = isinstance(given, int | float) and not isinstance(given, bool)
+    return float(given) if number and given > 0 else None
+
+
+def _moved(answer: Answer) -> Array:
+    if answer.displacement is None:
+        raise SimulatorError("answer: no displacement")
+    return answer.displacement
+
+
+def _change(before: Array, after: Array) -> float:
+    """Largest difference over the largest displacement."""
+    size = float(np.linalg.norm(before, axis=1).max())
+    if not size:
+        raise SimulatorError("answer: the pulled block does not move")
+    return float(np.linalg.norm(after - before, axis=1).max() / size)
+
+
+def _left(request: Request, answer: Answer) -> float:
+    stated = stated_residual_motion(request, answer)
+    return UNSTATED if math.isnan(stated) else stated
+
+
+# Rows ---------------------------------------------------------------------------------------------
+
+
+def _judged(name: str, value: float, unit: str, limit: float, because: str) -> GateRow:
+    return GateRow(name, value, unit, limit, because, PASSED if value <= limit else STOPPED)
+
+
+def _no_way(name: str, reason: str) -> GateRow:
+    return GateRow(name, math.nan, "", math.nan, reason, "cannot")
+
+
+def _broken(name: str, error: SimulatorError) -> GateRow:
+    word = LEFT_OUT if isinstance(error, NotAskedError) else STOPPED
+    return GateRow(name, math.nan, "", math.nan, str(error), word)

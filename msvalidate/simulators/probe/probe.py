@@ -1,0 +1,189 @@
+"""Which elastic solid a simulator's law is to first order, read from single steps of one block.
+
+All nodes are put at c + (I ± G)(X - c), at rest, without weight, for each of six strains G. One
+step gives forces f = M Δv/dt, or the program tells them. In a body of cells whose stress is P, the
+force on node i is -Σ V P ∇Nᵢ, and Σ Xᵢ ⊗ ∇Nᵢ is the identity in each linear cell, so
+
+    mean of P over the volume = -(1/V) Σ fᵢ ⊗ (Xᵢ - c),
+
+whatever the law: the theorem of virial stress [Clausius1870]. Half the difference between +G and -G
+is odd in the strain: stress at rest and second-order terms drop out, and what is left is C : G with
+a relative error of the strain's square. Forces of implicit programs act at the end of the step, so
+there the strain is the volume's mean of ∂u/∂X at its end: it is not uniform then, but to first
+order mean P = C : mean strain holds in a body of one solid all the same, for any dt. Two strains,
+eps and eps/2, leave an error of the fourth power: the extrapolation of Richardson [Roache1994].
+
+It reads the law, not the answer: locking, convergence and supports are not in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from msvalidate.problem import VOIGT, Array, Isotropic
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.simulators.exchange.protocol import Answer, Simulator, SimulatorError, solves_to
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Precision, Push, Station, voigt
+from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.probe.flags import raise_flags, rounding_parts
+from msvalidate.simulators.probe.masses import Masses, measure_masses
+from msvalidate.simulators.probe.reading import SOLVED, STRAINS, Reading
+
+STRAIN = {"float64": 2.0**-10, "float32": 2.0**-7}
+"""Larger of the two strains by default. In double precision they leave 1e-12 of rounding and of the
+fourth order; in single 2e-5 of rounding, and 1e-8 of the fourth order: a single strain of 2⁻⁸ would
+leave 6e-5 of the second order, fifty times that in the shear modulus of a solid of ratio .49."""
+LONGER = 4.0
+"""Steps of implicit programs in single precision, in default steps: their velocities are
+differences of rounded positions, whose rounding counts by 1/dt²."""
+CURVES = 4.0
+"""What two strains leave, over the square of what they differ by and of the strain's square: terms
+of higher order in a law are of the size of powers of the lowest, or of the strain's own."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """C (Pa) by six pairs of states of one strain, how much is left of it, and the pairs."""
+
+    C: Array
+    shrunk: float
+    pairs: tuple[tuple[Push, Push], ...]
+
+
+def probe(
+    simulator: Simulator,
+    material: Isotropic,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    masses: Masses | None = None,
+) -> Reading:
+    """First-order stiffness of the law that a simulator runs, with the flags it stands on.
+
+    The step is the largest power of two (s) below the time in which a pressure wave of the asked
+    material crosses the smallest cell, 1.7 cm; `LONGER` times that where an implicit program works
+    in single precision. An explicit one has Δv/dt = f/m at any dt.
+
+    Parameters
+    ----------
+    material
+        What the simulator is asked for, of state "solid".
+    settings
+        Of the simulator, by its own names.
+    masses
+        Measured before, of the same block; default: measured here.
+
+    Raises
+    ------
+    CannotRepresent, SimulatorError
+        As the simulator, or where its answers do not say what they must, or no mass fits.
+    ProblemError
+        For arguments out of their range.
+    """
+    block = Block(probe_mesh(), material)
+    base = float(2.0 ** np.floor(np.log2(block.height / block.wave_speed)))  # it rounds nothing
+    bench = Bench(simulator, block, base, "float32", dict(settings or {}))
+    first = bench.step(np.zeros(block.mesh.points.shape))
+    told: Precision = first.about["precision"]
+    forces_at = "start" if first.force is not None else str(first.about["forces_at"])
+    stretch = LONGER if told == "float32" and forces_at == "end" else 1.0
+    bench = replace(bench, precision=told, dt=base * stretch)
+    if first.force is None and masses is None:
+        masses = measure_masses(bench)
+    inertia = _inertia(block, masses, first)
+    consistent = first.force is None and first.about["mass"] != "lumped"
+    station = Station(bench, inertia, forces_at, consistent, solves_to(first.about))
+    return _read(station, STRAIN[told], masses, first)
+
+
+def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Array], Array]:
+    """Momentum (n, 3) in kg m/s of velocities, by measured masses."""
+    if masses is None:
+        return lambda v: v
+    if first.about["mass"] == "lumped":
+        m = masses.best[:, None]
+        return lambda v: m * v
+    matrix = block.consistent if first.about["mass"] == "consistent" else block.one_point
+    return lambda v: np.asarray(matrix @ v)
+
+
+def _read(station: Station, strain: float, masses: Masses | None, first: Answer) -> Reading:
+    rest = station.push(np.zeros((3, 3)))
+    fit = _fit(station, strain)
+    largest = float(np.abs(fit.C).max())
+    if largest == 0:
+        raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
+    bench = station.bench
+    noise, of_strain = rounding_parts(bench, strain, largest, station.forces_at, fit.shrunk)
+    curvature = _curvature(fit, rest) / (strain * largest)
+    half = _fit(station, strain / 2)
+    step = float(np.abs(half.C - fit.C).max()) / largest
+    C = (4 * half.C - fit.C) / 3
+    # 4/3 of the step is the second-order term, and the next one is of the size of its square.
+    cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
+    flags = raise_flags(station, fit.pairs, rest, C, strain, curvature, masses)
+    flagged = {flag.name: flag.value or 0.0 for flag in flags}
+    causes = {
+        # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's.
+        "rounding of stresses": 3 * noise * largest,
+        STRAINS: 3 * of_strain * largest,
+        SOLVED: station.solves_to * largest,
+        "finite strain": cut * largest,
+        "stress not symmetric": flagged["symmetry of P"] * largest,
+        "C not symmetric": flagged["symmetry of C"] * largest,
+        "resultant": flagged["net force"] * largest,
+        "masses": _mass_part(masses) * largest,
+    }
+    return Reading(
+        C,
+        float(np.linalg.norm(list(causes.values()))),
+        causes,
+        flags,
+        masses,
+        strain,
+        bench.dt,
+        bench.precision,
+        station.forces_at,
+        dict(first.about),
+    )
+
+
+def _mass_part(masses: Masses | None) -> float:
+    """What the masses' own error may add, relative: none, where they are of a known pattern."""
+    if masses is None or masses.known is not None:
+        return 0.0
+    return masses.error
+
+
+def _fit(station: Station, strain: float) -> _Fit:
+    """C = S E⁻¹, with mean stresses S and strains E (6, 6), a column a state."""
+    pairs, S, E = [], [], []
+    for a, b in VOIGT[3]:
+        G = np.zeros((3, 3))
+        G[a, b] += strain / 2
+        G[b, a] += strain / 2
+        there, back = station.push(G), station.push(-G)
+        pairs.append((there, back))
+        S.append(voigt((there.stress - back.stress) / 2))
+        E.append(voigt((there.gradient - back.gradient) / 2) * ENGINEERING)
+    E_columns = np.transpose(E)
+    if np.linalg.cond(E_columns) > WORST:
+        raise SimulatorError(
+            "probe: six strains at the end of the step are not independent; take a shorter dt"
+        )
+    shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
+    return _Fit(np.transpose(S) @ np.linalg.inv(E_columns), shrunk, tuple(pairs))
+
+
+def _curvature(fit: _Fit, rest: Push) -> float:
+    """Largest second-order part of the stress, Pa."""
+    return max(
+        float(np.abs(there.stress + back.stress - 2 * rest.stress).max()) / 2
+        for there, back in fit.pairs
+    )
+
+
+WORST = 1e3
+"""Condition of the six strains beyond which a step was so long that the body is back at rest."""

@@ -1,0 +1,260 @@
+"""What a probe read: a stiffness, how well it is known, and the flags without which none counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
+from msvalidate.simulators.probe.masses import Masses
+from msvalidate_check.causes import Phrase, phrase
+
+SHOWN = 5e-3
+"""No number is shown that is not known to this: of E relative, of nu absolute, of a component
+of C by its largest."""
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """The isotropic solid nearest to a stiffness; None where there is none, and then a reason.
+
+    Parameters
+    ----------
+    E, E_error
+        Pa.
+    nu, nu_error
+        Poisson's ratio.
+    because
+        Why one is not there; none if both are.
+    """
+
+    E: float | None
+    nu: float | None
+    E_error: float
+    nu_error: float
+    because: tuple[Phrase, ...]
+
+
+def bulk_and_shear(C: Array) -> tuple[float, float]:
+    """K and G (Pa) of the isotropic tensor nearest to a Voigt tensor (6, 6), symmetric or not.
+
+    From its mean over all rotations [Voigt1889]: a = C_iijj = 9 K and b = C_ijij = 3 K + 10 G.
+    """
+    K = float(C[:3, :3].mean())
+    b = float(np.trace(C[:3, :3]) + 2 * np.trace(C[3:, 3:]))
+    return K, (b - 3 * K) / 10
+
+
+def isotropic_of(K: float, G: float) -> Array:
+    """Voigt tensor (6, 6) of K and G in Pa."""
+    C = np.diag([2 * G] * 3 + [G] * 3)
+    C[:3, :3] += K - 2 * G / 3
+    return C
+
+
+def anisotropy(C: Array) -> float:
+    """How far a tensor is from the isotropic one nearest to it, by their components' squares.
+
+    In Mandel's scaling, in which the six components are those of an orthonormal basis, so that
+    the number is the same in all axes.
+    """
+    scale = np.array([1.0] * 3 + [np.sqrt(2)] * 3)
+    scaled = C * np.outer(scale, scale)
+    whole = float(np.linalg.norm(scaled))
+    near = isotropic_of(*bulk_and_shear(C)) * np.outer(scale, scale)
+    return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
+
+
+def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN) -> Elastic:
+    """E and nu of the nearest isotropic solid, and how well they are known.
+
+    E = 9 K G/(3 K + G), nu = (3 K - 2 G)/(6 K + 2 G). K is a mean of components and G a mean
+    with weights whose sizes sum to 1: an error of each component makes no larger one of either.
+    Strains that are off by a matrix M multiply C by I + M, and K drops out of what that makes of G:
+    so each is off by its own part. With δK and δG the sums of both,
+
+    - |δE| ≤ (9 G² δK + 27 K² δG)/(3 K + G)²,
+    - |δnu| ≤ 9 (G δK + K δG)/(2 (3 K + G)²).
+
+    Parameters
+    ----------
+    error
+        Of each component of C, Pa, by stresses.
+    of_strain
+        Relative, by strains.
+    """
+    K, G = bulk_and_shear(C)
+    reason = _no_solid(C, K, G, error + of_strain * float(np.abs(C).max()))
+    if reason:
+        return Elastic(None, None, np.inf, np.inf, reason)
+    below = (3 * K + G) ** 2
+    E, nu = 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)
+    K_error, G_error = error + of_strain * K, error + of_strain * G
+    E_error = (9 * G**2 * K_error + 27 * K**2 * G_error) / below
+    nu_error = 4.5 * (G * K_error + K * G_error) / below
+    known_E, known_nu = E_error <= shown * E, nu_error <= shown
+    missing = [
+        phrase("known of it", name=name, error=size, of=of, needed=shown)
+        for name, size, of, known in (
+            ("E", E_error / E, phrase("of it"), known_E),
+            ("nu", nu_error, Phrase(""), known_nu),
+        )
+        if not known
+    ]
+    return Elastic(
+        E if known_E else None, nu if known_nu else None, E_error, nu_error, tuple(missing)
+    )
+
+
+def _no_solid(C: Array, K: float, G: float, error: float) -> tuple[Phrase, ...]:
+    """Why no isotropic solid has these moduli; nothing if one has."""
+    for name, value in (("bulk", K), ("shear", G)):
+        if value <= error:
+            key = "vanishes" if abs(value) <= error else "negative"
+            return (phrase(key, name=name, value=value, error=error),)
+    lowest = float(np.linalg.eigvalsh((C + C.T) / 2)[0])
+    if lowest <= error:
+        sign = phrase("is negative" if lowest < -error else "is zero")
+        return (phrase("singular", sign=sign, value=lowest),)
+    return ()
+
+
+@dataclass(frozen=True)
+class Flag:
+    """A number that would be 0 of a body that is what a reading takes it for.
+
+    Parameters
+    ----------
+    name
+        What was looked at.
+    value
+        Without unit; None where it could not be asked.
+    limit
+        Largest value of a reading that counts.
+    because
+        Why the limit is where it is, and what a larger value means.
+    refuses
+        Whether the reading does not count beyond the limit; else it is told and no more.
+    """
+
+    name: str
+    value: float | None
+    limit: float
+    because: str | Phrase
+    refuses: bool = True
+
+    @property
+    def holds(self) -> bool:
+        """Whether the value is there and within the limit."""
+        return self.value is not None and bool(self.value <= self.limit)
+
+    @property
+    def shown(self) -> Phrase:
+        """Its name and value."""
+        if self.value is None:
+            return phrase("flag not asked", name=self.name)
+        return phrase("flag", name=self.name, value=self.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """Stiffness of a simulator's solid to first order, at rest.
+
+    Parameters
+    ----------
+    C
+        (6, 6) Pa, in order xx, yy, zz, yz, xz, xy with engineering strains: nominal stress by
+        strain. As measured: symmetric only as far as the body is.
+    error
+        Pa, of each component.
+    causes
+        Cause -> its part, Pa; of independent causes, `error` is the root of the sum of squares.
+        `OF_PARTS` count in E and nu by their part of each modulus.
+    flags
+        In order.
+    masses
+        Measured; None where a program told forces.
+    strain, dt, precision, forces_at
+        How it was read; dt in s.
+    about
+        What the simulator says of itself.
+    """
+
+    C: Array
+    error: float
+    causes: Mapping[str, float]
+    flags: tuple[Flag, ...]
+    masses: Masses | None
+    strain: float
+    dt: float
+    precision: str
+    forces_at: str
+    about: Mapping[str, Any]
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether every flag that refuses holds, and C is known to `shown` of its largest."""
+        return self.is_known and all(flag.holds for flag in self.flags if flag.refuses)
+
+    @property
+    def shown(self) -> float:
+        """Part to which a number is known that counts: `SHOWN`, and what steps are solved to."""
+        return SHOWN + self.causes.get(SOLVED, 0.0) / float(np.abs(self.C).max() or 1.0)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether every component of C is known to `shown` of the largest."""
+        return bool(self.error <= self.shown * np.abs(self.C).max())
+
+    @property
+    def is_bound(self) -> bool:
+        """Whether C is an upper bound alone: inner nodes would move if they were let."""
+        return any(flag.name == INNER and not flag.holds for flag in self.flags)
+
+    @cached_property
+    def elastic(self) -> Elastic:
+        """E and nu with their errors, or None with a reason."""
+        if self.is_valid:
+            parts = sum(self.causes.get(cause, 0.0) for cause in OF_PARTS)
+            others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
+            of_parts = parts / float(np.abs(self.C).max())
+            return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
+        return Elastic(None, None, np.inf, np.inf, self.refusals())
+
+    @property
+    def E(self) -> float | None:
+        """Pa; None where there is none, or none that counts."""
+        return self.elastic.E
+
+    @property
+    def nu(self) -> float | None:
+        """Poisson's ratio; None as for E."""
+        return self.elastic.nu
+
+    def refusals(self) -> tuple[Phrase, ...]:
+        """Why the reading does not count."""
+        found = [flag.shown for flag in self.flags if flag.refuses and not flag.holds]
+        if not self.is_known:
+            found.append(self.uncertain)
+        if self.is_bound:
+            found.append(phrase("upper bound"))
+        return tuple(found)
+
+    @property
+    def uncertain(self) -> Phrase:
+        """How well C is known."""
+        part = self.error / (np.abs(self.C).max() or 1.0)
+        return phrase("not known", part=float(part), needed=self.shown)
+
+
+STRAINS = "rounding of strains"
+"""Name of the cause that multiplies C."""
+SOLVED = "solves_to"
+"""Name of the cause that a step's change of velocity is left unsolved by this part."""
+OF_PARTS = (STRAINS, SOLVED)
+INNER = "force on inner nodes"
+"""Name of the flag by which a lattice is known."""

@@ -1,0 +1,1 @@
+"""What is said of a simulator: state, causes, advice, sheet, page and record."""

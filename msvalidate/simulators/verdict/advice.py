@@ -1,0 +1,86 @@
+"""What to do next with what was found of a simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import reduce
+
+from msvalidate.simulators.exchange.asked import Asked
+from msvalidate.simulators.gate.gate import FREE_FALL, HELPED, SETTLES
+from msvalidate.simulators.probe.reading import SHOWN
+from msvalidate.simulators.verdict.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
+from msvalidate.simulators.verdict.judgement import PARTS, Judgement
+from msvalidate.simulators.verdict.sentences import Cause
+from msvalidate_check.causes import phrase
+
+NEAR = 0.1
+"""Of 2: how far off a fall is that goes the other way."""
+
+
+def _advice(kind: str, **values: object) -> Cause:
+    return Cause(kind, of=phrase(kind, **values))
+
+
+def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Cause:
+    """What helps most, by what was found."""
+    if asked.ended:
+        return _advice("ended")
+    if asked.failures:
+        return _advice("failed")
+    if found.state == STOPPED:
+        return _at_gate(found, asked)
+    if found.state == NOT_AT_REST:
+        return _advice("run longer")
+    if found.state == AGREES:
+        rest = " --only ".join(part for part in PARTS if part not in parts)
+        return _advice("ask the rest", rest=rest) if rest else _advice("own body")
+    return _of_cause(found) if found.state == CAUSE else _of_rest(found)
+
+
+def _at_gate(found: Judgement, asked: Asked) -> Cause:
+    stops = [row.name for row in found.gate.stops]
+    if not stops:
+        return _advice("answer a task")
+    own = asked.about.get("settings", {})
+    further = [
+        phrase("set", name=name, value=value / 4 if name == "dt" else 8 * value)
+        for name in ("iterations", "steps", "dt")
+        if isinstance(value := (own.get(name) or [None])[0], int | float)
+    ]
+    few = [name for name in SETTLES if name in stops]
+    if few and further:
+        either = reduce(lambda one, other: phrase("or", one=one, other=other), further)
+        return _advice("settle", row=few[0], settings=either)
+    first = found.gate.stops[0]
+    if first.name == FREE_FALL and abs(first.value - 2) < NEAR:
+        return _advice("falls up")
+    return _advice(first.name if first.name in HELPED else "mend row", row=first.name)
+
+
+def _of_cause(found: Judgement) -> Cause:
+    masses = found.reading.masses if found.reading else None
+    if masses is not None and any(each.kind == "mass" for each in found.causes):
+        return _advice("give masses")
+    return _advice("see source" if found.predicted is None else "say so")
+
+
+def _of_rest(found: Judgement) -> Cause:
+    reading = found.reading
+    if reading is not None and not reading.is_valid:
+        flag = next((f for f in reading.flags if f.refuses and not f.holds), None)
+        if flag is None:
+            return _advice("double")
+        return _advice("see flag", name=flag.name, because=flag.because)
+    if any(each.kind == "documents" for each in found.causes):
+        return _advice("name another")
+    if not found.bodies:
+        return _advice("answer rest")
+    if reading is None and found.predicted is None and not _is_asked(found):
+        return _advice("answer motion")
+    return _advice("whole body")
+
+
+def _is_asked(found: Judgement) -> bool:
+    """Whether all pulled bodies are of the modulus asked for."""
+    pulled = [row.on_mesh.E for row in found.bodies if row.body == "pulled"]
+    return all(abs(E / found.asked.E - 1) <= SHOWN for E in pulled)

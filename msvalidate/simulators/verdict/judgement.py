@@ -1,0 +1,302 @@
+"""A simulator judged: gate, probe, bodies at rest, and the causes of what differs.
+
+Nothing is said of a simulator that the gate stops. Else its law is read by the probe, bodies of
+the frozen set are brought to rest, and each is held against linear elements of the law that was
+read, on the same mesh with the masses that were measured: what these explain has a cause, and what
+they do not is told as not explained.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from msvalidate.problem import Isotropic, ProblemError, SolverError
+from msvalidate.problem.records import dataclass
+from msvalidate.simulators.bodies import blocks, laws
+from msvalidate.simulators.bodies.blocks import AtRest, Elements
+from msvalidate.simulators.bodies.bodies import (
+    BAND,
+    MESHES,
+    BodyRow,
+    body_row,
+    bring_further,
+    bring_to_rest,
+    load_more,
+    masses_of,
+    masses_on,
+    of_one_kind,
+)
+from msvalidate.simulators.bodies.large_strain import AtLargeStrain, at_large_strain
+from msvalidate.simulators.bodies.tetrahedra import linear_elements
+from msvalidate.simulators.exchange.asked import Note, note_of
+from msvalidate.simulators.exchange.protocol import (
+    CannotRepresent,
+    Simulator,
+    SimulatorError,
+)
+from msvalidate.simulators.gate.gate import Gate, gate
+from msvalidate.simulators.probe.probe import probe
+from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.verdict.causes import (
+    STOPPED,
+    is_over_density,
+    state_and_causes,
+    stop_causes,
+)
+from msvalidate.simulators.verdict.sentences import Cause
+
+PARTS = ("gate", "probe", "bodies")
+"""What a simulator is asked, in this order."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What is said of a simulator with one law and one material.
+
+    Parameters
+    ----------
+    asked
+        The material.
+    predicted
+        Modulus (Pa) and ratio that its documented law is to first order; None if not known.
+    gate, reading
+        What it passed, without rows where it was not asked; what the probe read, None where it was
+        not or could not be probed.
+    bodies
+        At rest.
+    large
+        A body at 5 % strain beside elements of its documented law; None where that is not known.
+    state
+        One of `STATES`.
+    causes
+        The largest first; none where it agrees.
+    notes
+        What could not be asked, and why.
+    """
+
+    asked: Isotropic
+    predicted: tuple[float, float] | None
+    gate: Gate
+    reading: Reading | None
+    bodies: tuple[BodyRow, ...]
+    state: str
+    causes: tuple[Cause, ...]
+    notes: tuple[Note, ...]
+    large: AtLargeStrain | None = None
+
+
+def judge_simulator(
+    simulator: Simulator,
+    material: Isotropic,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    law: str = "",
+    predicted: tuple[float, float] | None = None,
+    converged: Mapping[str, Any] | None = None,
+    meshes: tuple[str, ...] = MESHES,
+    probed: Mapping[str, Any] | None = None,
+    parts: Collection[str] = PARTS,
+    elements: Elements = linear_elements,
+) -> Judgement:
+    """Judge a simulator.
+
+    Parameters
+    ----------
+    simulator
+        Asked some two hundred times, each time anew.
+    material
+        Of state "solid", with a ratio of `blocks.RATIOS`.
+    settings
+        Of the simulator.
+    law
+        Its documented law, a name of `laws.LAWS`, which the bodies at large strain are of too; ""
+        if it is none of them.
+    predicted
+        Modulus (Pa) and ratio of the documented law to first order; by default what `law` says.
+    converged
+        Settings at which steps and iterations change nothing any more, where the given ones do not
+        go so far: what is between the two is the cause "solver".
+    meshes
+        Of the bodies, tetrahedra.
+    probed
+        Settings of the probe's steps beside the others.
+    parts
+        Those of `PARTS` that it is asked; what is said is of them alone.
+    elements
+        What its bodies should be on their meshes; only linear ones are asked at large strain.
+
+    Raises
+    ------
+    ProblemError
+        For another material, or a law that is not there.
+    """
+    _refuse_material(material)
+    own = dict(settings or {})
+    predicted = predicted or _first_order(law, material)
+    gated = gate(simulator, material, own) if "gate" in parts else Gate(())
+    if "gate" in parts and not gated.passed:
+        causes = stop_causes(gated.stops)
+        return Judgement(material, predicted, gated, None, (), STOPPED, causes, ())
+    notes: list[Note] = []
+    reading = None
+    if "probe" in parts:
+        reading = _probed(simulator, material, own | dict(probed or {}), notes)
+    bodies = "bodies" in parts
+    found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
+    settled = _further(simulator, own, converged, found, notes)
+    read, total = _law(reading, found, predicted, material)
+    furthest = own | dict(converged or {})
+    rows = of_one_kind(
+        tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
+    )
+    if read is not None:
+        rows = _loaded_more(simulator, rows, found, (read, reading, total), furthest)
+    large = None
+    linear = elements is linear_elements
+    if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
+        large = _large(simulator, material, law, furthest, (reading, total), notes)
+    state, causes = state_and_causes(
+        material, predicted, reading, read, rows if bodies else None, large,
+        linear=linear, moving=gated.moving,
+    )  # fmt: skip
+    return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
+
+
+def _loaded_more(
+    simulator: Simulator,
+    rows: tuple[BodyRow, ...],
+    found: list[tuple[str, AtRest]],
+    known: tuple[tuple[float, float], Reading | None, float],
+    settings: Mapping[str, Any],
+) -> tuple[BodyRow, ...]:
+    """The rows, those in single precision under more load too."""
+    law, reading, total = known
+    each = []
+    for row, (_, body) in zip(rows, found, strict=True):
+        expected = body.of_elements(*law, masses_of(body, law, reading, total))
+        each.append(load_more(simulator, row, body, expected, settings))
+    return tuple(each)
+
+
+def _is_of_linear_elements(row: BodyRow) -> bool:
+    """Whether elements of its law at small strain are what it is, so that those at large may be."""
+    return row.is_rounded or (row.is_explained and not row.finer)
+
+
+def _refuse_material(material: Isotropic) -> None:
+    low, high = blocks.RATIOS
+    if material.state != "solid":
+        raise ProblemError(f"judge_simulator: state {material.state}; give a solid")
+    if not low <= material.nu <= high:
+        raise ProblemError(
+            f"judge_simulator: ratio {material.nu:g}; give one from {low:g} to {high:g}, for which "
+            "elasticity is known"
+        )
+
+
+def _further(
+    simulator: Simulator,
+    settings: Mapping[str, Any],
+    converged: Mapping[str, Any] | None,
+    found: list[tuple[str, AtRest]],
+    notes: list[Note],
+) -> Mapping[tuple[str, str], AtRest]:
+    """Bodies brought further to rest; none where that fails, which is told."""
+    try:
+        return bring_further(simulator, settings, converged, found)
+    except (CannotRepresent, SolverError) as error:
+        notes.append(note_of("brought further to rest", error))
+        return {}
+
+
+def _first_order(law: str, material: Isotropic) -> tuple[float, float] | None:
+    """Modulus (Pa) and ratio of a documented law; None where it is no solid."""
+    if not law:
+        return None
+    known = laws.predicted(law, material.E, material.nu)
+    return None if known.E is None or known.nu is None else (known.E, known.nu)
+
+
+def _large(
+    simulator: Simulator,
+    material: Isotropic,
+    law: str,
+    settings: Mapping[str, Any],
+    weighed: tuple[Reading | None, float],
+    notes: list[Note],
+) -> AtLargeStrain | None:
+    """A body at large strain beside elements of the documented law."""
+    try:
+        return at_large_strain(
+            simulator,
+            material,
+            laws.stress_of(law, material.E, material.nu),
+            settings,
+            mass_of=lambda request: masses_on(request, *weighed),
+        )
+    except (CannotRepresent, SolverError) as error:
+        notes.append(note_of("large strain", error))
+        return None
+
+
+def _probed(
+    simulator: Simulator, material: Isotropic, settings: Mapping[str, Any], notes: list[Note]
+) -> Reading | None:
+    try:
+        return probe(simulator, material, settings=settings)
+    except (CannotRepresent, SimulatorError) as error:
+        notes.append(note_of("probe", error))
+        return None
+
+
+def _law(
+    reading: Reading | None,
+    found: list[tuple[str, AtRest]],
+    predicted: tuple[float, float] | None,
+    material: Isotropic,
+) -> tuple[tuple[float, float] | None, float]:
+    """Modulus (Pa) and ratio of the law, and the body's mass over what is asked.
+
+    The probe sees E over mass alone. A body pulled by forces sees E alone. So their quotient is the
+    mass; it is taken for 1 where it is so within `BAND`, or where the probe alone reads the law
+    that was meant, unless bodies show E and masses that are both over the density. Where nothing
+    was probed the law is the documented one, or else what the finest pulled body is the elements
+    of: the other bodies are then held against it.
+    """
+    asked = (material.E, material.nu)
+    pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
+    if reading is None:
+        return predicted or _law_of(pulled) or asked, 1.0
+    if reading.E is None or reading.nu is None:
+        return predicted, 1.0
+    if not pulled or reading.masses is None:
+        return (reading.E, reading.nu), 1.0
+    near, band = blocks.effective_on_mesh(pulled[-1]), max(BAND, reading.shown)
+    total = near.E / reading.E
+    if near.left > BAND or not total > 0 or abs(total - 1) <= band:
+        return (reading.E, reading.nu), 1.0
+    # Where steps are of the law that was meant and the pulled body is not, this is no mass.
+    meant = abs(reading.E / (predicted or asked)[0] - 1) <= band
+    if meant and not (is_over_density(total, material.density) and _weighs(found, reading)):
+        return (reading.E, reading.nu), 1.0
+    return (reading.E * total, reading.nu), total
+
+
+def _weighs(found: list[tuple[str, AtRest]], reading: Reading) -> bool:
+    """Whether a body under its weight moves as one of the law that was read."""
+    for _, each in found:
+        if each.case.driven == "weight":
+            expected = each.of_elements(float(reading.E or 0), float(reading.nu or 0))
+            return abs(float((each.move * expected).sum() / (expected**2).sum()) - 1) <= BAND
+    return False
+
+
+def _law_of(pulled: list[AtRest]) -> tuple[float, float] | None:
+    """Modulus (Pa) and ratio of the elements that the last body is; None if it is none's."""
+    if not pulled:
+        return None
+    near = blocks.effective_on_mesh(pulled[-1])
+    known = near.left <= BAND and math.isfinite(near.E) and math.isfinite(near.nu)
+    return (near.E, near.nu) if known else None

@@ -1,0 +1,270 @@
+"""What was found of a simulator as tables and sentences, for the terminal and for a page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable
+
+from msvalidate.problem.records import dataclass
+from msvalidate.simulators.bodies.blocks import BENT
+from msvalidate.simulators.bodies.bodies import BAND, BodyRow
+from msvalidate.simulators.exchange.asked import Asked, Note
+from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
+from msvalidate.simulators.probe.reading import Reading, anisotropy
+from msvalidate.simulators.verdict.advice import next_step
+from msvalidate.simulators.verdict.causes import AGREES, STOPPED
+from msvalidate.simulators.verdict.judgement import PARTS, Judgement
+from msvalidate.simulators.verdict.sentences import text_of
+from msvalidate_check.causes import Phrase, phrase
+
+FAILED = "gate failed"
+"""Kind of a cause that is a question's failure."""
+WHOLE = Phrase("")
+ISOTROPIC = 0.01
+"""Anisotropy beyond which that is told: at it E and nu differ by direction by about as much as a
+law is asked to be told apart."""
+NOTICED = 5e-4
+"""Of a factor: what is nearer to 1 is left blank."""
+
+
+@dataclass(frozen=True)
+class SheetTable:
+    """A table of texts, and what is said below it."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    below: tuple[str, ...] = ()
+
+    def lines(self) -> list[str]:
+        """As aligned text; the last column is as wide as it is."""
+        every = [self.columns, *self.rows]
+        widths = [max(len(row[k]) for row in every) for k in range(len(self.columns))]
+        text = [
+            "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+            for row in every
+        ]
+        if not any(self.columns):
+            text = text[1:]
+        return [self.title, *(line.rstrip() for line in text), *(f"  {b}" for b in self.below)]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """All that is said of a simulator.
+
+    Parameters
+    ----------
+    word
+        Its state, or that some question was not answered at all.
+    agrees
+        Whether it agrees, and all was asked and is near elasticity.
+    who
+        Simulator, version and law, as it says itself, and how often it was asked.
+    causes
+        Sentences.
+    tables
+        Gate, law and bodies, as far as they were asked.
+    notes
+        What could not be asked, and why.
+    next
+        What to do now.
+    """
+
+    word: str
+    agrees: bool
+    who: str
+    causes: tuple[str, ...]
+    tables: tuple[SheetTable, ...]
+    notes: tuple[str, ...]
+    next: str
+
+    def lines(self, name: str) -> list[str]:
+        """As text."""
+        lines = [f"{name}: {self.word}", *(f"  {each}" for each in (self.who, *self.causes))]
+        for table in self.tables:
+            lines += ["", *table.lines()]
+        notes = [f"not asked: {each}" for each in self.notes]
+        return [*lines, "", *notes, f"next: {self.next}"]
+
+
+def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Sheet:
+    """A judgement in words; `parts` are those that were asked for."""
+    tables = [_gate_table(found)] if found.gate.rows else []
+    if found.state != STOPPED and set(parts) - {"gate"}:
+        tables.append(_law_table(found))
+    if found.bodies:
+        tables.append(_bodies_table(found))
+    known = {failure.why for failure in asked.failures}
+    causes = [c for c in found.causes if not (c.kind == FAILED and c.of["because"] in known)]
+    failures = [phrase("failure", question=f.question, why=f.why) for f in asked.failures]
+    word = _word(found, asked, parts)
+    return Sheet(
+        word=text_of(word),
+        agrees=word == phrase("state", state=AGREES, some=WHOLE),
+        who=text_of(_who(asked)),
+        causes=(*(each.said for each in causes), *map(text_of, dict.fromkeys(failures))),
+        tables=tuple(tables),
+        notes=_by_reason(found.notes),
+        next=next_step(found, asked, parts).said,
+    )
+
+
+def _by_reason(notes: Iterable[Note]) -> tuple[str, ...]:
+    """Notes, what has the same reason together."""
+    found: dict[str, list[str]] = {}
+    for each in notes:
+        if each.asked:
+            found.setdefault(each.why, []).append(each.what)
+    pairs = (phrase("note", what=", ".join(what), why=why) for why, what in found.items())
+    return tuple(map(text_of, pairs))
+
+
+def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
+    some = WHOLE
+    if any(part not in parts for part in PARTS):
+        some = phrase("some", parts=" and ".join(part for part in PARTS if part in parts))
+    if asked.failures:
+        counts = {"failures": len(asked.failures), "count": asked.count}
+        return phrase("no answer", **counts, some=some)
+    if found.state == STOPPED:
+        return phrase("stopped" if found.gate.stops else "nothing", some=some)
+    if found.state == AGREES and set(parts) == {"gate"}:
+        return phrase("gate alone")
+    coarse = max(found.bodies, key=lambda row: row.error, default=None)
+    if found.state == AGREES and coarse is not None and coarse.error > BAND:
+        body = f"{coarse.body} {'beam' if coarse.body in BENT else 'block'}"
+        return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
+    return phrase("state", state=found.state, some=some)
+
+
+def _who(asked: Asked) -> Phrase:
+    said = [str(asked.about.get(key, "")) for key in ("simulator", "version")]
+    own = ", ".join(each for each in (" ".join(said).strip(), asked.about.get("law", "")) if each)
+    return phrase("who", who=own or phrase("silent"), count=asked.count)
+
+
+# Gate ---------------------------------------------------------------------------------------------
+
+
+def _gate_table(found: Judgement) -> SheetTable:
+    rows, before = [], ""
+    for row in found.gate.rows:
+        verdict = "" if row.verdict == LEFT_OUT else row.verdict
+        words = _gate_words(row)
+        rows.append((verdict, row.name, "the same" if words == before else words))
+        before = words
+    return SheetTable("gate", ("", "", ""), tuple(rows))
+
+
+def _gate_words(row: GateRow) -> str:
+    if math.isnan(row.limit):
+        value = "" if math.isnan(row.value) else f"{row.value:.2g} {row.unit}: "
+        return f"{value}{row.because}"
+    told = f"{row.value:.1e} {row.unit}, at most {row.limit:.1e}"
+    return told if row.verdict == PASSED else f"{told}: {row.because}"
+
+
+# Law ----------------------------------------------------------------------------------------------
+
+
+def _law_table(found: Judgement) -> SheetTable:
+    asked = (found.asked.E, found.asked.nu)
+    rows: list[tuple[str, ...]] = [("asked", *_pair(*asked), "", "")]
+    if found.predicted is not None:
+        rows.append(("documented", *_pair(*found.predicted), *_away(found.predicted, asked)))
+    reading, below = found.reading, []
+    if reading is None:
+        pulled = [row.on_mesh for row in found.bodies if row.body == "pulled"]
+        if pulled:
+            E, nu = pulled[-1].E, pulled[-1].nu
+            rows.append(("of the pulled body", *_pair(E, nu), *_away((E, nu), asked)))
+        below.append(text_of(phrase("no reading")))
+    else:
+        rows.append(_read_row(reading, asked))
+        below = _reading_lines(reading)
+    return SheetTable(
+        "law at small strain", ("", "E (Pa)", "nu", "E over asked", "nu less asked"),
+        tuple(rows), tuple(below),
+    )  # fmt: skip
+
+
+def _pair(E: float, nu: float) -> tuple[str, str]:
+    return f"{E:.6g}", f"{nu:.5g}"
+
+
+def _away(one: tuple[float, float], asked: tuple[float, float]) -> tuple[str, str]:
+    away = round(one[1] - asked[1], 5) + 0.0
+    return f"{one[0] / asked[0]:.5g}", f"{away:+.5f}"
+
+
+def _read_row(reading: Reading, asked: tuple[float, float]) -> tuple[str, ...]:
+    e = reading.elastic
+    if reading.E is None or reading.nu is None:
+        return ("read", "none", "none", "", "")
+    away = _away((reading.E, reading.nu), asked)
+    return ("read", f"{reading.E:.6g} ± {e.E_error:.1g}", f"{reading.nu:.5g} ± {e.nu_error:.1g}",
+            *away)  # fmt: skip
+
+
+def _reading_lines(reading: Reading) -> list[str]:
+    """Masses, and flags where they matter."""
+    lines = [phrase("no masses") if reading.masses is None else reading.masses.line]
+    for flag in reading.flags:
+        if flag.refuses and not flag.holds:
+            said = {"limit": flag.limit, "because": flag.because}
+            lines.append(phrase("flag line", flag=flag.shown, **said))
+    if not reading.is_known:
+        lines.append(reading.uncertain)
+    if reading.is_valid and (reading.E is None or reading.nu is None):
+        lines.append(phrase("no moduli", because=reading.elastic.because))
+    if reading.is_valid and (part := anisotropy(reading.C)) > ISOTROPIC:
+        lines.append(phrase("anisotropy", part=part))
+    return list(map(text_of, lines))
+
+
+# Bodies -------------------------------------------------------------------------------------------
+
+
+def _bodies_table(found: Judgement) -> SheetTable:
+    rows = tuple(_body_row(row) for row in found.bodies)
+    below = []
+    if found.large is not None:
+        large = found.large
+        said = {"case": large.case, "strain": large.strain, "apart": large.apart}
+        below.append(text_of(phrase("large line", **said, linear=large.from_linear)))
+    columns = (
+        "body",
+        "case",
+        "mesh",
+        "error",
+        "law",
+        "resolution",
+        "mass",
+        "solver",
+        "not explained",
+    )
+    return SheetTable(
+        "bodies at rest: error, and what each cause multiplies the displacement by", columns, rows,
+        tuple(below),
+    )  # fmt: skip
+
+
+def _body_row(row: BodyRow) -> tuple[str, ...]:
+    head = (row.body, row.case, row.mesh, f"{row.error:.2%}")
+    f = row.factors
+    if f is None:
+        return (*head, "", "", "", "", "no law to hold it against")
+    parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
+    if not parts[-1] and row.rest > BAND:
+        parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
+    shape = (
+        f", {row.shape}"
+        if row.shape is not None and not f.is_explained and not row.may_settle
+        else ""
+    )
+    return (*head, *parts, f"{f.apart:.2%}{shape}")
+
+
+def _factor(part: float) -> str:
+    return "" if abs(part - 1) < NOTICED else f"{part:.4g}"

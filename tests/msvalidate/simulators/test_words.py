@@ -1,0 +1,51 @@
+"""Nothing that is decided of a simulator depends on how a sentence is worded."""
+
+import numpy as np
+import pytest
+
+from msvalidate.simulators.exchange.asked import Asked
+from msvalidate.simulators.verdict import sentences
+from msvalidate.simulators.verdict.advice import next_step
+from msvalidate.simulators.verdict.judgement import judge_simulator
+from msvalidate.simulators.verdict.record import record_of
+from msvalidate.simulators.verdict.sheet import sheet_of
+from msvalidate_check import causes
+from studies.simulators.judged import ASKED
+from studies.simulators.synthetic import Faulty, clean, synthetic_faults
+
+FAULTS = {**synthetic_faults(), "none": Faulty(clean, "agrees")}
+LAW = "Saint Venant-Kirchhoff"
+
+
+def decided(faulty, law):
+    """State, kinds and numbers of causes and advice, and whether it passed; nothing of words."""
+    asked = Asked(faulty.simulate)
+    found = judge_simulator(asked, ASKED, law=law, meshes=("tet4",))
+    sheet = sheet_of(found, asked)
+    kinds = [(cause.kind, cause.value) for cause in found.causes]
+    shown = (len(sheet.causes), len(sheet.notes), [len(table.rows) for table in sheet.tables])
+    reworded = [*sheet.causes, sheet.next, sheet.word]
+    return (found.state, kinds, next_step(found, asked).kind, sheet.agrees, shown), reworded, found
+
+
+@pytest.mark.parametrize(
+    ("fault", "law"),
+    [
+        ("none", ""), ("none", LAW), ("1 % too stiff", LAW), ("0.9 converged", ""),
+        ("a full cell's mass on each node", ""), ("0.9 converged, and says so", ""),
+        ("points swapped", ""), ("k = E h on each edge", ""), ("resets itself", ""),
+        ("one way more than the other", ""), ("all over the density, but forces", ""),
+    ],
+)  # fmt: skip
+def test_other_words_change_no_state_cause_or_advice(monkeypatch, fault, law):
+    before, _, found = decided(FAULTS[fault], law)
+    if not law:
+        assert FAULTS[fault].is_named_in(found)
+    for number, key in enumerate(sentences.SENTENCES):
+        monkeypatch.setitem(sentences.SENTENCES, key, f"word {number} mass law: read as")
+    for key in causes.PHRASES:
+        monkeypatch.setitem(causes.PHRASES, key, "gate and ratio")
+    after, words, found = decided(FAULTS[fault], law)
+    np.testing.assert_equal(after, before)
+    assert all(each.startswith("word ") for each in words)
+    assert record_of(found)["kinds"] == [kind for kind, _ in before[1]]
