@@ -178,30 +178,34 @@ def aggregate(
     above: list[Any] = []
     levels = []
     for here in found[:-1]:
-        if floating:
-            smoothers = _by_products(here.A, highest, above)
-            highest = None
-        else:
-            smoothers = _by_sweeps(here.A)
+        bound = None if above else highest
+        smoothers = _by_products(here.A, bound, above) if floating else _by_sweeps(here.A)
         levels.append(Level(here.A, here.P, here.R, *smoothers))
         above.append(here.P)
-    matrix = found[-1].A.toarray()
-    shift = np.linalg.qr(found[-1].B)[0] if floating else np.zeros((len(matrix), 0))
-    stiffened = matrix + np.abs(matrix).max() * shift @ shift.T
-    values, motions = np.linalg.eigh(stiffened)
-    top = float(np.abs(values).max(initial=0.0)) or 1.0
-    softest = _prolong(motions[:, 0], above), float(values[0]) / top
-    if floating and not softest[1] > NO_STIFFNESS:
+    coarsest, motion, stiffness = _coarsest(found[-1], floating=bool(floating))
+    softest = _prolong(motion, above), stiffness
+    if floating and not stiffness > NO_STIFFNESS:
         raise MeetsNothingError(softest[0][:, None])
-    there = np.abs(values) > NO_STIFFNESS * top
-    values, motions = values[there], motions[:, there]
-
-    def coarsest(load: Array) -> Array:
-        held = load - shift @ (shift.T @ load)
-        share = (motions.T @ held).T / values
-        return np.asarray(motions @ share.T)
-
     return Cycle(levels, coarsest, unit, softest, unknowns, floating)
+
+
+def _coarsest(level: Any, *, floating: bool) -> tuple[Callable[[Array], Array], Array, float]:
+    """Its pseudoinverse, translations taken out; the softest motion, and its part of the stiffest.
+
+    By all eigenvectors: a matrix that is not positive definite keeps its signs.
+    """
+    matrix = level.A.toarray()
+    shift = np.linalg.qr(level.B)[0] if floating else np.zeros((len(matrix), 0))
+    values, motions = np.linalg.eigh(matrix + np.abs(matrix).max() * shift @ shift.T)
+    top = float(np.abs(values).max(initial=0.0)) or 1.0
+    there = np.abs(values) > NO_STIFFNESS * top
+    stiff, kept = values[there], motions[:, there]
+
+    def solve(load: Array) -> Array:
+        held = load - shift @ (shift.T @ load)
+        return np.asarray(kept @ ((kept.T @ held).T / stiff).T)
+
+    return solve, motions[:, 0], float(values[0]) / top
 
 
 class MeetsNothingError(Exception):

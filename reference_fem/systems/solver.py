@@ -297,13 +297,14 @@ class Solver:
     def _factor(self) -> Factor:
         """Of the free part, in nested dissection; refused where a part moves without strain."""
         large = len(self._free) >= limits.WORTH_CHOLMOD and has_cholmod()
-        name = "cholmod" if self.choice == "cholmod" or (large and self.choice == "auto") else ""
+        best = "cholmod" if large else "superlu"
+        name = best if self.choice in ("auto", "multigrid") else self.choice
         counted = self._planned[1]
         with fits_in_memory(len(self._free), "unknowns"):
             whole = counted if counted is not None and len(counted.order) else None
             order = elimination_order(self.body, self.held, whole)
             A = self.stiffness[self._free][:, self._free]
-            return factor_of(self.body, A, order, self._free, name or "superlu")
+            return factor_of(self.body, A, order, self._free, name)
 
     @cached_property
     def _blocks(self) -> bsr_array:
