@@ -42,7 +42,7 @@ def _is_mechanism(B: csr_array, k: Array, own: Array, motion: Array | None, leas
     size = 0.0 if motion is None else float(np.abs(motion).max(initial=0.0))
     if motion is None or not (size and np.isfinite(size)):
         return False
-    way = motion.ravel() / size
+    way = motion.reshape(len(own), -1)[:, 0] / size
     return bool(k @ (B @ way) ** 2 <= least * (own @ way**2))
 
 
@@ -97,7 +97,8 @@ def multigrid_relaxation(
     refuse_mechanism(found.solution)
 
     def relieve(stretch: Array) -> Array:
-        force = B.T @ (part[:, None] * stretch)
+        force = (B.T @ (part[:, None] * stretch)).reshape(-1, dim, stretch.shape[1])
+        force = (force - force.mean(axis=0)).reshape(len(own), -1)  # what rounding leaves of it
         size = np.abs(force).max(axis=0, initial=0.0)
         found = conjugate_gradients(A, force / np.where(size > 0, size, 1.0), cycle, PART)
         refuse_unsettled(found, settled=not found.negative and found.left <= PART)

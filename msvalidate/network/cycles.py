@@ -115,7 +115,8 @@ class Cycles:
             load[self._free] = right * self.cycle.unit
             most = MOST_STEPS if self.is_own else WORN
             found = conjugate_gradients(self.A, load, self.cycle, part, most=most, spectral=True)
-            if self.is_own or not (found.negative or found.left > part):
+            settled = not found.negative and found.left <= part * min(found.lowest, 1.0)
+            if self.is_own or settled:
                 return found
             self.cycle, self.is_own = make_cycle(self.A, self.at), True
 

@@ -14,9 +14,9 @@ from msvalidate.bodies.fit import fitted_constants
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import square
 from msvalidate.linear_algebra import choice
+from msvalidate.network import cycles
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.tangent import cycles
 from tests.table import table
 
 BOX = Box((2.0, 1.0))
