@@ -730,9 +730,10 @@ def test_a_candidate_has_a_page_of_its_own(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "poisson: own.py:mine, 3 rows, agrees: 2, not resolved: 1" in done.stderr
     folder = tmp_path / "reports" / "candidate"
-    row, *_ = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
-    assert (row["candidate"], row["verdict"]) == ("own.py:mine", "not resolved")
-    assert "widened to" in row["because"]
+    rows = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
+    assert {(row["candidate"], "widened to" in row["because"]) for row in rows} == {
+        ("own.py:mine", True)
+    }
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "Verdict on own.py:mine" in page
     assert "algorithm1; the others were not asked" in page
