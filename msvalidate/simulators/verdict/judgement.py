@@ -69,7 +69,7 @@ class Judgement:
     large
         A body at 5 % strain beside elements of its documented law; None where that is not known.
     state
-        One of `STATES`.
+        Agrees, or what it does instead: a constant of `verdict.causes`.
     causes
         The largest first; none where it agrees.
     notes
