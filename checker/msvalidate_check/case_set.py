@@ -194,10 +194,12 @@ def elastic_case(
     value = np.zeros(points.shape)
     value[held] = given[f"{at}/value"]
     cells = given[f"{name}/{mesh}/cells"].astype(np.int64)
-    ratio = float(known["ratios"][row])
+    ratio, key = float(known["ratios"][row]), f"{name}/{mesh}/modulus"
+    # The set has the modulus of each cell where a body has more than one.
+    modulus = given[key].copy() if key in given else np.full(len(cells), float(known["E"]))
     return ElasticCase(
         name, known["state"], mesh, known["E"], ratio, known["density"], known["thickness"],
-        points, cells, _modulus(given, f"{name}/{mesh}/modulus", known["E"], len(cells)),
+        points, cells, modulus,
         given[f"{name}/{mesh}/mass"], given[f"{name}/{mesh}/force"], held, value,
         np.arange(size), given[f"{name}/displacement"][row].copy(),
         float(given[f"{name}/uncertainty"][row]), _quantities(known, row),
@@ -256,11 +258,6 @@ def _quantities(known: dict[str, Any], row: int) -> dict[str, tuple[Array, float
         name: (np.array(values[row]), float(uncertainties[row]))
         for name, (values, uncertainties) in known["quantities"].items()
     }
-
-
-def _modulus(given: _Lazy, key: str, E: float, count: int) -> Array:
-    """Modulus (c,) in Pa of each cell: the set has it where a body has more than one."""
-    return given[key].copy() if key in given else np.full(count, float(E))
 
 
 def _of_ratio(case_file: str, nu: float) -> str:

@@ -21,7 +21,6 @@ from msvalidate_check.exchange import write
 from msvalidate_check.fields import read_field
 
 AGREED, MISSED, BAD_INPUT, FAULT = 0, 1, 2, 3
-AXES = "xyz"
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -101,7 +100,7 @@ def _list(_: Any) -> int:
 
 def _write_mesh(given: Any) -> int:
     case = _case(given)
-    axes = AXES[: case.points.shape[1]]
+    axes = "xyz"[: case.points.shape[1]]
     head = ["id", *axes, "mass", *(f"f{a}" for a in axes)]
     head += [*(f"held_{a}" for a in axes), *(f"value_{a}" for a in axes)]
     nodes = [

@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from msvalidate_check.archives import LARGEST_FILE, MOST_POINTS, read_arrays
+from msvalidate_check.beside import AXES, Array
 from msvalidate_check.errors import CheckError
 
-Array = np.ndarray
 ARRAYS = {"displacement": ("displacement",), "points": ("points", "id"), "at_rest": ("at_rest",)}
 """What is read of an archive, and by which names."""
 MOST_NUMBER = 2**53
 """Number of a node from which not each whole number is one of double precision."""
-AXES = "xyz"
 
 
 def read_field(path: Path) -> tuple[Array | None, Array, float | None]:

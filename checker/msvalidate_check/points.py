@@ -208,7 +208,13 @@ def vectors(name: str, given: ArrayLike, d: int) -> Array:
         array = array[:, :2]
     if array.ndim != 2 or array.shape[1] != d or not len(array):
         raise CheckError(f"{name}: shape {array.shape}; give an array (n, {d})")
-    size = float(np.abs(array).max())
+    refuse_extreme(name, array)
+    return array
+
+
+def refuse_extreme(name: str, array: Array) -> None:
+    """Refuse numbers that are not finite, or whose squares are not numbers."""
+    size = float(np.abs(array).max(initial=0.0))
     if 0 < size < LEAST:
         raise CheckError(f"{name}: {size:g} at most; give numbers above {LEAST:g}, or 0 alone")
     bad = np.argwhere(~(np.abs(array) < LARGEST))
@@ -218,7 +224,6 @@ def vectors(name: str, given: ArrayLike, d: int) -> Array:
             f"{name}: {array[row, column]} along {'xyz'[column]} at point {row}, {len(bad)} in all;"
             f" give finite numbers below {LARGEST:g}"
         )
-    return array
 
 
 def _refuse_other_count(points: Array, move: Array) -> None:

@@ -21,6 +21,7 @@ from scipy.sparse import bsr_array
 
 from msvalidate.lattice import Constants
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError
+from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network import Configuration, Network
 from msvalidate.network.cycles import Cycles, NotConvergedError
 from msvalidate.network.inverse import Solver
@@ -40,7 +41,6 @@ WORTH_HAVING = 1e-3
 UNMOVED = 1e-10
 """What solutions of usual accuracy may move constants by, over the largest of these."""
 CORRECTIONS = 6
-EPS = float(np.finfo(float).eps)
 PART = 1e-12
 """Of a displacement's error, left by multigrid."""
 WORTH_NAMING = 0.1

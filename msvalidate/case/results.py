@@ -28,9 +28,8 @@ from msvalidate.problem.records import dataclass
 from msvalidate_check.archives import read_arrays
 from msvalidate_check.checking import ACCURACY
 from msvalidate_check.errors import CheckError
+from msvalidate_check.points import refuse_extreme as refuse_sizes
 
-LARGEST, LEAST = 1e100, 1e-100
-"""Sizes of numbers between which sums of their squares are numbers too."""
 LARGEST_FILE = 2_000_000_000
 """Bytes beyond which a file is not read."""
 MOST_POINTS = 3_000_000
@@ -147,16 +146,10 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
 
 def refuse_extreme(name: str, array: Array) -> None:
     """Refuse numbers that are not finite, or whose squares are not numbers."""
-    size = float(np.abs(array).max(initial=0.0))
-    if 0 < size < LEAST:
-        raise ProblemError(f"{name}: {size:g} at most; give numbers above {LEAST:g}, or 0 alone")
-    bad = np.argwhere(~(np.abs(array) < LARGEST))
-    if len(bad):
-        row, column = (int(i) for i in bad[0])
-        raise ProblemError(
-            f"{name}: {array[row, column]} along {AXES[column]} at point {row}, {len(bad)} in all; "
-            f"give finite numbers below {LARGEST:g}"
-        )
+    try:
+        refuse_sizes(name, array)
+    except CheckError as error:
+        raise ProblemError(str(error)) from error
 
 
 def _plane(array: Array, dim: int, what: str) -> Array:

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from msvalidate.dynamics.scheme import MotionState
-from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Network
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import SolverError
@@ -25,7 +25,6 @@ below, what is found is soon no motion."""
 AT_REST = 8.0
 """Roundings up to which what nothing loads is at rest: as many springs meet at a lattice's points,
 each rounded by itself."""
-EPS = float(np.finfo(float).eps)
 
 
 def is_at_rest(network: Network, start: MotionState) -> bool:

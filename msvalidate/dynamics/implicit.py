@@ -18,7 +18,7 @@ from scipy.sparse import csr_array, diags_array
 
 from msvalidate.dynamics.scheme import Acceleration
 from msvalidate.linear_algebra.factor import Factor, factorise
-from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Configuration, Network
 from msvalidate.network.ground import Ground
 from msvalidate.network.inverse import elimination_order
@@ -32,7 +32,6 @@ SLOW = 0.1
 ROUNDED = 1e-9
 """Correction with a fresh tangent over the largest coordinate that rounding may leave: where stiff
 parts stand beside soft ones the rounding of forces moves these by more than that of positions."""
-EPS = float(np.finfo(float).eps)
 
 
 class ConvergenceError(SolverError):

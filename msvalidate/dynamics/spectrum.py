@@ -230,14 +230,10 @@ def _squares_by_energy(network: Network, position: Array, count: int) -> Array:
 
 
 def extreme_frequencies(
-    network: Network,
-    position: Array | None = None,
-    *,
-    tolerance: float = 0.0,
-    cycle: Cycle | None = None,
+    network: Network, *, tolerance: float = 0.0, cycle: Cycle | None = None
 ) -> tuple[float, float]:
     """Lowest and highest natural frequency (rad/s); see `natural_frequencies`."""
-    lowest, highest = natural_frequencies(network, 1, position, tolerance=tolerance, cycle=cycle)
+    lowest, highest = natural_frequencies(network, 1, tolerance=tolerance, cycle=cycle)
     return float(lowest[0]), highest
 
 

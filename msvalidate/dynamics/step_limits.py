@@ -1,4 +1,4 @@
-"""How large a step of a scheme may be: limits of stability, and growth in one step."""
+"""How large a step of a scheme may be: limits of stability, and what one step does to a mode."""
 
 from __future__ import annotations
 
@@ -103,12 +103,3 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
         )
         columns.append([end.x[0], end.v[0]])
     return np.array(columns).T
-
-
-def growth_factor(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> float:
-    """Largest factor by which a mode can grow in a step: its one-step matrix's spectral radius.
-
-    Source: the spectral radius, [GolubVanLoan2013].
-    """
-    matrix = finite("one-step matrix", one_step_matrix(integrator, omega, h, damping))
-    return float(np.abs(np.linalg.eigvals(matrix)).max())

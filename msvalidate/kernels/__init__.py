@@ -27,6 +27,8 @@ from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type, whole_number
 
 Path = Literal["auto", "general", "lattice", "plain"]
+Moving = tuple[Array, Array, Array, Array]
+"""Displacement and velocity (n, d), and the factors (n,) of a step; see `Motion.advance`."""
 PATHS: tuple[Path, ...] = ("auto", "general", "lattice", "plain")
 
 
@@ -176,15 +178,10 @@ class Motion:
         return ended
 
     def _advance(
-        self,
-        moving: tuple[Array, Array, Array, Array],
-        dt: float,
-        steps: int,
-        kinetic: float,
-        to_peak: bool,
+        self, moving: Moving, dt: float, steps: int, kinetic: float, to_peak: bool
     ) -> tuple[int, float, bool]:
         if self._plain:
-            return self._advance_plainly(*moving, dt, steps, kinetic, to_peak)
+            return self._advance_plainly(moving, dt, steps, kinetic, to_peak)
         if self._grid is not None:
             return stencil.advance(self._grid, *moving, dt, steps, kinetic, to_peak)
         if self._threads == 1 or to_peak:
@@ -194,17 +191,9 @@ class Motion:
         return self._shared.advance(*moving, dt, steps)
 
     def _advance_plainly(
-        self,
-        u: Array,
-        v: Array,
-        keep: Array,
-        push: Array,
-        dt: float,
-        steps: int,
-        kinetic: float,
-        to_peak: bool,
+        self, moving: Moving, dt: float, steps: int, kinetic: float, to_peak: bool
     ) -> tuple[int, float, bool]:
-        network, held = self._network, self._held
+        (u, v, keep, push), network, held = moving, self._network, self._held
         for step in range(1, steps + 1):
             if self._breakage is not None:
                 self._breakage.look(u)

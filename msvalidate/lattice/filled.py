@@ -129,22 +129,10 @@ class BoundaryRule:
     per_cell: bool = False
 
 
-def _share(lattice: Lattice) -> Array:
-    return lattice.share
-
-
-def _whole(lattice: Lattice) -> Array:
-    return np.ones(len(lattice.springs))
-
-
-def _borders(lattice: Lattice) -> Array:
-    return lattice.borders
-
-
 WEIGHTS: Mapping[str, BoundaryRule] = {
-    "shared": BoundaryRule(_share),
-    "equal": BoundaryRule(_whole),
-    "per_cell": BoundaryRule(_borders, per_cell=True),
+    "shared": BoundaryRule(lambda lattice: lattice.share),
+    "equal": BoundaryRule(lambda lattice: np.ones(len(lattice.springs))),
+    "per_cell": BoundaryRule(lambda lattice: lattice.borders, per_cell=True),
 }
 """Rules for the weight of a spring on the boundary: see `boundary_weights`."""
 

@@ -153,19 +153,6 @@ class Pattern:
         i, j = self.springs.T
         return np.asarray(self.points[j] + self.image * np.array(self.size) - self.points[i])
 
-    @property
-    def centred(self) -> bool:
-        """Whether every point is a centre of symmetry: none moves from a uniform strain."""
-        room = SAME_DISTANCE * float(np.linalg.norm(self.vectors, axis=1).max())
-        level = level_numbers(np.concatenate([self.vectors, -self.vectors]), room)
-        ends = self.springs.T.ravel(), np.tile(self.kind, 2), np.tile(self.factor, 2)
-        # Mirrored at its own points, it has the same springs in another order.
-        there, mirrored = (
-            np.column_stack([*ends, each]) for each in (level, level.max(axis=0) - level)
-        )
-        there, mirrored = (each[np.lexsort(each.T)] for each in (there, mirrored))
-        return np.array_equal(there, mirrored)
-
     def stiffness(self, constants: Constants, rule: str = "constants") -> Array:
         """Stiffness (m,) in N/m of the springs under constants, one a kind.
 

@@ -10,13 +10,13 @@ from msvalidate.problem import Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite, integers
 
 
-def check_springs(springs: ArrayLike, n: int, name: str = "springs") -> Index:
+def check_springs(springs: ArrayLike, n: int) -> Index:
     """Springs (m, 2) as pairs of different ones of n points."""
-    pairs = integers(name, springs, "m>0", 2, need="give whole numbers (m, 2)")
-    _refuse_beyond(name, pairs, n)
+    pairs = integers("springs", springs, "m>0", 2, need="give whole numbers (m, 2)")
+    _refuse_beyond("springs", pairs, n)
     own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
     if len(own):
-        raise ProblemError(f"{name}: {pairs[own[0]]} at index {own[0]} joins a point to itself")
+        raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
     return pairs
 
 

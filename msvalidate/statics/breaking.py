@@ -26,7 +26,7 @@ from msvalidate.network.inverse import Once
 from msvalidate.problem import Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_number, indices, whole_number
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.statics.equilibrium import Equilibrium, linear_equilibrium_at
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium_at
 from msvalidate.statics.refinement import refine_linear
 
 Ended = Literal["raised", "breaks", "falls", "parted"]
@@ -388,7 +388,9 @@ class Way:
         return Growth(
             breaks=tuple(breaks),
             network=network,
-            equilibrium=linear_equilibrium_at(network, u, len(breaks), self.error, choice),
+            equilibrium=equilibrium_at(
+                network, u, len(breaks), error=self.error, solver=choice, linear=True
+            ),
             critical_stretch=self.length / self.given.rest_length,
             loose=np.flatnonzero(self.loose),
             load=load,

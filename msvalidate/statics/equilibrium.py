@@ -169,12 +169,18 @@ def equilibrium_at(
     error: float = math.nan,
     passed_limit: float | None = None,
     solver: Choice | None = None,
+    linear: bool = False,
 ) -> Equilibrium:
     """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
 
     Forces come from the displacement: positions have lost digits where coordinates are large.
+    `linear`: they are those at the reference points and their change to first order.
     """
-    left = out_of_balance_force(network, displacement)
+    if linear:
+        at = Configuration(network)
+        left = at.force() + at.force_change(displacement) + network.force
+    else:
+        left = out_of_balance_force(network, displacement)
     displacement.setflags(write=False)
     position = network.points + displacement
     return Equilibrium(
@@ -201,27 +207,8 @@ def _solve_linear(network: Network, wanted: str | Solver) -> Equilibrium:
                 raise
             solver.give_way(error)
     choice = None if network.held.all() else solver.choice
-    return linear_equilibrium_at(network, found.solution, 1 + found.steps, found.error, choice)
-
-
-def linear_equilibrium_at(
-    network: Network, displacement: Array, iterations: int, error: float, solver: Choice | None
-) -> Equilibrium:
-    """The linear equilibrium at a displacement (n, d) in m, with residual and reactions there."""
-    at = Configuration(network)
-    left = at.force() + at.force_change(displacement) + network.force
-    position = network.points + displacement
-    displacement.setflags(write=False)
-    return Equilibrium(
-        displacement=displacement,
-        position=position,
-        reaction=np.where(network.held, -left, 0.0),
-        residual=max_abs(left[~network.held]),
-        iterations=iterations,
-        error=error,
-        folded=count_folded(network.simplices, position),
-        solver=solver,
-    )
+    u, steps = found.solution, 1 + found.steps
+    return equilibrium_at(network, u, steps, error=found.error, solver=choice, linear=True)
 
 
 def _solve_nonlinear(

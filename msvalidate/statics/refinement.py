@@ -30,11 +30,9 @@ from msvalidate.network.residual import is_unloaded, out_of_balance_force, round
 from msvalidate.network.stability import negative_modes
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import replace
+from msvalidate.statics.tangents import LARGEST_TURN
 
 TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
-LARGEST_TURN = 0.5
-"""Change of a spring in all corrections, relative to its length, beyond which another equilibrium
-may have been found."""
 SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
 FACTORS = 6

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array, csr_array
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
-from msvalidate.network import Configuration, internal_force, tangent
+from msvalidate.network import Configuration, tangent
 from msvalidate.network.residual import force_roundoff, force_scale, out_of_balance_force
 from msvalidate.problem import Array
 from msvalidate.statics.tangents import LARGEST_TURN
@@ -31,15 +31,8 @@ class BalancedState(NamedTuple):
     solves: int
 
 
-def unbalanced_force(actuator: Actuator, x: Array, electric: Electric) -> Array:
-    """Force (n, 2) in N of springs, loads and charges at positions (n, 2) in m."""
-    force = internal_force(actuator.network, x) + actuator.network.force
-    force[electric.loaded] += electric.forces()
-    return force
-
-
 def residual_force(actuator: Actuator, displacement: Array, electric: Electric) -> Array:
-    """`unbalanced_force` at a displacement (n, 2) in m, without the rounding of far positions."""
+    """Force (n, 2) in N of springs, loads and charges at a displacement (n, 2) in m."""
     force = out_of_balance_force(actuator.network, displacement)
     force[electric.loaded] += electric.forces()
     return force

@@ -98,8 +98,7 @@ def areas(corners: Array) -> Array:
     first = corners[..., :2] - corners[:, :1, :2]
     second = np.roll(first, -1, axis=1)
     cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    total: Array = 0.5 * cross.sum(axis=1)
-    return total
+    return np.asarray(0.5 * cross.sum(axis=1))
 
 
 def refuse_tilted(corners: Array, middle: Array, near: float) -> None:

@@ -66,8 +66,7 @@ class Faces:
     @property
     def bare(self) -> Mask:
         """(n,) whether a segment is bare."""
-        bare: Mask = self.electrode == BARE
-        return bare
+        return np.asarray(self.electrode == BARE)
 
     @property
     def segments(self) -> Index:
@@ -83,8 +82,7 @@ class Faces:
     @property
     def length(self) -> Array:
         """(n,) in m."""
-        length: Array = np.hypot(*self.along.T)
-        return length
+        return np.asarray(np.hypot(*self.along.T))
 
     @property
     def middle(self) -> Array:

@@ -38,7 +38,8 @@ def plate(
         raise ProblemError(f"sides: {format_value(sides)}; give two lengths in m")
     refuse_too_many("segments", float(whole_number("segments", segments, 1)) ** 2, what="patches")
     half = np.linspace(-1.0, 1.0, segments + 1)
-    part = np.sign(half) * (1 - (1 - np.abs(half)) ** _exponent(grading))
+    exponent = finite_number("grading", grading, least=1, most=STEEPEST)
+    part = np.sign(half) * (1 - (1 - np.abs(half)) ** exponent)
     x, y = (0.5 * length_in_metres("side", side) * part for side in sides)
     left, low = (line.ravel() for line in np.meshgrid(x[:-1], y[:-1], indexing="ij"))
     right, high = (line.ravel() for line in np.meshgrid(x[1:], y[1:], indexing="ij"))
@@ -51,13 +52,7 @@ def plate(
 
 
 def disc(
-    radius: float,
-    rings: int,
-    *,
-    height: float = 0.0,
-    grading: float = 4.0,
-    sectors: int = 4,
-    arcs: int = 64,
+    radius: float, rings: int, *, height: float = 0.0, sectors: int = 4, arcs: int = 64
 ) -> Patches:
     """A disc about the z axis at z = height, of rings·sectors polar patches.
 
@@ -68,17 +63,17 @@ def disc(
     ----------
     radius, height
         In m.
-    rings, grading
-        The n-th ring from the rim is n to the power of `grading` away: 1 for uniform rings.
+    rings
+        The n-th from the rim is n to the power of 4 away.
     sectors, arcs
         Patches in each ring, and straight sides that the arc of each is made of. The charge of a
         disc alone is the same all around, and few sectors serve.
     """
-    power, inwards = _exponent(grading), np.linspace(1.0, 0.0, whole_number("rings", rings, 1) + 1)
+    inwards = np.linspace(1.0, 0.0, whole_number("rings", rings, 1) + 1)
     turns = whole_number("sectors", sectors, 2) * whole_number("arcs", arcs, 1)
     bulge = np.sqrt((2 * np.pi / turns) / np.sin(2 * np.pi / turns))
     refuse_too_many("rings", float(rings) * turns, what="corners of patches")
-    r = length_in_metres("radius", radius) * bulge * (1 - inwards**power)
+    r = length_in_metres("radius", radius) * bulge * (1 - inwards**4.0)
     angle = 2 * np.pi / turns * (arcs * np.arange(sectors)[:, None] + np.arange(arcs + 1))
     arc = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     outer, inner = r[1:, None, None, None] * arc, r[:-1, None, None, None] * arc[:, ::-1]
@@ -91,7 +86,3 @@ def disc(
         np.zeros(len(flat), dtype=np.intp),
         np.column_stack([middle, np.full(len(middle), level)]),
     )
-
-
-def _exponent(grading: float) -> float:
-    return finite_number("grading", grading, least=1, most=STEEPEST)

@@ -111,14 +111,12 @@ class ReportModel:
 
     def places(self) -> Array:
         """(e, 2) joints of the pieces (m)."""
-        at: Array = self.pieces.joints @ self.electrodes.points
-        return at
+        return np.asarray(self.pieces.joints @ self.electrodes.points)
 
     def lengths(self) -> Array:
         """(p,) of the pieces (m)."""
         at = self.places()[self.pieces.ends]
-        length: Array = np.hypot(*(at[:, 1] - at[:, 0]).T)
-        return length
+        return np.asarray(np.hypot(*(at[:, 1] - at[:, 0]).T))
 
     def spread(self) -> Array:
         """(p, k) part of each charge that each piece carries."""
@@ -164,8 +162,7 @@ class ReportCharges(ReadOnly):
     @property
     def places(self) -> Array:
         """(c, 2) where the charges act as points (m)."""
-        at: Array = self.moments.places()[self.moments.pieces.charge_joint]
-        return at
+        return np.asarray(self.moments.places()[self.moments.pieces.charge_joint])
 
     @property
     def totals(self) -> Array:
@@ -203,8 +200,7 @@ def consistent_forces(charges: ReportCharges) -> Array:
     require_type("charges", charges, ReportCharges)
     moments = charges.moments
     adjoint = moments.solve(charges.voltages[moments.pieces.electrode], adjoint=True)
-    force: Array = -0.5 * np.einsum("i,inc->nc", adjoint, potential_slopes(charges))
-    return force
+    return np.asarray(-0.5 * np.einsum("i,inc->nc", adjoint, potential_slopes(charges)))
 
 
 def potential_slopes(charges: ReportCharges) -> Array:
@@ -253,8 +249,7 @@ def report_tangent(charges: ReportCharges) -> Array:
     n = weights.shape[1]
     force = np.einsum("icjd,jn->icnd", stiff, weights).reshape(count, 2, 2 * n)
     force += np.einsum("ijc,jb->icb", answer, moved)
-    total: Array = np.einsum("in,icb->ncb", weights, force).reshape(2 * n, 2 * n)
-    return total
+    return np.asarray(np.einsum("in,icb->ncb", weights, force).reshape(2 * n, 2 * n))
 
 
 def _kernel_of_depth(model: ReportModel, at: Array) -> tuple[Array, Array, float]:
@@ -271,5 +266,4 @@ def _sum_to_points(model: ReportModel, joints: Index, force: Array) -> Array:
     """Forces on joints as forces (n, 2) on the points that they are sums of."""
     at = np.zeros((model.pieces.joints.shape[0], 2))
     np.add.at(at, joints, force)
-    total: Array = model.pieces.joints.T @ at
-    return total
+    return np.asarray(model.pieces.joints.T @ at)

@@ -63,7 +63,7 @@ def _block(
     return export_case(Case(problem), cells=ACROSS, settings=settings)
 
 
-def motion(block: Request, start: Array, steps: int = 1, gravity: Array | None = None) -> Request:
+def motion(block: Request, start: Array, steps: int = 1) -> Request:
     """The block let go from positions (n, d) in m, in steps short enough to be stable."""
     material = block.material
     stiff = min(material.nu, 0.49)
@@ -78,7 +78,7 @@ def motion(block: Request, start: Array, steps: int = 1, gravity: Array | None =
         # A power of two, so that floats of either kind hold it.
         dt=2.0 ** math.floor(math.log2(dt)),
         steps=whole_number("steps", steps, 1),
-        gravity=np.zeros(block.mesh.dim) if gravity is None else gravity,
+        gravity=np.zeros(block.mesh.dim),
         force=none,
         held=none.astype(bool),
         value=none,

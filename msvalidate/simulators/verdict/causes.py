@@ -16,7 +16,6 @@ CAUSE = "differs with cause"
 NOT_AT_REST = "not at rest"
 NOT_EXPLAINED = "not explained"
 STOPPED = "gate"
-STATES = (AGREES, CAUSE, NOT_AT_REST, NOT_EXPLAINED, STOPPED)
 NOTHING, OVER_DENSITY = Phrase(""), Phrase("over density")
 
 
@@ -31,7 +30,7 @@ def state_and_causes(
     linear: bool = True,
     moving: float = 0.0,
 ) -> tuple[str, tuple[Cause, ...]]:
-    """One of `STATES` and the causes, from what differs from what was asked.
+    """What the simulator is in a word, and the causes, from what differs from what was asked.
 
     `rows` are None where no body was asked for, and empty where none could be represented. Of
     elements that are not `linear` what they are off by is told: it is by design, and no mesh's.

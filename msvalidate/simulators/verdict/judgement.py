@@ -69,7 +69,7 @@ class Judgement:
     large
         A body at 5 % strain beside elements of its documented law; None where that is not known.
     state
-        One of `STATES`.
+        Agrees, or what it does instead: a constant of `verdict.causes`.
     causes
         The largest first; none where it agrees.
     notes
@@ -93,7 +93,6 @@ def judge_simulator(
     settings: Mapping[str, Any] | None = None,
     *,
     law: str = "",
-    predicted: tuple[float, float] | None = None,
     converged: Mapping[str, Any] | None = None,
     meshes: tuple[str, ...] = MESHES,
     probed: Mapping[str, Any] | None = None,
@@ -113,8 +112,6 @@ def judge_simulator(
     law
         Its documented law, a name of `laws.LAWS`, which the bodies at large strain are of too; ""
         if it is none of them.
-    predicted
-        Modulus (Pa) and ratio of the documented law to first order; by default what `law` says.
     converged
         Settings at which steps and iterations change nothing any more, where the given ones do not
         go so far: what is between the two is the cause "solver".
@@ -134,7 +131,7 @@ def judge_simulator(
     """
     _refuse_material(material)
     own = dict(settings or {})
-    predicted = predicted or _first_order(law, material)
+    predicted = _first_order(law, material)
     gated = gate(simulator, material, own) if "gate" in parts else Gate(())
     if "gate" in parts and not gated.passed:
         causes = stop_causes(gated.stops)

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from msvalidate.dynamics.integrators import INTEGRATORS, step_factors
-from msvalidate.dynamics.step_limits import growth_factor, one_step_matrix, stability_limit
+from msvalidate.dynamics.step_limits import one_step_matrix, stability_limit
 from msvalidate.problem import ProblemError
 
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
@@ -17,6 +17,11 @@ unlimited_schemes = pytest.mark.parametrize("name", set(INTEGRATORS) - set(LIMIT
 areas_kept = pytest.mark.parametrize("name", [n for n, one in TRUE.items() if one.symplectic])
 OMEGA = 2.0
 ZETAS = (0.0, 0.05, 0.3, 0.7, 1.0, 1.5, 2.0, 10.0)
+
+
+def growth_factor(scheme, omega, h, damping):
+    """Largest factor by which a mode can grow in a step."""
+    return np.abs(np.linalg.eigvals(one_step_matrix(scheme, omega, h, damping))).max()
 
 
 def end_of(scheme, steps, time=2.0, *, omega=OMEGA, damping=0.0):

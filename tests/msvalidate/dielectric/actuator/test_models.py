@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, lowest_modes, relax_actuator, slab
-from msvalidate.dielectric.actuator.balance import stiffness, unbalanced_force
+from msvalidate.dielectric.actuator.balance import residual_force, stiffness
 from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.network import energy
 
@@ -28,7 +28,7 @@ def potential_energy(body, x, volts):
 
 def test_forces_are_the_slope_of_the_energy(body):
     x, volts, step = disturbed(body), 0.4, 1e-5
-    force = unbalanced_force(body, x, charge_actuator(body, x, volts))
+    force = residual_force(body, x - body.network.points, charge_actuator(body, x, volts))
     for point, axis in np.argwhere(~body.network.held)[::3]:
         beside = np.zeros(x.shape)
         beside[point, axis] = step
@@ -47,7 +47,9 @@ def slopes(body, step):
         beside = np.zeros(x.shape)
         beside[point, axis] = step
         up, down = (
-            unbalanced_force(body, place, charge_actuator(body, place, volts))[free]
+            residual_force(body, place - body.network.points, charge_actuator(body, place, volts))[
+                free
+            ]
             for place in (x + beside, x - beside)
         )
         found[:, column] = -(up - down) / (2 * step)
