@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msvalidate.tangent import cycles
 
 import reference_fem
 from msvalidate.bodies import fit
@@ -16,7 +17,6 @@ from msvalidate.lattice import square
 from msvalidate.linear_algebra import choice
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.tangent import cycles
 from tests.table import table
 
 BOX = Box((2.0, 1.0))
