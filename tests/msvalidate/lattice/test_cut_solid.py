@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,9 @@ from msvalidate.lattice import cut_lattice, patterns
 from msvalidate.lattice.cut_cells import DRAWING
 from msvalidate.lattice.drawn import draw_surface, solid_facets
 from msvalidate.lattice.grid_cut import cell_parts
-from msvalidate.problem import Box, ProblemError
+from msvalidate.problem import Box
 from tests.msvalidate.solids import ball, bar, rotation
+from tests.table import refused
 
 HALF = np.array([0.1, 0.2, 0.3])
 
@@ -53,9 +52,6 @@ def test_a_curved_ball_is_cut_to_the_error_that_it_states():
 
 
 def test_what_does_not_fit_is_refused_in_one_line():
-    def refused(message):
-        return pytest.raises(ProblemError, match=re.escape(message))
-
     mesh = ball(0)
     with refused("cut lattice of spacing 1e-05 m: "):
         cut_lattice(patterns.cubic18(), mesh, 1e-5)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from scipy.optimize import nnls
@@ -19,7 +17,6 @@ from msvalidate.problem import (
     Isotropic,
     Obstacle,
     Problem,
-    ProblemError,
     Region,
     SolverError,
     Support,
@@ -27,6 +24,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.records import replace
 from msvalidate.statics.contact import press
+from tests.table import refused
 
 SIZE, THICK = 0.37, 0.2
 BOX = Box((2 * SIZE, SIZE))
@@ -143,10 +141,6 @@ def test_what_is_too_deep_is_said_with_how_far_there_is_an_equilibrium():
     network, touching = pressed(Obstacle("disc", (0.4, SIZE), (0.0, -1.0), 0.2), depth=0.19)
     with pytest.raises(SolverError, match=r"contact: no equilibrium beyond 0\.\d+ of the obstacle"):
         press(network, touching, "nonlinear")
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def test_contacts_that_cannot_be_are_refused():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import meshio
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from msvalidate.problem import (
     Mesh,
     PointForce,
     Problem,
-    ProblemError,
     Region,
     Support,
     Traction,
@@ -25,13 +22,10 @@ from msvalidate.problem import (
 from reference_fem import box_discretisation, mesh_discretisation, solve_problem
 from reference_fem.body import nodal_forces
 from reference_fem.mesh import ELEMENTS
+from tests.table import refused
 
 ROUNDING = 1e-11
 """Relative: a condition number of 1e4 times the rounding of 1e-16, and the order of the sums."""
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 def box_of(element):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 import skfem
@@ -24,7 +22,7 @@ from msvalidate.problem import (
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from tests.reference_fem.by_hand import SKEW
-from tests.table import table
+from tests.table import refused, table
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -35,10 +33,6 @@ BOX = Box((1.2, 0.8))
 BAR = trapezium(0.2, (5, 3))
 BLOCK = zigzag_block(1.0, (6, 5))
 ROW = np.sqrt(3) / 2
-
-
-def refused(message):
-    return pytest.raises(ProblemError, match=re.escape(message))
 
 
 # --- boxes ----------------------------------------------------------------------------------------
