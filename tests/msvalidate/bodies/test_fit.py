@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from msvalidate.tangent import cycles
 
 import reference_fem
 from msvalidate.bodies import fit
