@@ -101,7 +101,7 @@ def multigrid_relaxation(
         force = (force - force.mean(axis=0)).reshape(len(own), -1)  # what rounding leaves of it
         size = np.abs(force).max(axis=0, initial=0.0)
         found = conjugate_gradients(A, force / np.where(size > 0, size, 1.0), cycle, PART)
-        refuse_unsettled(found, settled=not found.negative and found.left <= PART)
+        refuse_unsettled(found, settled=not found.negative and found.reduction <= PART)
         return np.asarray(-size * found.solution)
 
     return relieve

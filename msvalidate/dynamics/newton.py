@@ -103,14 +103,14 @@ class _Multigrid:
             self.residual = 0.0
         found = conjugate_gradients(K, right, self.cycle, part)
         run.moved(0, found.steps)
-        if not found.left <= part:
+        if not found.reduction <= part:
             refuse_mechanism(run.network)
         if found.negative:
             raise SolverError(f"{run.title}: the tangent is not positive; {_LESS}")
-        if not found.left <= part:
+        if not found.reduction <= part:
             raise SolverError(
-                f"{run.title}: residual {found.left:.1g} of the first after {found.steps} cycles; "
-                f"{_LESS}"
+                f"{run.title}: residual {found.reduction:.1g} of the first after {found.steps} "
+                f"cycles; {_LESS}"
             )
         self.look_after(found.steps / max(-math.log10(part), 1.0))
         run.cycle = self.cycle

@@ -31,7 +31,7 @@ class Iterated:
         (N,) or (N, v).
     steps
         Each with one cycle and one product.
-    left
+    reduction
         Residual and error, the larger of all columns, relative to those of no motion.
     negative
         Whether a motion of no or negative energy was met: then the system is not positive definite.
@@ -39,12 +39,12 @@ class Iterated:
         Lowest eigenvalue of the matrix times a cycle, as far as the load has it; infinite where
         it was not asked for.
     direction
-        In which such a motion was met, or the last one.
+        In which such a motion was met, if one was.
     """
 
     solution: Array
     steps: int
-    left: float
+    reduction: float
     negative: bool = False
     lowest: float = math.inf
     direction: Array | None = None
@@ -71,37 +71,30 @@ def conjugate_gradients(
     """
     x, residual = np.zeros_like(force), force.copy()
     ahead = cycle(residual)
-    first = [np.sqrt(dots(each, each)) for each in (force, ahead)]
+    first = _sizes(force, ahead)
     direction, power, lowest = ahead.copy(), dots(residual, ahead), math.inf
-    there = (first[0] > 0) & (first[1] > 0)
+    there = (first > 0).all(axis=0)
     if not there.any():  # no load, or one whose squares are too small for numbers
         return Iterated(x, 0, float(force.any()))
-    left = there.astype(float)
+    reduction = there.astype(float)
     lengths: list[float] = []
     turns: list[float] = []
     for steps in range(most + 1):
-        going = left > part * min(lowest, 1.0)
-        if stop(residual) if stop else not going.any():
-            break
-        if steps == most:
+        going = reduction > part * min(lowest, 1.0)
+        if steps == most or (stop(residual) if stop else not going.any()):
             break
         push = A @ direction
         stiff = dots(direction, push)
         if not ((stiff > 0) & (power > 0))[going].all():
-            worst = float(np.max(left))
-            negative = bool(((stiff <= 0) | (power <= 0))[going].any())
-            return Iterated(x, steps, worst, negative, lowest, direction)
+            negative = bool(((stiff <= 0) | (power <= 0))[going].any())  # or no number at all
+            return Iterated(x, steps, float(reduction.max()), negative, lowest, direction)
         length = np.where(going, power / np.where(going, stiff, 1.0), 0.0)
         x += length * direction
         push *= length
         residual -= push
         ahead = cycle(residual)
-        now = [np.sqrt(dots(each, each)) for each in (residual, ahead)]
-        over = [
-            np.where(there, a / np.where(there, b, 1.0), 0.0)
-            for a, b in zip(now, first, strict=True)
-        ]
-        left = np.where(going, np.maximum(*over), left)
+        over = _sizes(residual, ahead) / np.where(there, first, np.inf)
+        reduction = np.where(going, over.max(axis=0), reduction)
         power, before = dots(residual, ahead), power
         turn = np.where(going, power / np.where(going, before, 1.0), 0.0)
         direction *= turn
@@ -109,9 +102,14 @@ def conjugate_gradients(
         if spectral:
             lengths.append(float(length))
             turns.append(float(turn))
-            if left <= part:
+            if reduction <= part:
                 lowest = _lowest_eigenvalue(np.array(lengths), np.array(turns))
-    return Iterated(x, steps, float(np.max(left)), lowest=lowest, direction=direction)
+    return Iterated(x, steps, float(reduction.max()), lowest=lowest)
+
+
+def _sizes(*vectors: Array) -> Array:
+    """Lengths of vectors or columns, a row each."""
+    return np.stack([np.sqrt(dots(each, each)) for each in vectors])
 
 
 def answer_to_random_load(
@@ -142,7 +140,7 @@ def answer_to_random_load(
         load = (parts - parts.mean(axis=0)).ravel()
     weight = np.divide(unit, own, out=np.zeros_like(own), where=own > 0)
     found = conjugate_gradients(
-        A, load, cycle, 0.0, stop=lambda left: bool(left**2 @ weight <= UNSEEN**2)
+        A, load, cycle, 0.0, stop=lambda residual: bool(residual**2 @ weight <= UNSEEN**2)
     )
     return found, not found.negative and found.steps < MOST_STEPS
 

@@ -70,9 +70,10 @@ class Cycles:
             return np.zeros(len(right))
         size = 2.0 ** math.frexp(largest)[1]
         found = self._settled(right / size, part)
-        if found.negative or not found.left <= part * min(found.lowest, 1.0):
+        if found.negative or not found.reduction <= part * min(found.lowest, 1.0):
             raise NotConvergedError(
-                f"multigrid: {found.left:.1g} of the residual is left after {found.steps} cycles"
+                f"multigrid: {found.reduction:.1g} of the residual is left after {found.steps} "
+                "cycles"
             )
         self.steps = max(self.steps, found.steps)
         return found.solution[self._free] * (size / self.cycle.unit)
@@ -106,7 +107,7 @@ class Cycles:
         weight = self.A.diagonal()[self._free]
         load = weight / weight.max() * (mode / np.abs(mode).max())
         found = self._settled(load, ROUGHLY)
-        return found.solution[self._free], not found.negative and found.left <= ROUGHLY
+        return found.solution[self._free], not found.negative and found.reduction <= ROUGHLY
 
     def _settled(self, right: Array, part: float) -> Iterated:
         """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
@@ -115,7 +116,7 @@ class Cycles:
             load[self._free] = right * self.cycle.unit
             most = MOST_STEPS if self.is_own else WORN
             found = conjugate_gradients(self.A, load, self.cycle, part, most=most, spectral=True)
-            settled = not found.negative and found.left <= part * min(found.lowest, 1.0)
+            settled = not found.negative and found.reduction <= part * min(found.lowest, 1.0)
             if self.is_own or settled:
                 return found
             self.cycle, self.is_own = make_cycle(self.A, self.at), True

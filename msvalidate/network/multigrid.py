@@ -97,7 +97,7 @@ def softest_motion(A: bsr_array, at: Configuration) -> Array:
         if outcome.negative or not size:
             return np.zeros_like(mode)
         mode = mode / size
-        unsettled += not outcome.left <= CLEAN
+        unsettled += not outcome.reduction <= CLEAN
         if exact and (np.abs(mode - before).max() <= STANDING or unsettled > MOST_UNSETTLED):
             break
     return mode

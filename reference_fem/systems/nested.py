@@ -111,16 +111,17 @@ class Nested:
                     self._level.A, residual.ravel(), self._cycle, part, most=MOST_STEPS - steps
                 )
                 steps += found.steps
-                if found.negative or not found.left <= part:
+                if found.negative or not found.reduction <= part:
                     raise SolverError(
-                        f"finite elements: error {found.left * left / _largest(u):.1g} of the "
+                        f"finite elements: error {found.reduction * left / _largest(u):.1g} of the "
                         f"displacement after {steps} steps over nested meshes; take cells of "
                         "better shape, or a smaller nu"
                     )
-                rate = found.left ** (1 / max(found.steps, 1))
+                rate = found.reduction ** (1 / max(found.steps, 1))
                 u, before = u + found.solution.reshape(u.shape), left
         error = SAFETY * left / (_largest(u) or 1.0) / (1 - rate)
-        scale = _largest(np.abs(diagonal_blocks(self._level.A)[0]) @ np.abs(u)[:, :, None])
+        own = np.abs(diagonal_blocks(self._level.A)[0]) @ np.abs(u)[:, :, None]
+        scale = _largest(self._free * own[:, :, 0])  # what is held has a stiffness of no meaning
         if not (error <= ACCEPTED and _largest(residual) <= RESIDUAL * scale):
             raise SolverError(describe_lost_digits(error))
         share, seconds = _largest(residual) / (scale or 1.0), perf_counter() - began

@@ -339,10 +339,10 @@ class Solver:
             found = conjugate_gradients(
                 self._blocks, right.ravel() * cycle.unit, cycle, error, most=most
             )
-        if found.negative or not found.left <= error:
+        if found.negative or not found.reduction <= error:
             raise SolverError(
-                f"finite elements: error {found.left:.1g} of the displacement after {found.steps} "
-                "steps of conjugate gradients; take cells of better shape, fewer of them, or a "
+                f"finite elements: error {found.reduction:.1g} of the displacement after "
+                f"{found.steps} steps of conjugate gradients; take cells of better shape, fewer of them, or a "
                 "smaller nu"
             )
         moved = found.solution.reshape(self.held.shape).T[~self.held.T]

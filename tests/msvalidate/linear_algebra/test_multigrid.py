@@ -95,7 +95,7 @@ def test_columns_are_solved_for_as_each_alone(spectral):
         error = np.abs(found.solution - wanted[:, column]).max() / np.abs(wanted[:, column]).max()
         assert error <= 1e-9
         assert 3 < found.steps < 20
-        assert found.left <= 1e-10
+        assert found.reduction <= 1e-10
         if spectral:
             lowest = np.linalg.eigvals(as_matrix(cycle, len(load)) @ A.toarray()).real.min()
             assert found.lowest == pytest.approx(lowest, rel=0.2)
@@ -113,7 +113,7 @@ def test_steps_end_where_they_must():
     load = np.where(free, 1.0, 0.0).ravel()
     found = conjugate_gradients(A, load, cycle, 1e-12, most=2)
     assert (found.steps, found.negative) == (2, False)
-    assert found.left > 1e-12
+    assert found.reduction > 1e-12
     stopped = conjugate_gradients(A, load, cycle, 0.0, stop=lambda left: np.abs(left).max() < 1e-3)
     assert np.abs(load - A @ stopped.solution).max() < 1e-3
     assert stopped.negative is False

@@ -71,7 +71,7 @@ def test_newton_solves_no_further_than_the_next_tangent_can_use(lattice_body):
 def test_a_load_that_is_none_takes_no_cycle(lattice_body):
     A, cycle = system(sheet(lattice_body, 4))
     found = conjugate_gradients(A, np.zeros(A.shape[0]), cycle, 1e-3)
-    assert (found.steps, found.left) == (0, 0.0)
+    assert (found.steps, found.reduction) == (0, 0.0)
     assert not found.solution.any()
 
 
