@@ -342,8 +342,8 @@ class Solver:
         if found.negative or not found.reduction <= error:
             raise SolverError(
                 f"finite elements: error {found.reduction:.1g} of the displacement after "
-                f"{found.steps} steps of conjugate gradients; take cells of better shape, fewer of them, or a "
-                "smaller nu"
+                f"{found.steps} steps of conjugate gradients; take cells of better shape, fewer "
+                "of them, or a smaller nu"
             )
         moved = found.solution.reshape(self.held.shape).T[~self.held.T]
         return np.asarray(moved * (largest / cycle.unit)), found.steps
