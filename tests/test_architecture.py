@@ -431,7 +431,9 @@ def misplaced(module, parsed):
             wrong.append(f"{name}: the front door is for users; name the module")
         if folder_of(target) == "reference_fem" and here not in BOTH_SIDES:
             wrong.append(f"{name}: the springs may not know the reference")
-        known = target in (*JUDGE, "msvalidate_check.words") or within(target, "msvalidate.problem")
+        known = target in (*JUDGE, "msvalidate_check.verdict") or within(
+            target, "msvalidate.problem"
+        )
         if module in JUDGE and not known:
             wrong.append(f"{name}: the judge knows neither side")
         if folder_of(target) in {"cli", "studies"} - {here} and module not in MAIN:

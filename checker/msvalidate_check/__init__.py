@@ -7,14 +7,14 @@ print(check(case, case.points, my_displacement))
 """
 
 from msvalidate_check.case_set import ElasticCase, case_names, elastic_case
-from msvalidate_check.checking import Verdict, assert_elastic, check
+from msvalidate_check.checking import FieldVerdict, assert_elastic, check
 from msvalidate_check.errors import CheckError
 
 __version__ = "0.1.0"
 __all__ = [
     "CheckError",
     "ElasticCase",
-    "Verdict",
+    "FieldVerdict",
     "assert_elastic",
     "case_names",
     "check",

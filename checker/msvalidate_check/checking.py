@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate_check.beside import longest
 from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
-from msvalidate_check.causes import Cause, phrase
-from msvalidate_check.diagnosis import NOTICED, Field, explain, split
+from msvalidate_check.diagnosis import NOTICED, Field
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
 from msvalidate_check.points import (
@@ -24,7 +23,7 @@ from msvalidate_check.points import (
     positive,
     vectors,
 )
-from msvalidate_check.words import AGREES, agreement
+from msvalidate_check.verdict import Difference, Verdict, judge_field
 
 Array = np.ndarray
 OF_MATERIAL = frozenset({"modulus", "load", "scale", "ratio", "unit"})
@@ -39,72 +38,37 @@ BAND = 0.02
 """Largest difference that agrees by default, over the largest displacement."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """Another quantity beside elasticity's.
-
-    Parameters
-    ----------
-    name, error, uncertainty
-        The difference over the size of elasticity's, and what is not known of it.
-    word
-        As of a `Verdict`.
-    """
-
-    name: str
-    error: float
-    uncertainty: float
-    word: str
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What is said of a field; true where it agrees.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FieldVerdict(Verdict):
+    """What is said of a field of the frozen set; true where it agrees.
 
     Parameters
     ----------
     case, nu
         Which.
-    word
-        "agrees", "differs", "not resolved" or "not at rest".
-    error
-        Largest difference over the largest displacement.
-    uncertainty
-        How far elasticity and the rounding of the numbers leave it open.
-    band
-        Largest difference that agrees.
-    parts
-        Largest "scale", "rigid motion" and "shape" of the difference, over the same.
-    causes
-        All that explain the difference; none where there is none to explain.
     material
         The material that it is elasticity of; NaN where it differs and no cause is of a material.
-    rest
-        How much it may still change, over the largest; NaN if nobody says.
     precision
         Of its numbers, over the largest.
-    quantities
-        Other quantities that were given.
     notes
         Sentences on points that are missing or doubled.
     """
 
     case: str
     nu: float
-    word: str
-    error: float
-    uncertainty: float
-    band: float
-    parts: Mapping[str, float]
-    causes: tuple[Cause, ...]
     material: Material
-    rest: float
     precision: float
-    quantities: tuple[Row, ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
-    def __bool__(self) -> bool:
-        return self.word == AGREES and all(row.word == AGREES for row in self.quantities)
+    @property
+    def error(self) -> float:
+        """Largest difference over the largest displacement."""
+        return self.displacement.error
+
+    @property
+    def uncertainty(self) -> float:
+        """How far elasticity and the rounding of the numbers leave it open."""
+        return self.displacement.uncertainty
 
     @property
     def E(self) -> float:
@@ -130,7 +94,7 @@ def check(
     at_rest: float | None = None,
     accuracy: float = ACCURACY,
     quantities: Mapping[str, ArrayLike] | None = None,
-) -> Verdict:
+) -> FieldVerdict:
     """Compare displacements with elasticity's.
 
     Parameters
@@ -163,22 +127,18 @@ def check(
     given = _matched(case, points, displacement, accuracy)
     rest = math.nan if at_rest is None else positive("at_rest", at_rest)
     positive("band", band)
-    error = given.field.left(given.field.found)
-    causes = _causes(given, error, rest)
-    return Verdict(
-        case.name,
-        case.nu,
-        agreement(error, given.field.uncertainty, band, 0.0 if math.isnan(rest) else rest),
-        error,
-        given.field.uncertainty,
-        band,
-        {name: longest(part) / given.field.size for name, part in split(given.field).items()},
-        causes,
-        _material(case, given, error, causes),
-        rest,
-        given.precision,
-        _rows(case, {} if quantities is None else quantities, band),
-        given.notes,
+    judged = judge_field(given.field, band, rest)
+    differences = (
+        *judged.differences,
+        *_quantities(case, {} if quantities is None else quantities, band),
+    )
+    return FieldVerdict(
+        **vars(judged) | {"differences": differences},
+        case=case.name,
+        nu=case.nu,
+        material=_material(case, given, judged),
+        precision=given.precision,
+        notes=given.notes,
     )
 
 
@@ -188,7 +148,7 @@ def assert_elastic(
     displacement: ArrayLike,
     band: float = BAND,
     **more: object,
-) -> Verdict:
+) -> FieldVerdict:
     """Raise `AssertionError` unless displacements agree with elasticity's; else the verdict.
 
     Arguments are those of `check`.
@@ -245,22 +205,13 @@ def _matched(
     return _Matched(order, field_, precision, notes)
 
 
-def _causes(given: _Matched, error: float, rest: float) -> tuple[Cause, ...]:
-    """All that explain the difference; that it is not at rest comes first, where that may do."""
-    causes = explain(given.field)
-    if rest >= error > NOTICED * given.field.uncertainty:
-        return (Cause("rest", rest, phrase("rest"), 0.0), *causes)
-    return causes
-
-
-def _material(
-    case: ElasticCase, given: _Matched, error: float, causes: tuple[Cause, ...]
-) -> Material:
+def _material(case: ElasticCase, given: _Matched, judged: Verdict) -> Material:
     """The material that is nearest; NaN where there is a difference that is of no material."""
     rounding = given.precision * given.field.size
     near = nearest_material(case, given.order, given.field.found, rounding)
-    if error > NOTICED * given.field.uncertainty and not any(
-        each.kinds <= OF_MATERIAL for each in causes
+    own = judged.displacement
+    if own.error > NOTICED * own.uncertainty and not any(
+        each.kinds <= OF_MATERIAL for each in judged.causes
     ):
         return Material(left=near.left)
     return near
@@ -314,14 +265,16 @@ def _coarse(case: ElasticCase, order: Array) -> dict[str, Callable[[float], Arra
     return {name: partial(at, name) for name in case.coarse()}
 
 
-def _rows(case: ElasticCase, quantities: Mapping[str, ArrayLike], band: float) -> tuple[Row, ...]:
+def _quantities(
+    case: ElasticCase, quantities: Mapping[str, ArrayLike], band: float
+) -> tuple[Difference, ...]:
     if not isinstance(quantities, Mapping):
         kind = type(quantities).__name__
         raise CheckError(f"quantities: a {kind}; give values by name, {{name: values}}")
-    return tuple(_row(case, name, values, band) for name, values in quantities.items())
+    return tuple(_quantity(case, name, values, band) for name, values in quantities.items())
 
 
-def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
+def _quantity(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Difference:
     if name not in case.quantities:
         known = ", ".join(case.quantities)
         raise CheckError(f"quantity {name!r}: {case.name} has {known}; give one of them")
@@ -336,33 +289,33 @@ def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
     if size <= uncertainty:
         raise CheckError(f"{name}: it is 0 in {case.name}, and no error is relative to that")
     error = float(np.linalg.norm(given - wanted)) / size
-    uncertainty /= size
-    return Row(name, error, uncertainty, agreement(error, uncertainty, band))
+    sizes = float(np.linalg.norm(given)), size
+    return Difference(name, "", *sizes, error, uncertainty / size, band)
 
 
 # Words --------------------------------------------------------------------------------------------
 
 
-def _lines(verdict: Verdict) -> list[str]:
+def _lines(v: FieldVerdict) -> list[str]:
     """The verdict as text."""
-    v = verdict
-    beyond = "within" if v.error <= v.band else "beyond"
+    own, *others = v.differences
+    beyond = "within" if own.error <= own.band else "beyond"
     parts = ", ".join(f"{name} {_percent(part)}" for name, part in v.parts.items())
-    known = f"known to {_percent(v.uncertainty)}, rounding of the numbers {_percent(v.precision)}"
-    of = "" if v.error >= MANY else "of "
-    off = f"{_percent(v.error)} {of}the largest displacement"
+    known = f"known to {_percent(own.uncertainty)}, rounding of the numbers {_percent(v.precision)}"
+    of = "" if own.error >= MANY else "of "
+    off = f"{_percent(own.error)} {of}the largest displacement"
     found = [
         f"{v.case}, nu = {v.nu:g}: {v.word}",
-        f"  {off}, {beyond} the band of {_percent(v.band)}",
-        f"  {known}; {_rest(v.rest)}",
+        f"  {off}, {beyond} the band of {_percent(own.band)}",
+        f"  {known}; {_rest(own.residual_motion)}",
         f"  parts: {parts}",
     ]
-    if v.error > NOTICED * v.uncertainty:
+    if own.error > NOTICED * own.uncertainty:
         found += [f"  cause: {each.said}" for each in v.causes] or ["  cause: none of those known"]
         found += _effective(v.material)
     found += [
-        f"  {row.name}: {row.word}, {_percent(row.error)} off, known to {_percent(row.uncertainty)}"
-        for row in v.quantities
+        f"  {e.quantity}: {e.word}, {_percent(e.error)} off, known to {_percent(e.uncertainty)}"
+        for e in others
     ]
     return found + [f"  {note}" for note in v.notes]
 

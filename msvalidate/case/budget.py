@@ -13,6 +13,7 @@ from msvalidate.case.case import LAWS
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import break_table
 from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
+from msvalidate.case.quantities import difference_row
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.stiffness import UNIT
 from msvalidate.linear_algebra.norms import max_length
@@ -128,7 +129,7 @@ def _large_rows(
 
 def tables(found: Comparison) -> dict[str, pd.DataFrame]:
     """Tables of a comparison, by name."""
-    rows = pd.DataFrame([row.row() for row in found.rows])
+    rows = pd.DataFrame([difference_row(row) for row in found.rows])
     return (
         {
             "quantities": rows,

@@ -37,7 +37,7 @@ from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Box, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate_check.words import DIFFERS
+from msvalidate_check.verdict import DIFFERS
 
 TARGETS = (0.05, 0.01)
 """Differences, over the largest displacement, for which spacing and mesh are sought."""
@@ -246,7 +246,7 @@ def _reasons(found: Comparison) -> tuple[str, ...]:
         f"{walls:.2g} cells across where the body is thickest": walls <= THIN,
         "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
         "stress at points differs": any(
-            row.verdict == DIFFERS and row.of == POINT_STRESS for row in found.rows
+            row.word == DIFFERS and row.of == POINT_STRESS for row in found.rows
         ),
     }
     return tuple(why for why, fit in fits.items() if fit)

@@ -14,7 +14,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.fracture import break_springs
 from msvalidate.case.large import converge_case
 from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
-from msvalidate.case.quantities import NotCompared, Row, compare_quantities
+from msvalidate.case.quantities import NotCompared, compare_quantities
 from msvalidate.case.springs import (
     ROUNDING,
     SpringAnswer,
@@ -40,7 +40,7 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate_check.words import AGREES, DIFFERS, agreement
+from msvalidate_check.verdict import AGREES, DIFFERS, Difference, agreement
 from reference_fem.converged import Reference, converge
 
 COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
@@ -85,7 +85,7 @@ class Comparison:
     limit: SpringLimit
     reference: Reference
     homogenised: Reference | None
-    rows: tuple[Row, ...]
+    rows: tuple[Difference, ...]
     kind: str
     notes: tuple[str | NotCompared, ...]
     on_mesh: MeshSprings | None = None

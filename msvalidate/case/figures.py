@@ -14,7 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import draw_breaks
-from msvalidate.case.judge import Judgement
+from msvalidate.case.judge import Judged
 from msvalidate.output.body_drawing import (
     ARROW,
     MOST_ARROWS,
@@ -75,7 +75,7 @@ def figures(
 
 
 def judged_figures(
-    found: Judgement, budget: pd.DataFrame
+    found: Judged, budget: pd.DataFrame
 ) -> dict[str, tuple[str, Callable[[], Figure]]]:
     """Name of each picture of a judgement -> its caption, and what draws it."""
     solution = _drawn(found.reference)
@@ -92,7 +92,7 @@ def judged_figures(
     }
 
 
-def draw_matching(found: Judgement) -> Figure:
+def draw_matching(found: Judged) -> Figure:
     """Compared points, and those outside, doubled or missing, over the body's outline."""
     solution, matched = found.reference.solutions[0], found.matched
     x = solution.body.points

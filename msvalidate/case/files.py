@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.judge import Judgement
+from msvalidate.case.judge import Judged
 from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.output.vtu import vtu_bytes
 from msvalidate.problem import SHAPES, Array, Problem, ProblemError, materials_of_cells
@@ -105,7 +105,7 @@ def field_files(found: Comparison) -> dict[str, bytes]:
 
 
 def compared_file(
-    places: Array, whose: str, displacement: Array, found: Comparison | Judgement
+    places: Array, whose: str, displacement: Array, found: Comparison | Judged
 ) -> bytes:
     """A .vtu file with a vertex a compared point: displacements (m) and their difference (1)."""
     fields = {

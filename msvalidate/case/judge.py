@@ -13,16 +13,16 @@ from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.large import converge_case
 from msvalidate.case.matching import Matched, match
-from msvalidate.case.quantities import Row
+from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.beside import MOST_RATIO
-from msvalidate_check.causes import Cause, phrase
-from msvalidate_check.diagnosis import NOTICED, Driven, Field, explain, split
-from msvalidate_check.words import agreement
+from msvalidate_check.causes import Cause
+from msvalidate_check.diagnosis import Driven, Field, explain, split
+from msvalidate_check.verdict import Difference, Verdict, judge_field
 from reference_fem.body import solve_problem
 from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
 from reference_fem.first_mesh import first_mesh
@@ -40,28 +40,27 @@ MEANINGS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class Judged:
     """Displacements from a file beside elasticity.
 
     Parameters
     ----------
     case, result, matched, reference
         What was asked, what was given, its points in the body, and elasticity there.
-    row
-        The verdict on the displacements.
-    explanations
-        What the field would have to be, where it is not elasticity's.
-    residual_motion
-        How much it may still change, over the largest; NaN where nobody says.
+    verdict
+        On the displacements.
     """
 
     case: Case
     result: Result
     matched: Matched
     reference: Reference
-    row: Row
-    explanations: tuple[Cause, ...]
-    residual_motion: float
+    verdict: Verdict
+
+    @property
+    def displacement(self) -> Difference:
+        """The displacements' difference."""
+        return self.verdict.displacement
 
     @property
     def size(self) -> float:
@@ -82,7 +81,7 @@ def judge_result(
     unit: float = 1.0,
     residual_motion: float | None = None,
     progress: Callable[[str], None] = lambda _: None,
-) -> Judgement:
+) -> Judged:
     """Compare displacements with the elasticity that a case asks for.
 
     Parameters
@@ -116,22 +115,19 @@ def judge_result(
     if not size:
         raise ProblemError("case: elasticity does not move at these points; load the body")
     rest = result.rest if residual_motion is None else residual_motion
-    difference = max_length(matched.displacement - wanted) / size
     uncertainty = reference.error + result.accuracy + matched.contradiction / size
-    word = agreement(difference, uncertainty, case.band, 0.0 if math.isnan(rest) else rest)
-    row = Row(
-        "displacement", "m", max_length(matched.displacement), size, difference, uncertainty, word
-    )
     progress("causes")
     field = _field(case.problem, matched, reference, uncertainty, result.known)
+    verdict = judge_field(field, case.band, rest, _explained)
+    return Judged(case, result, matched, reference, verdict)
+
+
+def _explained(field: Field) -> tuple[Cause, ...]:
+    """All causes; without what is tried beside where that has no answer, as it explains nothing."""
     try:
-        causes = explain(field)
-    except (ProblemError, SolverError):  # of what was tried beside, which then explains nothing
-        plain = replace(field, by_ratio=None, known={}, other_state=lambda: None)
-        causes = explain(plain)
-    if rest >= difference > NOTICED * uncertainty:
-        causes = (Cause("rest", rest, phrase("rest"), 0.0), *causes)
-    return Judgement(case, result, matched, reference, row, causes, rest)
+        return explain(field)
+    except (ProblemError, SolverError):
+        return explain(replace(field, by_ratio=None, known={}, other_state=lambda: None))
 
 
 def _field(
@@ -220,14 +216,14 @@ def _acts(load: Load) -> bool:
     return callable(value) or bool(np.any(value))
 
 
-def budget(found: Judgement) -> pd.DataFrame:
+def budget(found: Judged) -> pd.DataFrame:
     """Parts of the difference where it is largest, along it; columns as `budget.budget`."""
     wanted = found.reference.displacement.value
     field = Field(
         found.matched.places,
         found.matched.displacement,
         wanted,
-        found.row.uncertainty,
+        found.displacement.uncertainty,
         driven_by(found.case.problem),
         found.case.problem.domain.span,
     )
@@ -235,27 +231,27 @@ def budget(found: Judgement) -> pd.DataFrame:
     at = int(np.linalg.norm(total, axis=1).argmax())
     length = float(np.linalg.norm(total[at]))
     along = total[at] / (length or 1.0)
-    uncertainty = found.row.uncertainty
+    uncertainty, rest = found.displacement.uncertainty, found.displacement.residual_motion
     rows = [
         (name, float(part[at] @ along) / found.size + 0.0, uncertainty, MEANINGS[name])
         for name, part in split(field).items()
     ]
     rows.append(("total", length / found.size, uncertainty, "result - elasticity"))
-    known = not math.isnan(found.residual_motion)
+    known = not math.isnan(rest)
     said = "how much it may still change, as stated" if known else "nobody says; rest unknown"
-    rows.append(("rest", 0.0 if known else math.nan, found.residual_motion, said))
+    rows.append(("rest", 0.0 if known else math.nan, rest, said))
     rows.append(("numbers", 0.0, found.result.accuracy, "rounding of the file's numbers"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
 
 
-def tables(found: Judgement) -> dict[str, pd.DataFrame]:
+def tables(found: Judged) -> dict[str, pd.DataFrame]:
     """Tables of a judgement, by name."""
     causes = pd.DataFrame(
-        [each.row() for each in found.explanations], columns=["name", "said", "left", "value"]
+        [each.row() for each in found.verdict.causes], columns=["name", "said", "left", "value"]
     )
     made = {
-        "quantities": pd.DataFrame([found.row.row()]),
+        "quantities": pd.DataFrame([difference_row(found.displacement)]),
         "causes": causes,
         "budget": budget(found),
         "compared": point_table(found.matched.places, found.matched.displacement, found.reference),

@@ -18,10 +18,9 @@ from msvalidate.case.comparison import (
     say_bridged,
 )
 from msvalidate.case.fracture import break_sentence
-from msvalidate.case.judge import Judgement
+from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import locking
-from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, Row
-from msvalidate.judging.compare import NOT_ASKED
+from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.gaps import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
@@ -32,7 +31,14 @@ from msvalidate.problem import BodyForce, Mesh, PointForce, Support, Traction, W
 from msvalidate.problem.normals import is_faceted
 from msvalidate.problem.records import dataclass
 from msvalidate_check.diagnosis import NOTICED
-from msvalidate_check.words import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED
+from msvalidate_check.verdict import (
+    AGREES,
+    DIFFERS,
+    NOT_ASKED,
+    NOT_AT_REST,
+    NOT_RESOLVED,
+    Difference,
+)
 from reference_fem.converged import Reference
 
 PICTURES = 1_500_000
@@ -79,22 +85,22 @@ def render(page: Page) -> str:
     return render_template("case.html", page=page)
 
 
-def overall(rows: Sequence[Row]) -> str:
+def overall(rows: Sequence[Difference]) -> str:
     """The word of a case: the worst of its quantities'."""
-    words = {row.verdict for row in rows}
+    words = {row.word for row in rows}
     return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
 
 
-def shown_rows(rows: Sequence[Row]) -> tuple[ShownRow, ...]:
+def shown_rows(rows: Sequence[Difference]) -> tuple[ShownRow, ...]:
     """Quantities with few digits."""
     return tuple(
         ShownRow(
             row.quantity,
-            row.verdict,
-            percent(row.difference),
+            row.word,
+            percent(row.error),
             percent(row.uncertainty),
-            _number(row.springs),
-            _number(row.elasticity),
+            _number(row.found),
+            _number(row.wanted),
             row.unit,
         )
         for row in rows
@@ -119,8 +125,8 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     springs = f"Springs ({_describe_spacing(found.case)})"
     groups = []
     for word in WORST_FIRST[:-1]:
-        rows = [each for each in found.rows if each.verdict == word]
-        said = [f"{r.quantity} ({percent(r.difference)} ± {percent(r.uncertainty)})" for r in rows]
+        rows = [each for each in found.rows if each.word == word]
+        said = [f"{r.quantity} ({percent(r.error)} ± {percent(r.uncertainty)})" for r in rows]
         groups += [f"{word} in {', '.join(said)}"] if rows else []
     band = band_words(found.case, found.rows)
     head = f"{springs} beside elasticity: {'; '.join(groups)}. {band}."
@@ -180,7 +186,7 @@ def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
         f"elements: {first['springs']:,.0f} of no rest length{push}, beside cells under pressure, "
         'which an engine must have; take them by [springs] on = "mesh".'
     )
-    off = [row.difference for row in found.rows if row.quantity == "displacement"]
+    off = [row.error for row in found.rows if row.quantity == "displacement"]
     nearer = ": the lattice is nearer" if off and off[0] < first["difference"] else ""
     return (f"{said} {stiff}{nearer}." if stiff else said,)
 
@@ -199,7 +205,7 @@ def _contact_sentence(found: Comparison) -> tuple[str, ...]:
     return (said,)
 
 
-def band_words(case: Case, rows: Sequence[Row]) -> str:
+def band_words(case: Case, rows: Sequence[Difference]) -> str:
     """How far apart still agrees."""
     stress = any(row.of == POINT_STRESS for row in rows)
     own = f", of stress at points {percent(STRESS_BAND * case.band)}" if stress else ""
@@ -254,21 +260,21 @@ def _body_sentences(reference: Reference) -> str:
     return said
 
 
-def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
+def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
     """What displacements from a file are: one sentence, and those that say why."""
-    row, case = found.row, found.case
+    row, case = found.displacement, found.case
     head = (
-        f"Displacements of {found.result.name} are {percent(row.difference)} off elasticity at "
+        f"Displacements of {found.result.name} are {percent(row.error)} off elasticity at "
         f"{len(found.matched.places)} points, ± {percent(row.uncertainty)}; the band is "
         f"{percent(case.band)}."
     )
-    said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.explanations]
-    if not said and row.difference > NOTICED * row.uncertainty:
+    said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
+    if not said and row.error > NOTICED * row.uncertainty:
         said.append("No single cause that is known here explains the difference.")
-    if math.isnan(found.residual_motion):
+    if math.isnan(row.residual_motion):
         said.append("Rest unknown: nobody says how much the displacements would still change.")
     else:
-        said.append(f"Rest: they may still change by {percent(found.residual_motion)}, as stated.")
+        said.append(f"Rest: they may still change by {percent(row.residual_motion)}, as stated.")
     if found.reference.no_limit:
         return head, (*said, reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"

@@ -1,4 +1,4 @@
-"""Quantities of a case's springs beside elasticity: a row each, with its verdict."""
+"""Quantities of a case's springs beside elasticity: a `Difference` each."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ import numpy as np
 from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.case import Case
 from msvalidate.case.springs import SpringAnswer
-from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice, PatternLattice
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Mask, ProblemError, SolverError, Support
 from msvalidate.problem.records import dataclass
 from msvalidate.statics.stress import fitted_stress
-from msvalidate_check.words import agreement
+from msvalidate_check.verdict import Difference
 from reference_fem.body import nodal_forces
 from reference_fem.converged import Reference
 from reference_fem.elasticity import elastic_tensor
@@ -42,40 +41,6 @@ more than 0.079 from ratio 0.45 on, where it was off by 0.09 to 20."""
 
 
 @dataclass(frozen=True)
-class Row:
-    """One quantity of springs and of elasticity.
-
-    Parameters
-    ----------
-    quantity, unit
-        What, and its unit.
-    springs, elasticity
-        Sizes, in the unit.
-    difference
-        Of the two, over the size of elasticity's.
-    uncertainty
-        How far elasticity's own value may be off, on the same scale.
-    verdict
-        A word of `judging.compare`.
-    of
-        Of which of a case's quantities it is one; no column of tables.
-    """
-
-    quantity: str
-    unit: str
-    springs: float
-    elasticity: float
-    difference: float
-    uncertainty: float
-    verdict: str
-    of: str = "displacement"
-
-    def row(self) -> dict[str, Any]:
-        """As a row of a table."""
-        return {name: value for name, value in vars(self).items() if name != "of"}
-
-
-@dataclass(frozen=True)
 class NotCompared:
     """A quantity that was asked for and not compared, and why."""
 
@@ -88,9 +53,9 @@ class NotCompared:
 
 def compare_quantities(
     case: Case, springs: SpringAnswer, reference: Reference, progress: Callable[[str], None]
-) -> tuple[tuple[Row, ...], list[NotCompared]]:
-    """A row a quantity that a case asks for, and what was not compared, and why."""
-    rows, notes = list[Row](), list[NotCompared]()
+) -> tuple[tuple[Difference, ...], list[NotCompared]]:
+    """A difference a quantity that a case asks for, and what was not compared, and why."""
+    rows, notes = list[Difference](), list[NotCompared]()
     if "displacement" in case.quantities:
         rows.append(_displacement(case, springs, reference))
     if reference.contact is not None:
@@ -109,40 +74,40 @@ def compare_quantities(
                 rows += make(case, springs, reference)
             except (ProblemError, SolverError) as error:
                 notes.append(NotCompared(name, str(error)))
-                rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
+                rows.append(Difference(name))
     return tuple(rows), notes
 
 
-def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Row:
+def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Difference:
     found, wanted = springs.at(reference.points), reference.displacement.value
     size = max_length(wanted)
-    difference = max_length(found - wanted) / size if size else math.inf
-    verdict = agreement(difference, reference.error, case.band)
-    return Row("displacement", "m", max_length(found), size, difference, reference.error, verdict)
+    error = max_length(found - wanted) / size if size else math.inf
+    sizes = max_length(found), size
+    return Difference("displacement", "m", *sizes, error, reference.error, case.band)
 
 
-def _contact(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+def _contact(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
     """What was not given of depth and force, the half-width and the largest pressure."""
     assert springs.contact is not None  # noqa: S101  the reference has one
     (found,), (wanted, error) = springs.contact.contacts, reference.contact
     given = case.problem.contacts[0].force
-    sizes = {
+    each = {
         "contact half-width": ("m", found.half_width, wanted.half_width),
         "largest pressure": ("Pa", found.pressure.max(), wanted.pressure.max()),
     }
     if given is None:
-        sizes = {"contact force": ("N", found.total, wanted.total)} | sizes
+        each = {"contact force": ("N", found.total, wanted.total)} | each
     else:
-        sizes = {"contact depth": ("m", found.depth, wanted.depth)} | sizes
+        each = {"contact depth": ("m", found.depth, wanted.depth)} | each
     rows = []
-    for name, (unit, own, theirs) in sizes.items():
-        off = abs(own / theirs - 1) if theirs else math.inf  # one node of the elements touches
-        word = _word(case, off, error)
-        rows.append(Row(name, unit, float(own), float(theirs), float(off), error, word))
+    for name, (unit, own, theirs) in each.items():
+        off = abs(own / theirs - 1) if theirs else math.nan  # one node of the elements touches
+        sizes = float(own), float(theirs)
+        rows.append(Difference(name, unit, *sizes, float(off), error, case.band))
     return rows
 
 
-def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
     """A row a support, over the largest of all."""
     wanted = reference.reactions
     size = max(float(np.linalg.norm(each.value)) for each in wanted)
@@ -159,9 +124,7 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
         uncertainty = float(each.uncertainty) / size if size else math.nan
         sizes = float(np.linalg.norm(found)), float(np.linalg.norm(each.value))
         name = f"reaction of support {number + 1}" if len(wanted) > 1 else "reaction"
-        rows.append(
-            Row(name, "N", *sizes, difference, uncertainty, _word(case, difference, uncertainty))
-        )
+        rows.append(Difference(name, "N", *sizes, difference, uncertainty, case.band))
     return rows
 
 
@@ -194,24 +157,14 @@ def _refuse_unknown(case: Case, reference: Reference) -> None:
         raise SolverError("the body moves as one and is not strained")
 
 
-def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
     found, wanted = springs.energy, float(reference.energy.value[0])
     known = float(reference.energy.uncertainty)
-    difference, uncertainty = abs(found - wanted) / wanted, known / wanted
-    return [
-        Row(
-            "strain energy",
-            "J",
-            found,
-            wanted,
-            difference,
-            uncertainty,
-            _word(case, difference, uncertainty),
-        )
-    ]
+    off = abs(found - wanted) / wanted
+    return [Difference("strain energy", "J", found, wanted, off, known / wanted, case.band)]
 
 
-def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
     found = springs.mean_stress(case.problem.material.thickness)
     wanted = reference.mean_stress
     size = float(np.abs(wanted.value).max())
@@ -220,19 +173,10 @@ def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> lis
     difference = float(np.abs(found - wanted.value).max()) / size
     uncertainty = float(wanted.uncertainty) / size
     sizes = float(np.abs(found).max()), size
-    return [
-        Row(
-            "mean stress",
-            "Pa",
-            *sizes,
-            difference,
-            uncertainty,
-            _word(case, difference, uncertainty),
-        )
-    ]
+    return [Difference("mean stress", "Pa", *sizes, difference, uncertainty, case.band)]
 
 
-def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
     """Root mean square over points inside, at which elasticity's own stress is known well enough.
 
     Next to corners no mesh knows it, and cells that an outline cuts have none of the body's.
@@ -251,9 +195,8 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
 
     difference, uncertainty = mean(found - wanted) / size, mean(uncertainties[:, None]) / size
     name = f"stress at {len(found)} of {len(known)} points"
-    word = _word(case, difference, uncertainty, STRESS_BAND)
-    sizes = mean(found), mean(wanted)
-    return [Row(name, "Pa", *sizes, difference, uncertainty, word, POINT_STRESS)]
+    sizes, band = (mean(found), mean(wanted)), STRESS_BAND * case.band
+    return [Difference(name, "Pa", *sizes, difference, uncertainty, band, of=POINT_STRESS)]
 
 
 def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:
@@ -287,9 +230,14 @@ def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:
     return at, found
 
 
-def _word(case: Case, difference: float, uncertainty: float, times: float = 1.0) -> str:
-    return (
-        agreement(difference, uncertainty, times * case.band)
-        if math.isfinite(difference)
-        else NOT_ASKED
-    )
+def difference_row(found: Difference) -> dict[str, Any]:
+    """A difference as a row of a table."""
+    return {
+        "quantity": found.quantity,
+        "unit": found.unit,
+        "springs": found.found,
+        "elasticity": found.wanted,
+        "difference": found.error,
+        "uncertainty": found.uncertainty,
+        "verdict": found.word,
+    }

@@ -13,6 +13,7 @@ from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
 from msvalidate.case.figures import figures, judged_figures
 from msvalidate.case.network_files import network_files
+from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
 from reference_fem.converged import Reference
@@ -81,7 +82,7 @@ def judged_files(
     plots: bool = True,
     command: tuple[str, ...] = (),
     progress: Callable[[str], None] = lambda _: None,
-) -> tuple[judge.Judgement, dict[str, bytes]]:
+) -> tuple[judge.Judged, dict[str, bytes]]:
     """What displacements from a file are beside a case's elasticity, and the files that show it.
 
     Raises
@@ -106,13 +107,13 @@ def judged_files(
     head, said = page.judged_sentences(found)
     shown = page.Page(
         name=f"{result.name} for {case.name}",
-        verdict=found.row.verdict,
+        verdict=found.verdict.word,
         sentence=head,
         sentences=said,
         springs=(),
         candidate="Result",
-        band=page.band_words(case, (found.row,)),
-        rows=page.shown_rows((found.row,)),
+        band=page.band_words(case, found.verdict.differences),
+        rows=page.shown_rows(found.verdict.differences),
         notes=found.matched.notes,
         pictures=page.shown_pictures(pictures),
         tables=page.shown_tables(tables),
@@ -148,7 +149,7 @@ def verdict_content(
         "reasons": said,
         "kind": found.kind,
         "band": found.case.band,
-        "quantities": [row.row() for row in found.rows],
+        "quantities": [difference_row(row) for row in found.rows],
         "springs": [advice_record(each) for each in found.advice],
         "reference": reference_content(found.reference),
         "on_mesh": found.on_mesh.table.to_dict("records") if found.on_mesh else [],
@@ -158,19 +159,19 @@ def verdict_content(
 
 
 def judged_verdict_content(
-    found: judge.Judgement, head: str, said: tuple[str, ...], origin: Mapping[str, str]
+    found: judge.Judged, head: str, said: tuple[str, ...], origin: Mapping[str, str]
 ) -> dict[str, object]:
     """What `verdict.json` says of displacements from a file."""
     return {
         "name": found.case.name,
         "result": found.result.name,
-        "verdict": found.row.verdict,
+        "verdict": found.verdict.word,
         "sentence": head,
         "reasons": said,
         "band": found.case.band,
-        "quantities": [found.row.row()],
-        "causes": [each.row() for each in found.explanations],
-        "rest": found.residual_motion,
+        "quantities": [difference_row(found.displacement)],
+        "causes": [each.row() for each in found.verdict.causes],
+        "rest": found.displacement.residual_motion,
         "precision": found.result.accuracy,
         "reference": reference_content(found.reference),
         "points": {

@@ -153,7 +153,7 @@ def solve(asked: Combination) -> Row:
             found = compare_case(build_case(source))
         verdict = overall(found.rows)
         first = found.rows[0]
-        row = {"difference": first.difference, "uncertainty": first.uncertainty}
+        row = {"difference": first.error, "uncertainty": first.uncertainty}
     except ProblemError as error:
         outcome, said = REFUSED, str(error)
     except SolverError as error:

@@ -36,7 +36,7 @@ from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.export import export_case, lammps_of, ratio_words
 from msvalidate.simulators.exchange.folders import write_request
 from msvalidate_check import exchange
-from msvalidate_check.words import AGREES
+from msvalidate_check.verdict import AGREES
 
 COMMAND = ("msvalidate", "case", "judge", "FILE", "RESULT")
 PAGE = "case.html"
@@ -192,7 +192,7 @@ def judge_and_tell(
     show.clear()
     head, reasons = page.judged_sentences(found)
     notes = (*notes, *found.matched.notes, str(folder / PAGE))
-    return _tell(result.name, found.row.verdict, (head, *reasons), notes, args)
+    return _tell(result.name, found.verdict.word, (head, *reasons), notes, args)
 
 
 def _sweep(args: argparse.Namespace) -> int:

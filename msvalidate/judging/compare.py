@@ -12,8 +12,6 @@ from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, numbers
 from msvalidate.problem.records import dataclass
 
-NOT_ASKED = "not asked"
-"""What is said, beside the verdicts of `evidence`, where a candidate was not looked at."""
 Layer = Literal["theory", "agreement", "regression", "baseline"]
 """What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
 a band between springs and elasticity, whose width has a reason of its own; a limit that was set

@@ -16,7 +16,7 @@ from msvalidate.judging.rules import Rule
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass, field
-from msvalidate_check.words import AGREES, NOT_AT_REST, NOT_RESOLVED
+from msvalidate_check.verdict import AGREES, NOT_AT_REST, NOT_RESOLVED
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]

@@ -27,7 +27,7 @@ from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
 from msvalidate.problem.checks import finite_number
 from msvalidate.problem.records import dataclass, replace
-from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
+from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
 
 Run = Callable[..., Evidence]
 SINGLE, DOUBLE = float(np.finfo(np.float32).eps) / 2, float(np.finfo(float).eps)

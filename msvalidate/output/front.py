@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import Stored, read_csv
-from msvalidate_check.words import AGREES, DIFFERS
+from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
 
 OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "overview/part.svg"

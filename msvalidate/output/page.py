@@ -18,7 +18,7 @@ from msvalidate.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.rendering import Block, paragraphs_and_lists, render_template
 from msvalidate.output.stored import NUMBERS, Stored
-from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
+from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
 
 ROWS_SHOWN = 12
 """Longer tables are shown by their first rows; the CSV has them all."""

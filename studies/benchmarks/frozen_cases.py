@@ -29,7 +29,7 @@ from msvalidate.case.building import build_case
 from msvalidate.case.reading import parse_source
 from msvalidate.constants.zones import calibrate_zones
 from msvalidate.lattice import Lattice, fill, mesh_lattice, patterns
-from msvalidate_check import ElasticCase, Verdict, case_names, check, elastic_case
+from msvalidate_check import ElasticCase, FieldVerdict, case_names, check, elastic_case
 from msvalidate_check.case_set import case_facts
 
 from . import frozen_drawing
@@ -164,7 +164,7 @@ def _mesh_rows(
         )
 
 
-def _row(model: str, size: str, verdict: Verdict) -> dict[str, Any]:
+def _row(model: str, size: str, verdict: FieldVerdict) -> dict[str, Any]:
     parts = {name.replace(" ", "_"): float(part) for name, part in verdict.parts.items()}
     return {
         "model": model,

@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED, agreement
+from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED, agreement
 from reference_fem.elasticity import elastic_tensor
 
 from . import drawing, large, load_cases, orders

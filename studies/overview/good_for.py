@@ -20,8 +20,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.judging.compare import NOT_ASKED
-from msvalidate_check.words import AGREES, NOT_RESOLVED, agreement
+from msvalidate_check.verdict import AGREES, NOT_ASKED, NOT_RESOLVED, agreement
 
 from ..benchmarks import cook
 from ..large_strain import bending

@@ -106,7 +106,7 @@ def test_a_honeycomb_is_compared_on_its_own_lattice_alone():
     law = Isotropic(1e7, 0.4, "plane_stress")
     case = Case(Problem(box, law, (held,), (pull,)), lattice="honeycomb", spacing=1.0)
     found = compare_case(case)
-    assert np.isfinite(found.rows[0].difference)
+    assert np.isfinite(found.rows[0].error)
     assert len(found.springs) == 1
     assert found.advice[0].lattice == "honeycomb"
 

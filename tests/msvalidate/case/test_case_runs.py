@@ -102,7 +102,7 @@ def test_parts_of_large_displacements_add_up(law, volume):
     assert list(parts.index) == ["spacing", "boundary", "material", "law"]
     assert parts.sum() == pytest.approx(table.loc["total", "value"], abs=1e-14)
     assert abs(parts["boundary"]) <= table.loc["boundary", "uncertainty"]
-    assert {row.verdict for row in found.rows[1:]} == {"not asked"}
+    assert {row.word for row in found.rows[1:]} == {"not asked"}
     assert str(found.notes[0]).startswith("reactions: not compared: to first order alone")
 
 
@@ -133,7 +133,7 @@ def test_springs_of_another_material_are_told_from_coarse_ones():
     assert found.kind == OTHER_MATERIAL
     parts = budget(found).set_index("part")
     assert abs(parts.loc["material", "value"]) > 0.8 * parts.loc["total", "value"]
-    assert found.rows[0].verdict == "differs"
+    assert found.rows[0].word == "differs"
 
 
 def test_an_outline_is_cut_and_its_points_outside_are_no_obstacle(tmp_path):
@@ -142,7 +142,7 @@ def test_an_outline_is_cut_and_its_points_outside_are_no_obstacle(tmp_path):
     loads = (Traction(Segment((2.0, 0.0), (2.0, 1.4)), (0.0, -10.0)),)
     case = Case(Problem(body, Isotropic(1e5, 0.3), held, loads), spacing=0.07)
     found, content = case_files(case, plots=False)
-    assert found.rows[0].verdict == "agrees"
+    assert found.rows[0].word == "agrees"
     compared = read_vtu(tmp_path, content["compared.vtu"])
     assert np.isfinite(compared.point_data["displacement_elements"]).all()
     outside = len(found.springs[0].lattice.points) - len(compared.points)
@@ -157,7 +157,7 @@ def test_a_body_is_the_same_as_a_box_and_as_an_outline(tmp_path):
     np.testing.assert_allclose(polygon.points, box.points, atol=1e-12)
     np.testing.assert_allclose(polygon.displacement, box.displacement, atol=1e-9 * box.size)
     assert polygon.size == pytest.approx(box.size, rel=2 * box.reference.error)
-    left = abs(polygon.rows[0].difference - box.rows[0].difference)
+    left = abs(polygon.rows[0].error - box.rows[0].error)
     assert left <= 2 * (polygon.reference.error + box.reference.error)
     fields = read_vtu(tmp_path, files.field_files(polygon)["compared.vtu"])
     assert np.isfinite(fields.point_data["displacement_elements"]).all()
@@ -210,9 +210,9 @@ def test_stress_is_the_springs_own(lattice, nu, verdict):
         band=0.1,
     )
     (row,) = compare_case(case).rows
-    assert row.verdict == verdict
+    assert row.word == verdict
     if verdict == "agrees":
-        assert row.springs == pytest.approx(row.elasticity, rel=0.05)
+        assert row.found == pytest.approx(row.wanted, rel=0.05)
 
 
 def read_vtu(folder, content):
@@ -249,10 +249,10 @@ def test_files_say_the_same(run_beam):
     found, content = run_beam
     verdict = json.loads(content["verdict.json"])
     assert {row["quantity"]: row["verdict"] for row in verdict["quantities"]} == {
-        row.quantity: row.verdict for row in found.rows
+        row.quantity: row.word for row in found.rows
     }
     first = verdict["quantities"][0]
-    assert first["difference"] == found.rows[0].difference
+    assert first["difference"] == found.rows[0].error
     page = content["case.html"].decode()
     assert 'src="http' not in page
     assert 'href="http' not in page
@@ -398,7 +398,7 @@ def test_folders_of_others_are_left(tmp_path):
 def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     case = read_case(EXAMPLES / "bimaterial.toml")
     found, content = case_files(case, plots=False)
-    by = {row.quantity: row.verdict for row in found.rows}
+    by = {row.quantity: row.word for row in found.rows}
     assert by["displacement"] == by["reaction"] == by["mean stress"] == "agrees"
     assert by["point stress"] == "not asked"
     head, _ = sentences(replace(found, rows=found.rows[-1:]))
@@ -415,8 +415,8 @@ def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
 @pytest.mark.parametrize(("part", "agrees"), [(0.6, True), (0.4, False)])
 def test_stress_has_twice_the_band_and_no_more(run_beam, part, agrees):
     case, stress = run_beam[0].case, run_beam[0].rows[-1]
-    case = replace(case, band=part * stress.difference, quantities=("point stress",))
-    assert (compare_case(case).rows[0].verdict == "agrees") == agrees
+    case = replace(case, band=part * stress.error, quantities=("point stress",))
+    assert (compare_case(case).rows[0].word == "agrees") == agrees
 
 
 @pytest.mark.parametrize(("start", "told"), [(1.0, False), (0.9, True)])
@@ -432,8 +432,8 @@ def test_a_foreign_field_of_a_softer_material():
     case = read_case(EXAMPLES / "bracket.toml")
     result = read_result(EXAMPLES / "softer.vtu", 2)
     found, _ = judged_files(case, result, unit=1e-3, plots=False)
-    assert {each.name for each in found.explanations} == {"load", "modulus", "thickness"}
-    assert found.explanations[0].value == pytest.approx(1.01, abs=1e-4)
+    assert {each.name for each in found.verdict.causes} == {"load", "modulus", "thickness"}
+    assert found.verdict.causes[0].value == pytest.approx(1.01, abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -442,7 +442,7 @@ def test_a_foreign_field_of_a_softer_material():
 def test_every_example_is_known_well_enough(name):
     found = compare_case(read_case(EXAMPLES / f"{name}.toml"))
     assert found.reference.resolved
-    assert found.rows[0].difference < 0.06
+    assert found.rows[0].error < 0.06
     assert found.kind in {"coarse", "not told"}
 
 

@@ -58,7 +58,7 @@ def judged(tmp_path, points, move, asked=None, **options):
 
 
 def names(found):
-    return [each.name for each in found.explanations]
+    return [each.name for each in found.verdict.causes]
 
 
 def one_moved(move):
@@ -101,7 +101,7 @@ def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, valu
     found = judged(tmp_path, X, change(elastic()), accuracy=close)
     assert sorted(names(found)) == causes, fault
     if value is not None:
-        assert found.explanations[0].value == pytest.approx(value, rel=0.02)
+        assert found.verdict.causes[0].value == pytest.approx(value, rel=0.02)
     parts = budget(found).set_index("part")["value"]
     assert parts[["scale", "rigid motion", "shape"]].sum() == pytest.approx(parts["total"])
 
@@ -127,10 +127,10 @@ def test_wrong_fields_of_rubber_are_judged_where_elements_exist(tmp_path, fault)
     change, cause, value = RUBBER[fault]
     u = solve_problem(problem(0.4999), MESH, mixed=True).at(X)
     found = judged(tmp_path, X, change(u), problem(0.4999), accuracy=0.02)
-    assert found.row.verdict == "differs"
+    assert found.verdict.word == "differs"
     assert names(found)[:1] == ([cause] if cause else [])
     if value is not None:
-        assert found.explanations[0].value == pytest.approx(value, abs=0.03)
+        assert found.verdict.causes[0].value == pytest.approx(value, abs=0.03)
 
 
 def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
@@ -138,9 +138,9 @@ def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
     request = export_case(case, cells=3, shape="triangle")
     move = on_mesh(request, 0.3)
     found = judge_result(case, simulated(request, Answer(move)))
-    assert found.row.verdict == "differs"
+    assert found.verdict.word == "differs"
     assert names(found) == ["coarse mesh"]
-    assert "linear elements on its triangle mesh" in found.explanations[0].said
+    assert "linear elements on its triangle mesh" in found.verdict.causes[0].said
     other = judge_result(case, simulated(request, Answer(on_mesh(request, 0.1))))
     assert names(other) == ["coarse mesh and ratio"]
     assert other.explanations[0].value == pytest.approx(0.1, abs=1e-3)
@@ -150,8 +150,8 @@ def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
 def test_other_words_change_no_verdict_and_no_cause(tmp_path, monkeypatch, fault):
     def decided():
         found = judged(tmp_path, X, fault(elastic()))
-        each = [(cause.kinds, cause.value, cause.left) for cause in found.explanations]
-        return found.row.verdict, each, budget(found)[["value", "uncertainty"]].to_numpy()
+        each = [(cause.kinds, cause.value, cause.left) for cause in found.verdict.causes]
+        return found.verdict.word, each, budget(found)[["value", "uncertainty"]].to_numpy()
 
     before = decided()
     for key in causes.PHRASES:
@@ -162,13 +162,13 @@ def test_other_words_change_no_verdict_and_no_cause(tmp_path, monkeypatch, fault
 def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):
     found = judged(tmp_path, X, 1.1 * elastic(pulled=True), PULLED)
     assert names(found) == ["scale"]
-    assert "No modulus shows" in found.explanations[0].said
+    assert "No modulus shows" in found.verdict.causes[0].said
 
 
 def test_one_place_with_two_displacements_leaves_the_verdict_open(tmp_path):
     move = elastic()
     found = judged(tmp_path, np.r_[X, X[-1:]], np.r_[move, 3 * move[-1:]])
-    assert found.row.verdict == "not resolved"
+    assert found.verdict.word == "not resolved"
     assert any("differ by up to" in note for note in found.matched.notes)
     with pytest.raises(ProblemError, match="points in the body"):
         judged(tmp_path, np.r_[X, 50 + X, 90 + X], np.tile(move, (3, 1)))
@@ -177,20 +177,20 @@ def test_one_place_with_two_displacements_leaves_the_verdict_open(tmp_path):
 def test_what_is_not_at_rest(tmp_path):
     slow = 0.94 * elastic()
     known = judged(tmp_path, X, slow, arrays={"at_rest": 0.07})
-    assert known.row.verdict == "not at rest"
+    assert known.verdict.word == "not at rest"
     assert names(known)[0] == "rest"
     stated = judged(tmp_path, X, slow, residual_motion=0.07)
-    assert stated.row.verdict == "not at rest"
+    assert stated.verdict.word == "not at rest"
     unknown = judged(tmp_path, X, slow)
-    assert unknown.row.verdict == "differs"
-    assert np.isnan(unknown.residual_motion)
+    assert unknown.verdict.word == "differs"
+    assert np.isnan(unknown.displacement.residual_motion)
 
 
 def test_points_in_any_order_outside_doubled_and_in_a_unit(tmp_path):
     places = np.concatenate([X, [[5.0, 5.0]], X[:1], X[1:2] - [0, 1e-12]])
     move = np.concatenate([elastic(), [[0, 0]], elastic()[:2]])
     found = judged(tmp_path, 1e3 * places, 1e3 * move, unit=1e-3)
-    assert found.row.verdict == "agrees"
+    assert found.verdict.word == "agrees"
     assert len(found.matched.places) == len(X)
     np.testing.assert_allclose(found.matched.outside, [[5, 5]])
     assert len(found.matched.doubled) == 2
@@ -229,7 +229,7 @@ def test_numbers_of_the_cases_points(tmp_path):
         path, index=False
     )
     found = judge_result(case, read_result(path, 2))
-    assert found.row.verdict == "agrees"
+    assert found.verdict.word == "agrees"
     np.testing.assert_array_equal(found.matched.missing, at[1:2])
     pd.DataFrame({"id": [3], "ux": [0.0], "uy": [0.0]}).to_csv(path, index=False)
     with pytest.raises(ProblemError, match="the case has points 0 to 2"):

@@ -10,7 +10,7 @@ from msvalidate.judging.compare import (
 )
 from msvalidate.judging.evidence import Observed
 from msvalidate.problem import ProblemError
-from msvalidate_check.words import agreement
+from msvalidate_check.verdict import agreement
 
 
 def test_far_apart_means_a_difference_and_not_a_sum():
