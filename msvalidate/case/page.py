@@ -48,19 +48,6 @@ WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
 
 
 @dataclass(frozen=True)
-class ShownRow:
-    """A quantity as the page shows it."""
-
-    quantity: str
-    verdict: str
-    difference: str
-    uncertainty: str
-    candidate: str
-    elasticity: str
-    unit: str
-
-
-@dataclass(frozen=True)
 class Page:
     """All that the page of a case says."""
 
@@ -71,7 +58,7 @@ class Page:
     springs: tuple[str, ...]
     candidate: str
     band: str
-    rows: tuple[ShownRow, ...]
+    rows: tuple[Mapping[str, str], ...]
     notes: tuple[str, ...]
     pictures: tuple[Picture, ...]
     tables: tuple[Table, ...]
@@ -91,18 +78,18 @@ def overall(rows: Sequence[Difference]) -> str:
     return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
 
 
-def shown_rows(rows: Sequence[Difference]) -> tuple[ShownRow, ...]:
+def shown_rows(rows: Sequence[Difference]) -> tuple[Mapping[str, str], ...]:
     """Quantities with few digits."""
     return tuple(
-        ShownRow(
-            row.quantity,
-            row.word,
-            percent(row.error),
-            percent(row.uncertainty),
-            _number(row.found),
-            _number(row.wanted),
-            row.unit,
-        )
+        {
+            "quantity": row.quantity,
+            "verdict": row.word,
+            "difference": percent(row.error),
+            "uncertainty": percent(row.uncertainty),
+            "candidate": _number(row.found),
+            "elasticity": _number(row.wanted),
+            "unit": row.unit,
+        }
         for row in rows
     )
 

@@ -24,7 +24,7 @@ TOPIC = ("topic", "says", "found", "studies")
 ROUNDING = 1e-9
 """A number of the ledger below this is shown as 0."""
 MEASURED = ("number", "unit", "side", "bound", "measure")
-SHOWN = ("body", "springs", "verdict", "condition", "study", "table")
+SHOWN = ("body", "springs", "material", "verdict", "condition", "study", "table")
 """Columns of the rows that are shown as they are."""
 COLUMNS = {
     *SHOWN,
@@ -38,8 +38,8 @@ COLUMNS = {
     ),
     "cells_over_linear",
 }
-ELEMENTS = "use elements"
-"""How a condition begins where springs may be the material, but elements are better."""
+COARSE = "too coarse"
+"""In the column `material`: springs may be the material, but elements are better."""
 TIMES = "time_over_linear_here"
 """A column that the committed baseline does not have."""
 
@@ -50,14 +50,26 @@ class Line:
 
     body: str
     springs: str
+    material: str
     coarse: str
     middle: str
     fine: str
     verdict: str
     condition: str
-    cost: str
+    cells: str
+    time: str
     study: str
     table: str
+
+    @property
+    def cost(self) -> str:
+        """Cells for 1 % over those of linear elements, and the same of times where measured."""
+        return times(self.cells) + self.beside
+
+    @property
+    def beside(self) -> str:
+        """The times, in brackets; "" where they were not measured."""
+        return f" ({times(self.time)} the time)" if _is_number(self.time) else ""
 
 
 @dataclass(frozen=True)
@@ -100,10 +112,8 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     verdicts, _ = _table(studies, LEDGER, "verdicts", {"verdict", "sentences"})
     lines = tuple(_line(row) for row in rows.astype(str).to_dict("records"))
     heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
-    counts = [f"{n} {verdict}" for n, verdict in verdicts.to_numpy()[:, ::-1]]
+    counts = [f"{n} {SHORTER.get(verdict, verdict)}" for verdict, n in verdicts.to_numpy()]
     sentences = "; ".join(counts)
-    for said, shorter in SHORTER.items():
-        sentences = sentences.replace(said, shorter)
     return Front(lines, _advice(lines), source, heads, sentences, judged_from)
 
 
@@ -135,10 +145,10 @@ def _advice(lines: Sequence[Line]) -> str:
         return ""
     best = lines[0]
     differing = [line for line in lines if line.verdict == DIFFERS]
-    elements = [line.body for line in differing if line.condition.startswith(ELEMENTS)]
+    elements = [line.body for line in differing if line.material == COARSE]
     avoided = dict.fromkeys(line.springs for line in differing if line.body not in elements)
-    cells = best.cost.replace(" times", " times the cells of linear elements (Q1)", 1)
-    cost = f" For 1 % they take {cells}." if cells != best.cost else ""
+    cells = f"{times(best.cells)} the cells of linear elements (Q1){best.beside}"
+    cost = f" For 1 % they take {cells}." if _is_number(best.cells) else ""
     never = f" Do not use: {'; '.join(avoided)}." if avoided else ""
     never += f" Use elements for a {'; a '.join(elements)}." if elements else ""
     return (
@@ -166,14 +176,14 @@ def _table(
 
 def _line(row: Mapping[Hashable, str]) -> Line:
     """A row in words, from its `COLUMNS` and `TIMES`."""
-    time = row.get(TIMES, NOT_ASKED)
     return Line(
         **{name: row[name] for name in SHOWN},
         coarse=f"{percent(row['error_coarse'])} at {row['across_coarse']}",
         middle=percent(row["error_at_20"]),
         fine=_with_uncertainty(row["error_fine"], row["uncertainty_fine"])
         + f" at {row['across_fine']}",
-        cost=times(row["cells_over_linear"]) + f" ({times(time)} the time)" * _is_number(time),
+        cells=row["cells_over_linear"],
+        time=row.get(TIMES, NOT_ASKED),
     )
 
 

@@ -51,32 +51,19 @@ STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
 _NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """A row of a verdict as it is shown."""
-
-    study: str
-    layer: str
-    status: str
-    quantity: str
-    observed: str
-    reference: str
-    error: str
-    limit: str
-    unit: str
-    because: str
-    at: str = ""
+Judged = Mapping[str, str]
+"""A row of a verdict as it is shown, with its study and status."""
 
 
 @dataclass(frozen=True)
 class Layer:
-    """The judgements of one layer, which of them are listed, and how many are not resolved."""
+    """The rows of one layer, which of them are listed, and how many are not resolved."""
 
     name: str
     meaning: str
     judged: int
     missed: int
-    listed: tuple[Judgement, ...]
+    listed: tuple[Judged, ...]
     open: int = 0
 
 
@@ -119,7 +106,7 @@ class Section:
     pictures: tuple[Picture, ...]
     tables: tuple[Table, ...]
     layers: tuple[Layer, ...]
-    failed: tuple[Judgement, ...]
+    failed: tuple[Judged, ...]
     origin: Mapping[str, str]
     seconds: float
 
@@ -196,7 +183,7 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
         pictures=embed_pictures(study.name, study.pictures, room),
         tables=tables(study),
         layers=tuple(layer_judgements(name, rows) for name in layer_names(rows)),
-        failed=tuple(row for row in rows if row.status in MISSES),
+        failed=tuple(row for row in rows if row["status"] in MISSES),
         origin=study.origin,
         seconds=study.seconds,
     )
@@ -268,9 +255,9 @@ def common_provenance(
     return common, {name: origin for name, origin in own.items() if origin}
 
 
-def judgements(study: Stored) -> list[Judgement]:
+def judgements(study: Stored) -> list[Judged]:
     """The rows of a verdict, numbers with six digits."""
-    found = []
+    found: list[Judged] = []
     for row in study.verdict.to_dict("records"):
         said = {str(key): value for key, value in row.items()}
         words = {k: str(said.get(k, "")) for k in ("layer", "quantity", "unit", "because")}
@@ -279,19 +266,19 @@ def judgements(study: Stored) -> list[Judgement]:
         status = PASS if word == "pass" else word if word in (AGREES, DIFFERS, *OPEN) else FAIL
         which, many = str(said.get("at", "")), int(said.get("rows", 1))
         at = f"{which}, of {many} rows" if which and many > 1 else which
-        found.append(Judgement(study=study.name, status=status, at=at, **words, **numbers))
+        found.append({"study": study.name, "status": status, "at": at} | words | numbers)
     return found
 
 
-def layer_names(rows: Sequence[Judgement]) -> list[str]:
+def layer_names(rows: Sequence[Judged]) -> list[str]:
     """All known layers, and any other that a row names: no row is left out."""
-    return list(dict.fromkeys([*LAYERS, *(row.layer for row in rows)]))
+    return list(dict.fromkeys([*LAYERS, *(row["layer"] for row in rows)]))
 
 
-def layer_judgements(name: str, rows: Sequence[Judgement]) -> Layer:
+def layer_judgements(name: str, rows: Sequence[Judged]) -> Layer:
     """The rows of one layer."""
-    inside = tuple(row for row in rows if row.layer == name)
-    missed = tuple(row for row in inside if row.status in MISSES)
+    inside = tuple(row for row in rows if row["layer"] == name)
+    missed = tuple(row for row in inside if row["status"] in MISSES)
     listed = missed if name == SUMMARISED else inside
     return Layer(
         name,
@@ -299,7 +286,7 @@ def layer_judgements(name: str, rows: Sequence[Judgement]) -> Layer:
         len(inside),
         len(missed),
         listed,
-        sum(r.status in OPEN for r in inside),
+        sum(row["status"] in OPEN for row in inside),
     )
 
 

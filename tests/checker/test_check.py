@@ -156,7 +156,7 @@ def test_case_judge_says_the_same(name, tmp_path):
     # `case judge` makes its own elements on even meshes: it may know less, and then says so.
     assert found.verdict.word in {check(case, x, field, band=0.05).word, "not resolved"}
     uncertainty = SPLIT_APART + found.reference.error
-    assert here.error == pytest.approx(found.row.difference, abs=uncertainty)
+    assert here.error == pytest.approx(found.displacement.error, abs=uncertainty)
     for part, values in there.items():
         largest = np.linalg.norm(values, axis=1).max() / found.size
         assert here.parts[part] == pytest.approx(largest, abs=uncertainty), part

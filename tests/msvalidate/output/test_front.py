@@ -9,7 +9,8 @@ from msvalidate.output import front
 from msvalidate.output.stored import Stored, nothing_judged
 
 ROW = {
-    "body": "a block", "springs": "square", "across_coarse": "5", "error_coarse": "0.0775",
+    "body": "a block", "springs": "square", "material": "yes",
+    "across_coarse": "5", "error_coarse": "0.0775",
     "error_at_20": "0.011", "across_fine": "80", "error_fine": "0.00169",
     "uncertainty_fine": "0.0001", "verdict": "agrees", "condition": "half",
     "cells_over_linear": "0.92", "study": "poisson", "table": "t",
@@ -37,7 +38,7 @@ def test_advice_is_the_first_row_and_those_that_differ():
     thin = bad | {
         "body": "bracket",
         "uncertainty_fine": "0.00017",
-        "condition": "use elements: thin",
+        "material": "too coarse",
     }
     found = front.first_screen([stored("overview", "good_for", rows(ROW, bad, thin))])
     said = found.advice

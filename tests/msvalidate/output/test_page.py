@@ -167,7 +167,7 @@ def test_baseline_lists_only_what_failed():
     rows.append(judged("moved", layer="baseline", verdict="fail"))
     (baseline,) = [x for x in page.study_section(stored(rows=rows)).layers if x.name == "baseline"]
     assert (baseline.judged, baseline.missed) == (6, 1)
-    assert [row.quantity for row in baseline.listed] == ["moved"]
+    assert [row["quantity"] for row in baseline.listed] == ["moved"]
     text = Read(page.render_page([stored(rows=rows)])).text
     assert "5 of 6 held, 1 missed; those missed:" in text
     assert "held 3" not in text
