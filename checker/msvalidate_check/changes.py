@@ -14,16 +14,10 @@ from itertools import permutations, product
 
 import numpy as np
 
-from msvalidate_check.beside import AXES, Array, Field
+from msvalidate_check.beside import AXES, ROUNDING, Array, Field
 from msvalidate_check.causes import Cause, Phrase, phrase
-from msvalidate_check.scales import Times, read_scale
+from msvalidate_check.scales import NOTICED, Times, read_scale
 
-SAME_IMAGE = 0.1
-"""Of the difference: where elasticity differs less from its mirror image, that explains nothing."""
-SAME = 1e-9
-"""Of the largest displacement: two orders or signs of components that give the same field."""
-ALONG = 1e-9
-"""Of two fields' sizes: their product, where one may be a number of times the other."""
 MOST_ASKED = 0.1
 """Of the largest displacement: what no explanation leaves."""
 
@@ -80,8 +74,8 @@ def frames(d: int) -> tuple[Frame, ...]:
 def images(field: Field) -> list[Image]:
     """Elasticity, and what is taken for it: see the head of this module."""
     found = [*_unwritten(field), *_other_state(field), *_mirrored(field)]
-    most = SAME_IMAGE * field.difference
-    found = [each for each in found if field.left(each.wanted) > most]
+    least = NOTICED * field.uncertainty  # nearer ones are elasticity itself, as far as is known
+    found = [each for each in found if field.left(each.wanted) > least]
     for name, by_ratio in field.known.items():
         found.append(Image("coarse mesh", phrase("named", name=name), by_ratio(field.ratio)))
     return [Image("", phrase("elasticity"), field.wanted), *found]
@@ -140,7 +134,7 @@ def explain_one_change(field: Field, every: list[Image]) -> Iterator[Cause]:
         if _least_left(field, itself, frame, 1.0, scaled=False) > MOST_ASKED:
             continue
         copy = frame.put(field.wanted)
-        if any(kind == frame.kind and field.left(copy, other) <= SAME for kind, other in seen):
+        if any(kind == frame.kind and field.left(copy, other) <= ROUNDING for kind, other in seen):
             continue
         seen.append((frame.kind, copy))
         of = phrase("image", image=_with_frame(itself, frame))
@@ -176,7 +170,7 @@ def _least_left(field: Field, image: Image, frame: Frame, most: float, *, scaled
         for k, (a, sign) in enumerate(zip(frame.order, frame.signs, strict=True))
     )
     f, w = float((found**2).sum()), float((wanted**2).sum())
-    if scaled and both <= ALONG * np.sqrt(f * w):
+    if scaled and both <= 0:
         return most + 1
     scale = both / w if scaled else 1.0
     square = f / scale**2 - 2 * both / scale + w

@@ -26,14 +26,12 @@ from msvalidate_check.beside import (
 from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.changes import Image, explain_one_change, explain_two_changes, images
 from msvalidate_check.ratios import explain_ratio, explain_ratio_besides
-from msvalidate_check.scales import AS_WELL, NOTICED, UNITS, explain_scale, read_scale
+from msvalidate_check.scales import AS_GOOD, AS_WELL, NOTICED, UNITS, explain_scale, read_scale
 
 __all__ = ["FITS", "NOTICED", "Driven", "Field", "explain", "split"]
 FITS = 0.1
 """Of the difference that was there, what an explanation may leave; of what one fault leaves, what
 two at once may."""
-AS_GOOD = 1e-3
-"""Of the difference that was there: explanations that leave less than this fit as well."""
 FEW_POINTS = 0.02
 """Part of the points, or one, that may be wrong while all others are right."""
 FEWEST, FEWEST_BESIDES = 4, 9
@@ -43,12 +41,8 @@ RIGHT = 0.02
 much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
 WHOLE = {"unit", "sign", "axes", "mirrored", "places", "component", "positions", "node order"}
 """Faults without a number to fit: a solver that errs besides has them too."""
-COARSE_KNOWN = 0.005
-"""Of the largest displacement, to which linear elements on known meshes are known at any ratio."""
 MOST_NODES = 1000
 """Up to which an order of nodes is looked for: each is held to every other one."""
-SAME_LENGTH = 1e-3
-"""Part by which a unit and the ratio of the mean lengths of two fields may differ."""
 
 
 def explain(field: Field) -> tuple[Cause, ...]:
@@ -75,8 +69,6 @@ def explain(field: Field) -> tuple[Cause, ...]:
 
 def _is_little(found: Cause, most: float, uncertainty: float) -> bool:
     """Whether an explanation leaves little: less where it fits a number, which fits any field."""
-    if "coarse mesh" in found.kinds and found.beside:
-        return found.left <= min(most, COARSE_KNOWN)
     if found.kinds <= WHOLE:
         return found.left <= most
     return found.left <= min(most, max(RIGHT, NOTICED * uncertainty))
@@ -213,7 +205,7 @@ def _node_order_in_units(field: Field) -> Iterator[Cause]:
     """Nodes in another order, in a unit that the mean length of displacements shows."""
     scale = float(np.linalg.norm(field.found) / (np.linalg.norm(field.wanted) or 1.0))
     for unit, many in UNITS.items():
-        if abs(scale / many - 1) <= max(SAME_LENGTH, field.uncertainty):
+        if abs(scale / many - 1) <= max(AS_GOOD, field.uncertainty):
             yield from _node_order(field, field.found / many, many, unit)
 
 

@@ -10,14 +10,12 @@ import numpy as np
 from msvalidate_check.beside import Array, Field, best_scale, fit
 from msvalidate_check.causes import Cause, phrase
 from msvalidate_check.changes import frames
-from msvalidate_check.scales import NOTICED, read_scale
+from msvalidate_check.scales import AS_GOOD, NOTICED, read_scale
 
 RATIO_STEP, RATIO_STEPS, RATIO_SETTLED = 0.01, 12, 1e-5
 """First change of Poisson's ratio that is tried, how many are, and the last that need be."""
 HALF = 0.5
 """Of the difference, what a ratio's first-order effect may leave for it to be worth more solves."""
-NO_SCALE = 1e-3
-"""Scale beside a ratio that is none: elasticity between two known ratios is known to half of it."""
 
 
 def explain_ratio(field: Field) -> Iterator[Cause]:
@@ -51,7 +49,7 @@ def _with_scale(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Ca
         return
     image = phrase("of ratio", nu=nu, given=field.ratio)
     for times in read_scale(field, field.found, by_ratio(nu)):
-        if abs(times.scale - 1) <= NO_SCALE:
+        if abs(times.scale - 1) <= AS_GOOD:
             of = phrase("ratio", nu=nu, given=field.ratio)
             yield Cause("ratio", nu, of, times.left)
         elif abs(times.scale - 1) > NOTICED * field.uncertainty:

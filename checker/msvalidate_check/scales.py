@@ -11,6 +11,9 @@ from msvalidate_check.causes import Cause, Phrase, phrase
 
 AS_WELL = 2.0
 """Times what the best explanation leaves, up to which another fits as well."""
+AS_GOOD = 1e-3
+"""Part that is none: of a difference what explanations leave that fit as well, of a number what it
+differs by from the one that it is."""
 NOTICED = 3.0
 """Times the uncertainty of elasticity and of the numbers, from which a difference is explained."""
 UNITS = {
