@@ -15,8 +15,9 @@ from msvalidate.case.results import Result
 from msvalidate_check import CheckError, assert_elastic, check, elastic_case
 from msvalidate_check.case_set import case_facts, case_names
 from msvalidate_check.command import run as command
-from msvalidate_check.diagnosis import Field, split
+from msvalidate_check.diagnosis import Field, explain, split
 from msvalidate_check.material import nearest_material
+from msvalidate_check.points import nearest_of_pairs
 from tests.checker.faulty_fields import faulty_fields, judged
 from tests.checker.faulty_pairs import GARBAGE, faulty_pairs, told_of
 from tests.table import table
@@ -83,6 +84,29 @@ def test_one_point_is_told_where_the_others_are_right():
     assert [each.name for each in check(case, None, moved).causes] == ["one point"]
     softer = [each.name for each in check(case, None, 1.1 * moved).causes]
     assert softer == ["one point and scale"]
+
+
+X2 = np.random.default_rng(0).uniform(size=(30, 2))
+U2 = np.stack([X2[:, 0] * (1 + X2[:, 1]), 0.3 * X2[:, 1] ** 2], axis=1)
+SHUFFLED = U2[np.random.default_rng(1).permutation(30)]
+
+
+@table("found, wanted, uncertainty, causes", [
+    (1.1 * U2[:, ::-1], U2, 1e-6, ["axes and scale"]),
+    (X2 + 1.3 * U2, U2, 1e-6, ["positions and scale"]),
+    (1003 * SHUFFLED, U2, 5e-3, ["node order and unit"]),
+    (-U2 * [1, 0], U2 * [1, 0], 1e-6, ["sign"]),
+    (0 * U2 + 1.0, 0 * U2, 1e-6, ["rigid motion"]),
+])  # fmt: skip
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_a_cause_is_told_once_and_in_a_body_of_any_size(found, wanted, uncertainty, causes, size):
+    field = Field(size * X2, size * found, size * wanted, uncertainty, "both", ((0, size),) * 2)
+    assert [each.name for each in explain(field)] == causes
+
+
+def test_a_point_without_a_place_near_it_has_none():
+    pair = np.array([0]), np.array([1])
+    assert nearest_of_pairs(np.zeros((1, 2)), np.zeros((3, 2)), *pair).tolist() == [-1, 0, -1]
 
 
 def test_modulus_and_ratio_are_found():

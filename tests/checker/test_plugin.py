@@ -216,3 +216,16 @@ def test_workers_compare(pytester):
     done = pytester.runpytest_subprocess(*PLUGIN, *FOLDER, "-n", "2")
     done.assert_outcomes(passed=1, failed=1)
     done.stdout.fnmatch_lines(["*u, row 0: was 0.0001, is 0.0002, moved by*"])
+
+
+def test_files_and_folders_are_replaced_whole_and_a_folder_in_use_stays(tmp_path):
+    exchange.replace_one(tmp_path / "one", {"x": b"1"})
+    exchange.replace_file(tmp_path / "file", lambda: b"2")
+    beside = tmp_path / "other" / "file"
+    beside.parent.mkdir()
+    exchange.replace_folder(tmp_path / "more", {"in": {"x": b"3"}}, beside=(beside, lambda: b"4"))
+    written = [tmp_path / "one" / "x", tmp_path / "file", tmp_path / "more" / "in" / "x", beside]
+    assert [path.read_bytes() for path in written] == [b"1", b"2", b"3", b"4"]
+    with exchange.own_folder(tmp_path) as first, exchange.own_folder(tmp_path) as second:
+        assert first.is_dir()
+        assert second.is_dir()

@@ -63,6 +63,10 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
         _files("equilibrium*", "unstable", "path", "refinement"), 25),
     "linear_algebra": (["msvalidate/linear_algebra/*.py", "reference_fem/systems/direct.py"],
         [*_files("factor", "order", "multigrid", "inverse"), f"{F}/systems"], 60),
+    "checker": (["checker/msvalidate_check/*.py"], ["tests/checker",
+        *_files("baseline", "report", "report_interrupted", "judging")], 40),
+    "simulators": (["msvalidate/simulators/*/*.py"], [f"{T}/simulators"], 40),
+    "case": (["msvalidate/case/*.py"], [f"{T}/case"], 40),
 }  # fmt: skip
 KT, CT = f"{T}/kernels", f"{T}/dielectric/charges"
 CELLS = [

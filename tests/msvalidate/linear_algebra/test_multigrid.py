@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import bsr_array, csr_array, diags_array
 
-from msvalidate.linear_algebra.conjugate_gradients import answer_to_random_load, conjugate_gradients
+from msvalidate.linear_algebra.conjugate_gradients import (
+    MOST_STEPS,
+    answer_to_random_load,
+    conjugate_gradients,
+)
 from msvalidate.linear_algebra.multigrid import (
+    Cycle,
     MeetsNothingError,
+    _by_products,
     aggregate,
     chebyshev,
     diagonal_blocks,
@@ -119,6 +125,21 @@ def test_steps_end_where_they_must():
     assert stopped.negative is False
 
 
+def test_steps_tell_the_lowest_eigenvalue():
+    """All eigenvalues are met in as many steps as there are."""
+    values = np.array([0.3, 1.0, 2.0, 5.0, 9.0])
+    found = conjugate_gradients(np.diag(values), np.ones(5), np.copy, 1e-9, spectral=True)
+    assert found.lowest == pytest.approx(0.3, rel=1e-9)
+
+
+def test_a_cycle_of_negative_energy_is_told_and_so_is_what_does_not_settle():
+    found = conjugate_gradients(np.eye(3), np.full(3, 0.1), np.negative, 1e-8)
+    assert (found.steps, found.negative) == (0, True)
+    stiff = diags_array(10.0 ** np.linspace(-8, 0, 2000))
+    found, told = answer_to_random_load(stiff, np.copy, np.ones(2000, dtype=bool))
+    assert (found.steps, told) == (MOST_STEPS, False)
+
+
 @pytest.mark.parametrize("core", [1.0, 1e6])
 def test_a_floating_grid_is_solved_but_for_translations(core):
     A = grid(periodic=True, core=core)
@@ -146,6 +167,12 @@ def test_a_motion_that_meets_nothing_is_found():
     assert (own.trace(axis1=1, axis2=2) > 0).all()
 
 
+@pytest.mark.parametrize(("part", "falls"), [(-1e-10, True), (-1e-14, False), (1e-14, False)])
+def test_rounding_is_no_motion_of_negative_energy(part, falls):
+    cycle = Cycle([], np.copy, softest=(np.ones(2), part))
+    assert (cycle.indefinite_motion is not None) is falls
+
+
 @pytest.mark.parametrize("part", [0.5, 0.05])
 def test_a_motion_of_negative_energy_is_not_overlooked(part):
     """The lowest mode is turned over; where it meets little, by steps or by the coarsest level."""
@@ -170,3 +197,15 @@ def test_chebyshev_takes_what_it_is_made_for():
     assert np.abs(left).max() == pytest.approx(1 / (2 * (9 / 7) ** 2 - 1), rel=1e-9)
     again = smooth(smooth(None, np.ones(50)), np.ones(50))
     np.testing.assert_allclose(1 - values * again, left**2, atol=1e-12)
+
+
+def test_the_bound_of_a_smoother_is_that_of_blocks_over_roots_of_the_diagonal_ones(monkeypatch):
+    """By Cholesky's roots, whose norms are those of symmetric ones."""
+    basis = np.random.default_rng(4).normal(size=(8, 8))
+    full = basis @ basis.T
+    blocks = full.reshape(4, 2, 4, 2)
+    root = np.linalg.inv(np.linalg.cholesky(np.einsum("iaib->iab", blocks)))
+    over = np.einsum("iab,ibjc,jdc->ijad", root, blocks, root)
+    monkeypatch.setattr("msvalidate.linear_algebra.multigrid.chebyshev", lambda *given: given[2])
+    bound, _ = _by_products(bsr_array(csr_array(full), blocksize=(2, 2)), None, [])
+    assert bound == pytest.approx(np.linalg.norm(over, 2, axis=(2, 3)).sum(axis=1).max())

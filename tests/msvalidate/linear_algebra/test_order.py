@@ -117,6 +117,14 @@ def test_halves_share_no_spring_and_counts_are_of_the_factor():
     assert entries <= found.entries <= 1.6 * entries  # pieces that are cut no further are full
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_cut_is_made_where_it_takes_fewer_points(way):
+    """One point of a half, joined to all of the other: it alone is the cut, in either half."""
+    pairs = [(i, i + 1) for i in range(9)] + [(9, j) for j in range(10, 20)]
+    found = nested_dissection(way * np.arange(20.0)[:, None], np.array(pairs))
+    assert found.order[-1] == 9
+
+
 def test_unknowns_follow_their_points_by_point_or_by_component():
     held = np.array([[True, False], [False, False], [False, True]])
     order = np.array([2, 0, 1])
@@ -135,3 +143,9 @@ def test_small_bodies_have_a_factor_large_ones_multigrid(cells, name):
     chosen, found = choose(points, pairs, 3, 9 * (len(points) + 2 * len(pairs)))
     assert chosen.name == name
     assert bool(len(found.order)) is (name == "direct")
+
+
+def test_a_factor_that_takes_too_much_memory_is_not_chosen(monkeypatch):
+    monkeypatch.setattr("msvalidate.linear_algebra.choice.MOST_ENTRIES", 1e3)
+    points, pairs = joined_lattice(patterns.cubic18(), (1.0,) * 3, (5, 5, 5))
+    assert choose(points, pairs, 3, 9 * (len(points) + 2 * len(pairs)))[0].name == "multigrid"

@@ -19,6 +19,7 @@ from msvalidate.problem import (
     Support,
 )
 from reference_fem.elasticity import solve_on, stiffness
+from reference_fem.systems.direct import favours_factor
 from reference_fem.systems.solver import RESIDUAL, SOLVERS
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -95,6 +96,13 @@ def test_multigrid_that_stalls_gives_way_to_a_factor_once(monkeypatch):
     monkeypatch.setattr("reference_fem.systems.solver.MOST_STEPS", 2)
     with pytest.raises(SolverError, match="after 2 steps of conjugate gradients"):
         solved((1.0, 1.0, 1.0), 5, "H1", choice="multigrid")
+
+
+@pytest.mark.parametrize(("cells", "favoured"), [(4, True), (17, False)])
+def test_a_factor_is_favoured_of_small_bodies(cells, favoured):
+    assert (
+        favours_factor(reference_fem.box_discretisation(Box((1.0,) * 3), cells, "H1")) is favoured
+    )
 
 
 # --- one body, many loads -------------------------------------------------------------------------
