@@ -24,8 +24,8 @@ from msvalidate.dielectric.charges import (
     report_forces,
     report_tangent,
     tangent,
+    tangent_in_air,
 )
-from msvalidate.dielectric.charges.tangent_in_air import tangent_in_air
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.records import dataclass
 

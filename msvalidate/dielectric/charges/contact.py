@@ -1,4 +1,4 @@
-"""Where electrodes, faces and patches may lie: none on or across another, none without size."""
+"""Where electrodes and faces may lie: none on or across another, none without size."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from msvalidate.problem.checks import format_value
 
 BARE = -1
 """In the place of an electrode's number: none."""
-OVERLAP = 1e-6
-"""Part of a patch that another may seem to cover: rounding of thin ones takes some 1e-10."""
 
 
 def refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
@@ -80,8 +78,7 @@ def refuse_electrodes(electrode: Index) -> None:
     if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
         raise ProblemError(
             f"electrode: {format_value(known)}; give at least 0 and 1, and leave out none; -1 "
-            f"where the "
-            "face is bare"
+            "where the face is bare"
         )
     after = np.roll(electrode, -1)
     touching = np.flatnonzero((electrode != after) & (electrode != BARE) & (after != BARE))
@@ -91,52 +88,3 @@ def refuse_electrodes(electrode: Index) -> None:
             f"electrodes {electrode[i]} and {after[i]} touch between segments {i} and "
             f"{(i + 1) % len(electrode)}; leave a bare face between them"
         )
-
-
-def areas(corners: Array) -> Array:
-    """(n,) in m², positive where corners are in counter-clockwise order."""
-    first = corners[..., :2] - corners[:, :1, :2]
-    second = np.roll(first, -1, axis=1)
-    cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    return np.asarray(0.5 * cross.sum(axis=1))
-
-
-def refuse_tilted(corners: Array, middle: Array, near: float) -> None:
-    """Raise `ProblemError` unless patches are level but for a length (m)."""
-    z = np.column_stack([corners[..., 2], middle[:, 2]])
-    tilt = np.ptp(z, axis=1)
-    if (tilt > near).any():
-        i = int(np.argmax(tilt))
-        raise ProblemError(
-            f"patch {i}: its corners and middle differ by {tilt[i]:g} m in z; give a polygon "
-            "parallel to z = 0"
-        )
-
-
-def refuse_overlap(corners: Array, conductor: Index, middle: Array, near: float) -> None:
-    """Raise `ProblemError` where patches of one plane share more than edges of one conductor."""
-    flat = shapely.polygons(corners[..., :2])
-    bad = np.flatnonzero((areas(corners) <= near**2) | ~shapely.is_valid(flat))
-    if len(bad):
-        raise ProblemError(
-            f"patch {bad[0]}: it has no area or crosses itself; give its corners in order"
-        )
-    outside = np.flatnonzero(~shapely.intersects_xy(flat, middle[:, 0], middle[:, 1]))
-    if len(outside):
-        raise ProblemError(f"patch {outside[0]}: its middle is beside it; give a point inside")
-    first, second = shapely.STRtree(flat).query(flat, predicate="dwithin", distance=near)
-    level = np.abs(corners[first, 0, 2] - corners[second, 0, 2]) <= near
-    first, second = first[(first < second) & level], second[(first < second) & level]
-    other = conductor[first] != conductor[second]
-    if other.any():
-        i, j = first[other][0], second[other][0]
-        raise ProblemError(
-            f"conductors {conductor[i]} and {conductor[j]} overlap or touch at patches {i} and "
-            f"{j}; leave a gap"
-        )
-    shared = shapely.area(shapely.intersection(flat[first], flat[second]))
-    smaller = np.minimum(shapely.area(flat[first]), shapely.area(flat[second]))
-    over = np.flatnonzero(shared > OVERLAP * smaller)
-    if len(over):
-        i, j = first[over[0]], second[over[0]]
-        raise ProblemError(f"patches {i} and {j}: they overlap; let them share edges only")

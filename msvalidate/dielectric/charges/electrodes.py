@@ -3,63 +3,38 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges.checks import (
-    check_moved_points,
-    check_owners,
-    check_plane_points,
-    freeze,
-    refuse_gaps,
-)
+from msvalidate.dielectric.charges.checks import check_plane_points, freeze
 from msvalidate.dielectric.charges.contact import refuse_contact
+from msvalidate.kernels.values import Complex
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
+    finite_coordinates,
     finite_number,
+    format_value,
     indices,
+    integers,
     length_in_metres,
     refuse_too_many,
     require_one_of,
     whole_number,
 )
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
 
 GRADINGS = ("uniform", "cosine")
+Moved = TypeVar("Moved", bound="Segments")
 
 
-@dataclass(frozen=True, eq=False)
-class Electrodes:
-    """Conductors without thickness, each of segments at one potential. Arrays are read-only.
-
-    Parameters
-    ----------
-    points
-        (n, 2) ends of segments (m); neighbours share theirs.
-    segments
-        (m, 2) pairs of points.
-    electrode
-        (m,) which electrode each segment belongs to: 0, 1, ..., none left out.
-
-    Raises
-    ------
-    ProblemError
-        If a segment has no length, or if segments meet elsewhere than at a shared point of one
-        electrode: electrodes that cross or touch are short-circuited.
-    """
+class Segments:
+    """Straight segments that electrodes, or the faces of a body, are made of."""
 
     points: Array
     segments: Index
     electrode: Index
-
-    def __post_init__(self) -> None:
-        points = check_plane_points("points of electrodes", self.points)
-        segments = indices("segments", self.segments, len(points), "m>0", 2)
-        electrode = check_owners("electrode", self.electrode, len(segments))
-        refuse_gaps("electrode", electrode)
-        refuse_contact(points, segments, electrode)
-        freeze(self, points=points, segments=segments, electrode=electrode)
 
     @property
     def count(self) -> int:
@@ -91,10 +66,60 @@ class Electrodes:
         """(m, 2) middles (m)."""
         return self.start + 0.5 * self.along
 
-    def moved(self, points: ArrayLike) -> Electrodes:
-        """The same electrodes with their points (n, 2) elsewhere (m)."""
-        later = check_moved_points("points of electrodes", points, self.points.shape)
-        return Electrodes(later, self.segments, self.electrode)
+    @property
+    def lines(self) -> tuple[Complex, Complex]:
+        """Starts and vectors (m,), complex, as `kernels.charges` takes them."""
+        return to_complex(self.start), to_complex(self.along)
+
+    def moved(self: Moved, points: ArrayLike) -> Moved:
+        """The same segments with their points (n, 2) elsewhere (m)."""
+        name, shape = type(self).__name__.lower(), self.points.shape
+        need = f"give {shape}, as there were"
+        later = finite_coordinates(f"points of {name}", points, *shape, need=need)
+        return replace(self, points=later)  # type: ignore[type-var]
+
+
+def to_complex(points: Array) -> Complex:
+    """Points or vectors (n, 2) as complex numbers (n,)."""
+    return np.ascontiguousarray(points).view(np.complex128)[..., 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Electrodes(Segments):
+    """Conductors without thickness, each of segments at one potential. Arrays are read-only.
+
+    Parameters
+    ----------
+    points
+        (n, 2) ends of segments (m); neighbours share theirs.
+    segments
+        (m, 2) pairs of points.
+    electrode
+        (m,) which electrode each segment belongs to: 0, 1, ..., none left out.
+
+    Raises
+    ------
+    ProblemError
+        If a segment has no length, or if segments meet elsewhere than at a shared point of one
+        electrode: electrodes that cross or touch are short-circuited.
+    """
+
+    points: Array
+    segments: Index
+    electrode: Index
+
+    def __post_init__(self) -> None:
+        points = check_plane_points("points of electrodes", self.points)
+        segments = indices("segments", self.segments, len(points), "m>0", 2)
+        electrode = integers("electrode", self.electrode, len(segments))
+        known = np.unique(electrode)
+        if not np.array_equal(known, np.arange(len(known))):
+            raise ProblemError(
+                f"electrode: {format_value(known)}; numbers are left out, count electrodes 0, 1, 2 "
+                "and so on"
+            )
+        refuse_contact(points, segments, electrode)
+        freeze(self, points=points, segments=segments, electrode=electrode)
 
 
 def electrodes_of_chains(*lines: ArrayLike) -> Electrodes:

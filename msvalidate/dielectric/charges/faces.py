@@ -7,14 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges.checks import (
-    check_moved_points,
-    check_owners,
-    check_plane_points,
-    freeze,
-)
+from msvalidate.dielectric.charges.checks import check_plane_points, freeze
 from msvalidate.dielectric.charges.contact import BARE, refuse_electrodes, refuse_outline
-from msvalidate.dielectric.charges.electrodes import GRADINGS, strip_points
+from msvalidate.dielectric.charges.electrodes import GRADINGS, Segments, strip_points
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -26,11 +21,11 @@ from msvalidate.problem.checks import (
     require_one_of,
     whole_number,
 )
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, field
 
 
 @dataclass(frozen=True, eq=False)
-class Faces:
+class Faces(Segments):
     """The closed outline of a body, of straight segments. Arrays are read-only.
 
     Parameters
@@ -49,51 +44,22 @@ class Faces:
     """
 
     points: Array
+    segments: Index = field(init=False, repr=False)
     electrode: Index
 
     def __post_init__(self) -> None:
         points = check_plane_points("points of faces", self.points, least=3)
-        electrode = check_owners("electrode", self.electrode, len(points))
+        electrode = integers("electrode", self.electrode, len(points))
         refuse_outline(points)
         refuse_electrodes(electrode)
-        freeze(self, points=points, electrode=electrode)
-
-    @property
-    def count(self) -> int:
-        """Number of electrodes."""
-        return int(self.electrode.max()) + 1
+        first = np.arange(len(points))
+        segments = np.column_stack([first, np.roll(first, -1)])
+        freeze(self, points=points, segments=segments, electrode=electrode)
 
     @property
     def bare(self) -> Mask:
-        """(n,) whether a segment is bare."""
+        """(m,) whether a segment is bare."""
         return np.asarray(self.electrode == BARE)
-
-    @property
-    def segments(self) -> Index:
-        """(n, 2) pairs of points."""
-        first = np.arange(len(self.points))
-        return np.column_stack([first, np.roll(first, -1)])
-
-    @property
-    def along(self) -> Array:
-        """(n, 2) from first to second end (m)."""
-        return np.roll(self.points, -1, axis=0) - self.points
-
-    @property
-    def length(self) -> Array:
-        """(n,) in m."""
-        return np.asarray(np.hypot(*self.along.T))
-
-    @property
-    def middle(self) -> Array:
-        """(n, 2) middles (m)."""
-        return self.points + 0.5 * self.along
-
-    def moved(self, points: ArrayLike) -> Faces:
-        """The same faces with their points (n, 2) elsewhere (m)."""
-        return Faces(
-            check_moved_points("points of faces", points, self.points.shape), self.electrode
-        )
 
 
 def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike, ...]) -> Faces:
