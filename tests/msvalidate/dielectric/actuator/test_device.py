@@ -100,7 +100,7 @@ def test_crossing_electrodes_are_refused():
     network = spring_network(
         points, body.network.springs, body.network.stiffness, held=body.network.held
     )
-    with pytest.raises(ProblemError, match="electrode 0: .* not on the surface"):
+    with pytest.raises(ProblemError, match=r"electrode 0: .* not on the surface"):
         Actuator(network, body.electrodes)
 
 
