@@ -7,7 +7,12 @@ import math
 import numpy as np
 
 from msvalidate import kernels
-from msvalidate.dielectric.actuator.balance import BalancedState, factor_at, is_balanced
+from msvalidate.dielectric.actuator.balance import (
+    BalancedState,
+    is_balanced,
+    positive_factor,
+    stiffness,
+)
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.equilibria import (
     ActuatorEquilibrium,
@@ -93,7 +98,7 @@ def relax_actuator(
         kinetic = 0.5 * float((inertia * v**2).sum())
         is_still = is_looked_at and kinetic <= tolerance**2 * stored
         if is_still and is_balanced(actuator, u, electric, tolerance):
-            if factor_at(actuator, network.points + u, electric) is None:
+            if positive_factor(stiffness(actuator, network.points + u, electric)) is None:
                 raise SolverError(
                     f"{name} came to rest after {step} steps where it is unstable; disturb the "
                     "symmetry or lower the voltage"
