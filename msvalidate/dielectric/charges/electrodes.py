@@ -6,12 +6,12 @@ from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import check_plane_points, freeze
-from msvalidate.dielectric.charges.contact import refuse_contact
 from msvalidate.kernels.values import Complex
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
     finite_number,
@@ -118,8 +118,50 @@ class Electrodes(Segments):
                 f"electrode: {format_value(known)}; numbers are left out, count electrodes 0, 1, 2 "
                 "and so on"
             )
-        refuse_contact(points, segments, electrode)
+        _refuse_contact(points, segments, electrode)
         freeze(self, points=points, segments=segments, electrode=electrode)
+
+
+def _refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
+    """Raise `ProblemError` where segments meet but at shared points of one electrode."""
+    ends = points[segments]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    near = PLACEMENT * float(np.ptp(points[segments.ravel()], axis=0).max())
+    short = np.flatnonzero(length <= near)
+    if len(short):
+        i = short[0]
+        raise ProblemError(
+            f"segment {i}: length {length[i]:g} m; leave it out, or move its points apart"
+        )
+    lines = shapely.linestrings(ends)
+    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=near)
+    first, second = first[first < second], second[first < second]
+    other = electrode[first] != electrode[second]
+    if other.any():
+        i, j = first[other][0], second[other][0]
+        x, y = points[segments[i]].mean(axis=0)
+        raise ProblemError(
+            f"electrodes {electrode[i]} and {electrode[j]} cross or touch at segments {i} and {j} "
+            f"near ({x:g}, {y:g}) m; leave a gap"
+        )
+    shared = (segments[first][:, :, None] == segments[second][:, None, :]).any(axis=(1, 2))
+    crossed = ~shared | _lie_on_each_other(points, segments[first], segments[second])
+    if crossed.any():
+        i, j = first[crossed][0], second[crossed][0]
+        x, y = points[segments[i]].mean(axis=0)
+        raise ProblemError(
+            f"electrode {electrode[i]} crosses or touches itself at segments {i} and {j} near "
+            f"({x:g}, {y:g}) m; let neighbours share a point, and others keep apart"
+        )
+
+
+def _lie_on_each_other(points: Array, one: Index, other: Index) -> Array:
+    """Whether two segments with a shared point lie on each other."""
+    u, v = (points[pair[:, 1]] - points[pair[:, 0]] for pair in (one, other))
+    swap = (one[:, 0] == other[:, 0]) | (one[:, 1] == other[:, 1])
+    v = np.where(swap[:, None], v, -v)
+    cross, dot = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)
+    return np.asarray((dot > 0) & (np.abs(cross) <= PLACEMENT * dot))
 
 
 def electrodes_of_chains(*lines: ArrayLike) -> Electrodes:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import check_plane_points, freeze
-from msvalidate.dielectric.charges.contact import BARE, refuse_electrodes, refuse_outline
 from msvalidate.dielectric.charges.electrodes import GRADINGS, Segments, strip_points
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
@@ -22,6 +22,9 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, field
+
+BARE = -1
+"""In the place of an electrode's number: none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +53,8 @@ class Faces(Segments):
     def __post_init__(self) -> None:
         points = check_plane_points("points of faces", self.points, least=3)
         electrode = integers("electrode", self.electrode, len(points))
-        refuse_outline(points)
-        refuse_electrodes(electrode)
+        _refuse_outline(points)
+        _refuse_electrodes(electrode)
         first = np.arange(len(points))
         segments = np.column_stack([first, np.roll(first, -1)])
         freeze(self, points=points, segments=segments, electrode=electrode)
@@ -60,6 +63,42 @@ class Faces(Segments):
     def bare(self) -> Mask:
         """(m,) whether a segment is bare."""
         return np.asarray(self.electrode == BARE)
+
+
+def _refuse_outline(points: Array) -> None:
+    """Raise `ProblemError` unless points (n, 2) run round a body once, counter-clockwise."""
+    near = PLACEMENT * float(np.ptp(points, axis=0).max())
+    length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    if (length <= near).any():
+        i = int(np.argmin(length))
+        raise ProblemError(
+            f"segment {i} of the faces: length {length[i]:g} m; leave its point out, the last is "
+            "not the first again"
+        )
+    ring = shapely.LinearRing(points)
+    if not ring.is_simple:
+        why = shapely.is_valid_reason(shapely.Polygon(points))
+        raise ProblemError(f"faces: the outline crosses or touches itself ({why}); part its sides")
+    if not ring.is_ccw:
+        raise ProblemError("faces: the outline runs clockwise; give its points the other way round")
+
+
+def _refuse_electrodes(electrode: Index) -> None:
+    """Raise `ProblemError` unless there are two electrodes or more (n,), none beside another."""
+    known = np.unique(electrode)
+    if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
+        raise ProblemError(
+            f"electrode: {format_value(known)}; give at least 0 and 1, and leave out none; -1 "
+            "where the face is bare"
+        )
+    after = np.roll(electrode, -1)
+    touching = np.flatnonzero((electrode != after) & (electrode != BARE) & (after != BARE))
+    if len(touching):
+        i = touching[0]
+        raise ProblemError(
+            f"electrodes {electrode[i]} and {after[i]} touch between segments {i} and "
+            f"{(i + 1) % len(electrode)}; leave a bare face between them"
+        )
 
 
 def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike, ...]) -> Faces:

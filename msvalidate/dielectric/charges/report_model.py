@@ -31,8 +31,15 @@ from msvalidate.dielectric.charges.checks import (
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes
 from msvalidate.dielectric.charges.moments import check_electrodes, factorise
-from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
-from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
+from msvalidate.dielectric.charges.pieces import (
+    KERNELS,
+    PLACES,
+    Kernel,
+    Place,
+    Views,
+    pieces,
+    views_of,
+)
 from msvalidate.problem import Array, Index
 from msvalidate.problem.checks import length_in_metres, require_one_of, require_type
 from msvalidate.problem.records import ReadOnly, dataclass

@@ -20,7 +20,7 @@ from msvalidate.dielectric.charges.patches import (
     patch_charges,
     plate,
 )
-from msvalidate.dielectric.charges.views import corner_potential
+from msvalidate.dielectric.charges.pieces import corner_potential
 from msvalidate.dielectric.kernels.polygons import seen
 from msvalidate.problem import ProblemError
 
