@@ -1,19 +1,50 @@
 """The constants that make a body's lattice an isotropic material, or why there are none.
 
-What a body made of the lattice will do under uniform tension is told with them: see
-`msvalidate.bodies.uniform_tension`.
+What a body made of the lattice will do under uniform tension is told with them, as a calibration is
+of an endless lattice. A box on rollers is pulled along each axis, and its points are compared with
+the material's uniform strain. Where no point is out of balance in that strain, it is exact, and no
+equations are solved. Elsewhere springs that run across the cells' sides are cut (triangular in a
+box, BCC, FCC), and the error is of first order: the part of the body that is next to its sides.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 
-from msvalidate.bodies.uniform_tension import check_uniform_tension
-from msvalidate.constants.calibration import Calibration
+import numpy as np
+from scipy.sparse import csr_array
+
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.calibration import Calibration, TensionCheck
 from msvalidate.constants.routes import calibrate_by_route
-from msvalidate.lattice import Lattice, Pattern
-from msvalidate.problem import Isotropic
+from msvalidate.lattice import CutLattice, Lattice, Pattern, PatternLattice, fill
+from msvalidate.linear_algebra.factor import NoMemoryError, factorise
+from msvalidate.network import Network, tangent
+from msvalidate.network.inverse import elimination_order
+from msvalidate.problem import (
+    SIDES,
+    Array,
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    Support,
+    Traction,
+)
 from msvalidate.problem.material import State
+from msvalidate.problem.records import replace
+
+MOST_TRIED = 800
+"""Points of a body that is tried as it is, for a tenth of a second or two. Of a larger one a
+smaller one of the same lattice is."""
+MOST_FACTORED = 30_000
+"""Points of a body without a pattern beyond which nothing is said that takes a factor."""
+BALANCED = 1e-9
+"""Forces out of balance over the largest load below which they are rounding: stiffnesses of a ratio
+near 1/2 are a thousand times the rest, and each sum is rounded by 1e-16 of its terms."""
+PULL = 1e-3
+"""Traction over Young's modulus; answers to first order do not depend on it."""
+NOT_KNOWN = TensionCheck("not known", math.nan, 0)
 
 
 def calibrate(
@@ -78,4 +109,97 @@ def calibrate_material(
     found = calibrate_by_route(material, lattice, spacing, route)
     if isinstance(lattice, Pattern):
         return found
-    return replace(found, body=check_uniform_tension(material, lattice, found))
+    return replace(found, body=_check_uniform_tension(material, lattice, found))
+
+
+def _check_uniform_tension(
+    material: Isotropic, lattice: Lattice, found: Calibration
+) -> TensionCheck:
+    """Response of a body of a calibrated lattice to uniform tension."""
+    if isinstance(lattice, CutLattice) or not isinstance(lattice.domain, Box):
+        return NOT_KNOWN
+    small, scale = _smaller_lattice(lattice)
+    stiff = min(found.volume, *found.constants) >= 0
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is not known
+            body = _measure_tension(_on_rollers(material, small, found), small.points, stiff=stiff)
+    except ProblemError:  # such as cells that do not fill the body, said when it is made
+        return NOT_KNOWN
+    return replace(body, error=scale * body.error)
+
+
+def _measure_tension(
+    pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool
+) -> TensionCheck:
+    """What a body of points (n, d) does: networks with their loads, and the strains (d,) wanted."""
+    first, _ = pulls[0]
+    K, free = tangent(first, points), np.flatnonzero(~first.held.ravel())
+    wanted = [points * strain for _, strain in pulls]
+    left = np.column_stack(
+        [
+            (network.force.ravel() - K @ u.ravel())[free]
+            for (network, _), u in zip(pulls, wanted, strict=True)
+        ]
+    )
+    most = max(float(np.abs(network.force).max()) for network, _ in pulls)
+    balanced = bool(np.abs(left).max() <= BALANCED * most)
+    if balanced and stiff:
+        return TensionCheck("exact", 0.0, len(points))
+    if len(points) > MOST_FACTORED:
+        return NOT_KNOWN
+    try:
+        factor = factorise(csr_array(K[free][:, free]), elimination_order(first))
+    except NoMemoryError:
+        raise
+    except RuntimeError:  # a pivot of zero
+        return TensionCheck("unstable", math.nan, len(points))
+    if factor.negative:
+        return TensionCheck("unstable", math.nan, len(points))
+    if balanced:
+        return TensionCheck("exact", 0.0, len(points))
+    off = np.abs(factor.solve(left)).max(axis=0)
+    error = max(float(o / np.abs(u).max()) for o, u in zip(off, wanted, strict=True))
+    return TensionCheck("first order", error, len(points)) if math.isfinite(error) else NOT_KNOWN
+
+
+def _smaller_lattice(lattice: Lattice) -> tuple[Lattice, float]:
+    """A body of the same lattice of `MOST_TRIED` points or so, and its least count of cells over.
+
+    The body itself, where it is no larger, or nobody knows what repeats in it.
+    """
+    box = lattice.domain
+    if len(lattice.points) <= MOST_TRIED or not isinstance(box, Box):
+        return lattice, 1.0
+    if not isinstance(lattice, PatternLattice):
+        return lattice, 1.0
+    pattern = lattice.pattern
+    edge = lattice.spacing * np.array(pattern.size)
+    counts = np.rint(np.array(box.size) / edge)
+    shrink = (MOST_TRIED / len(lattice.points)) ** (1 / box.dim)
+    fewer = np.maximum(1, np.floor(counts * shrink)).astype(int)
+    small = fill(pattern, Box(tuple(float(x) for x in fewer * edge)), tuple(fewer.tolist()))
+    return small, float(fewer.min() / counts.min())
+
+
+def _on_rollers(
+    material: Isotropic, lattice: Lattice, found: Calibration
+) -> list[tuple[Network, Array]]:
+    """The body on rollers pulled along each axis, with the strain (d,) that the material has."""
+    box = lattice.domain
+    assert isinstance(box, Box)  # noqa: S101  `tried` has seen to it
+    axes = range(box.dim)
+    names = {place: name for name, place in SIDES.items()}
+    rollers = tuple(
+        Support(box.side(names[axis, 0]), tuple(0.0 if a == axis else None for a in axes))
+        for axis in axes
+    )
+    pulls = []
+    for axis in axes:
+        traction = PULL * material.E * np.eye(box.dim)[axis]
+        load = Traction(box.side(names[axis, 1]), tuple(traction.tolist()))
+        network = lattice_network(Problem(box, material, rollers, (load,)), lattice, found)
+        stress = np.zeros(len(found.tensor))
+        stress[: box.dim] = traction * (material.thickness if box.dim == 2 else 1.0)
+        strain: Array = np.linalg.solve(found.tensor, stress)[: box.dim].astype(float)
+        pulls.append((network, strain))
+    return pulls

@@ -11,8 +11,8 @@ factor. What the load cases leave open is refused, by the singular values of the
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,13 +23,12 @@ from msvalidate.lattice import Constants
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError
 from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import Cycles, NotConvergedError
-from msvalidate.network.inverse import Solver
+from msvalidate.network.inverse import Once
 from msvalidate.network.refine import LARGEST_ERROR
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, integers, require_type
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.statics.equilibrium import equilibrium
 
 OPEN = 1e-7
 """Least singular value of the slopes, relative to the largest, above which all is determined: some
@@ -37,12 +36,9 @@ OPEN = 1e-7
 NOTHING = 0.99
 """Residual from which a fit is no better than no displacement at all, which has 1."""
 WORTH_HAVING = 1e-3
-"""Part of the largest constant from which one is there."""
-UNMOVED = 1e-10
-"""What solutions of usual accuracy may move constants by, over the largest of these."""
-CORRECTIONS = 6
+"""Part of the largest constant from which one is no more at its bound, 0."""
 PART = 1e-12
-"""Of a displacement's error, left by multigrid."""
+"""Of the error of a slope, left by multigrid."""
 WORTH_NAMING = 0.1
 """Part of a constant in what is open, relative to the largest, from which it is named."""
 
@@ -62,19 +58,15 @@ class Fit:
     condition
         Largest over least singular value of the slopes by constants in units of the largest: how
         many times an error of the displacements may come back in some combination of constants.
-    solves
-        Times that all load cases were solved.
     error
         Largest error of a constant over the largest constant, were what is wanted exact but for its
-        rounding: what the errors of the solutions make of it. NaN where a constant has come to
-        nothing and the network is loose without it.
+        rounding: what the errors of the solutions make of it, and what one more step would.
     """
 
     constants: Constants
     volume: float
     residual: float
     condition: float
-    solves: int
     error: float
 
 
@@ -83,11 +75,9 @@ class _Case:
     """A load case: its network, the parts of its stiffness, and what is wanted where it is free."""
 
     network: Network
-    solver: Solver
+    kind: Index
+    solver: Once
     parts: tuple[bsr_array, ...]
-    free: Index
-    prescribed: Array
-    force: Array
     wanted: Array
     scale: float
 
@@ -132,10 +122,13 @@ def fitted_constants(
             f"fitted constants: a residual of {residual:.3g}, as of no displacement at all; look "
             "at the signs of what is wanted"
         )
-    condition = _check_determined(found.jac * found.x[:number].max(), number)
-    constants, error = _correct_constants(
-        networks, cases, np.asarray(kind), unit * found.x, found.jac
-    )
+    condition = _check_determined(found.jac * float(found.x[:number].max()), number)
+    constants = unit * found.x
+    off = np.concatenate([_respond(case, constants).off for case in cases])
+    largest = float(found.x[:number].max())
+    free = (found.x > WORTH_HAVING * largest) | (np.arange(len(found.x)) >= number)
+    inverse = np.linalg.pinv(found.jac[:, free])
+    error = float((np.abs(inverse @ found.fun) + np.abs(inverse) @ off).max()) / largest
     if error > LARGEST_ERROR:
         raise SolverError(
             f"fitted constants: known to {error:.1g} of the largest only, more than "
@@ -147,55 +140,8 @@ def fitted_constants(
         volume=float(constants[number]) if with_volumes else 0.0,
         residual=residual,
         condition=condition,
-        solves=int(found.nfev),
         error=error,
     )
-
-
-def _correct_constants(
-    networks: Sequence[Network], cases: list[_Case], kind: Index, p: Array, slope: Array
-) -> tuple[Array, float]:
-    """Constants by refined solutions, and their error over the largest of them.
-
-    `slope` is that of the misfit by constants in the unit that makes the largest of them about 1.
-    A solution's error comes back as it would if it were wanted. Constants that are 0 stay so.
-    """
-    unit = float(p.max())
-    inverse = np.where(p[:, None] > 0, np.linalg.pinv(slope), 0.0)
-    for _ in range(CORRECTIONS):
-        try:
-            refined = [_refined_equilibrium(network, p, kind) for network in networks]
-        except SolverError:  # without a constant that has come to nothing the network is loose
-            if p.min() > WORTH_HAVING * unit:
-                raise
-            return p, math.nan
-        u = [one.displacement.ravel()[case.free] for one, case in zip(refined, cases, strict=True)]
-        plain = np.concatenate([_scaled_response(case, p)[0] for case in cases])
-        exact = np.concatenate([case.scale * each for case, each in zip(cases, u, strict=True)])
-        off = np.concatenate(
-            [
-                np.full(len(each), case.scale * max(one.error, EPS) * np.abs(each).max())
-                for case, one, each in zip(cases, refined, u, strict=True)
-            ]
-        )
-        rounding = float((np.abs(inverse) @ off).max())
-        moved = inverse @ (exact - plain)
-        if np.abs(moved).max() <= max(rounding, UNMOVED):
-            return p, rounding + float(np.abs(moved).max())
-        step = inverse @ (exact - np.concatenate([c.scale * c.wanted for c in cases]))
-        if (unit * step >= p)[p > 0].any():  # nothing is known of a constant that rounding takes
-            break
-        p = p - unit * step
-        if np.abs(step).max() <= max(rounding, UNMOVED):
-            return p, rounding + float(np.abs(step).max())
-    return p, max(float(np.abs(step).max()), rounding)
-
-
-def _refined_equilibrium(network: Network, p: Array, kind: Index) -> Equilibrium:
-    """The equilibrium with constants p, refined to the last digit."""
-    cells = network.volumes
-    volumes = cells and replace(cells, stiffness=float(p[-1]) * cells.stiffness)
-    return equilibrium(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
 
 
 def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
@@ -243,16 +189,15 @@ def _load_cases(
         if network.volumes is not None:
             single.append(network.scaled(0.0))
         parts = [Configuration(each).tangent() for each in single]
-        prescribed, force = network.displacement.ravel(), network.force.ravel()
-        given = prescribed, force, u.ravel()[free], 1 / size
-        cases.append(_Case(network, Solver(network), tuple(parts), free, *given))
+        solver = Once(network, "auto")
+        cases.append(_Case(network, kind, solver, tuple(parts), u.ravel()[free], 1 / size))
     return cases
 
 
 def _starting_constants(cases: list[_Case], number: int, volumes: bool) -> Array:
     """Constants to start from: the equal ones that come nearest under forces."""
     p = np.append(np.ones(number), np.zeros(int(volumes)))
-    answers = [_scaled_response(case, p)[0] for case in cases]
+    answers = [_respond(case, p).move for case in cases]
     if not all(np.isfinite(answer).all() for answer in answers):
         raise ProblemError("fitted constants: the networks are loose; add springs, or hold more")
     wanted = np.concatenate([c.scale * c.wanted for c in cases])
@@ -269,57 +214,51 @@ def _least_squares(cases: list[_Case], start: Array, unit: float, number: int) -
     lowest = np.where(np.arange(len(start)) < number, 0.0, -np.inf)
 
     def misfit(q: Array) -> Array:
-        return np.concatenate([_misfit(case, unit * q)[0] for case in cases])
+        return np.concatenate(
+            [_respond(case, unit * q).move - case.scale * case.wanted for case in cases]
+        )
 
     def slope(q: Array) -> Array:
-        return unit * np.concatenate([_misfit(case, unit * q)[1] for case in cases])
+        return unit * np.concatenate([_respond(case, unit * q).slope for case in cases])
 
     limits = {"xtol": 1e-14, "ftol": 1e-15, "gtol": 1e-14}
     return least_squares(misfit, start, slope, (lowest, np.inf), **limits)
 
 
-def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:
-    """Scaled misfit (f,) and its slopes (f, p); infinite where the network is not stable."""
-    answer, slope = _scaled_response(case, p)
-    return answer - case.scale * case.wanted, slope
+class _Response(NamedTuple):
+    """Scaled displacement (f,), its slopes (f, p), and its error (f,); infinite if not stable."""
+
+    move: Array
+    slope: Array
+    off: Array
 
 
-def _scaled_response(case: _Case, p: Array) -> tuple[Array, Array]:
-    """Scaled displacement (f,) and its slopes (f, p); infinite as in `_misfit`."""
-    free = case.free
-    K = bsr_array(sum(part * value for part, value in zip(case.parts, p, strict=True)))
-    nowhere = np.full(len(free), np.inf), np.full((len(free), len(p)), np.inf)
+def _respond(case: _Case, p: Array) -> _Response:
+    """Response of a load case to constants p."""
+    cells, free = case.network.volumes, np.flatnonzero(~case.network.held.ravel())
+    network = replace(
+        case.network,
+        stiffness=p[case.kind] * case.network.stiffness,
+        volumes=cells and replace(cells, stiffness=float(p[-1]) * cells.stiffness),
+    )
+    case.solver.renew()
     try:
-        inverse = case.solver.inverse(Configuration(case.network), K)
-        if isinstance(inverse, Factor) and inverse.negative:
-            return nowhere
-        return _response_by_inverse(case, K, inverse)
+        found = equilibrium(network, solver=case.solver)
     except NoMemoryError:
         raise
-    except NotConvergedError as error:  # not stable, or no more than too much for multigrid
-        try:
-            case.solver.give_way(error)
-        except SolverError:
-            return nowhere
-        return _scaled_response(case, p)
-    except RuntimeError:  # a pivot of zero
-        return nowhere
-
-
-def _response_by_inverse(
-    case: _Case, K: bsr_array, inverse: Factor | Cycles
-) -> tuple[Array, Array]:
-    """As `_scaled_response`, by the inverse of K."""
-    free = case.free
+    except SolverError:
+        nowhere = np.full(len(free), np.inf)
+        return _Response(nowhere, np.full((len(free), len(p)), np.inf), nowhere)
+    inverse = case.solver.regular(Configuration(network)).inverse
 
     def solve(right: Array) -> Array:
         return inverse.solve(right) if isinstance(inverse, Factor) else inverse.solve(right, PART)
 
-    u = case.prescribed.copy()
-    u[free] = solve(case.force[free] - (K @ case.prescribed)[free])
-    slopes = [-solve((part @ u)[free]) for part in case.parts]
-    slope = case.scale * np.column_stack(slopes)
-    return case.scale * u[free], slope
+    u = found.displacement.ravel()
+    slope = np.column_stack([-solve((part @ u)[free]) for part in case.parts])
+    move = case.scale * u[free]
+    off = np.full(len(free), max(found.error, EPS) * np.abs(move).max())
+    return _Response(move, case.scale * slope, off)
 
 
 def _check_determined(slope: Array, number: int) -> float:

@@ -20,9 +20,8 @@ from contextlib import suppress
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.bodies.contact_network import touching_points
 from msvalidate.bodies.cut_network import cut_network
-from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.bodies.lattice_network import lattice_network, touching_points
 from msvalidate.case.case import (
     MESH_EDGES,
     Case,

@@ -4,9 +4,11 @@ Of all motions of the points those at rest leave the least energy, so an energy 
 of what the elongations are: a way to relax them need not be exact, only known to be near. It is
 asked again until it finds nothing more, and tried on a motion that is known.
 
-Small cells have all their motions looked at, large ones a factor of their stiffness, or conjugate
-gradients (`cell_multigrid`), whose work is in proportion to the points: a factor's grows with the
-power 2 of them in space, 1.3 in the plane.
+Small cells are solved by least squares, which count motions without stiffness, large ones by a
+factor of their stiffness, or conjugate gradients with multigrid cycles, whose work is in proportion
+to the points: a factor's grows with the power 2 of them in space, 1.3 in the plane. Coarse spaces
+are of translations alone: these are all that a periodic cell has without stiffness. Rotations,
+which are not periodic, make coarse spaces twice as large for an eighth fewer steps.
 """
 
 from __future__ import annotations
@@ -15,12 +17,16 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve, cholesky, eigh, qr, solve_triangular
-from scipy.linalg.lapack import dpocon
+from scipy.linalg import qr, solve_triangular
 from scipy.sparse import csr_array, diags_array
 
-from msvalidate.constants.cell_multigrid import MechanismFound, NotConverged, multigrid_relaxation
+from msvalidate.linear_algebra.conjugate_gradients import (
+    Iterated,
+    answer_to_random_load,
+    conjugate_gradients,
+)
 from msvalidate.linear_algebra.factor import factorise, softest_mode
+from msvalidate.linear_algebra.multigrid import MeetsNothingError, aggregate
 from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network.mechanism import NO_STIFFNESS as NO_ENERGY
 from msvalidate.network.refine import LARGEST_ERROR
@@ -35,11 +41,8 @@ AFFORDED = {2: 600_000, 3: 15_000}
 a minute of work."""
 NO_STIFFNESS = 1e-10
 """Stiffness of a motion, relative to the stiffest, below which it has none."""
-WELL_POSED = 1e-6
-"""Reciprocal condition, as LAPACK estimates it, above which no motion is without stiffness: it
-is `DENSE` times off at the most, and the estimate some tens."""
 NEAR = 1e4
-"""Times that stiffnesses may be apart for the cheapest way: rounding is 1e-12 of the softest."""
+"""Times that stiffnesses may be apart for `NO_STIFFNESS`: rounding is 1e-12 of the softest."""
 SOFTEST = 1e-6
 """Root of a motion's stiffness over the softest spring's, below which it has none."""
 CORRECTIONS = 8
@@ -51,6 +54,13 @@ ROUNDING = 1e-13
 """Of sums over springs."""
 BLIND = 1e-3
 """Part of a known motion's elongations that may be missed."""
+PART = 1e-4
+"""Part of an elongation's error that conjugate gradients leave of what is relieved. Asked three
+times, that is rounding; of a motion that is known it is a tenth of what may be missed."""
+HIGHEST = 2.0
+"""Of the stiffness of springs over its diagonal blocks: a spring between two points costs at most
+twice what it would with either of them held."""
+MEETS_NONE = "some motion meets no stiffness but rounding"
 
 Relieve = Callable[[Array], Array]
 """Motions (f, v) that relieve elongations (m, v): the least energy that is left, or nearly."""
@@ -104,12 +114,10 @@ def relax_cell(
     large = solver == "multigrid" or (solver == "auto" and (count - 1) * dim > MULTIGRID[dim])
     if large and count > 1:  # a single point has no motion to look for
         try:
-            relieve = multigrid_relaxation(_stiffness(B, k), B, k, dim, energy_threshold(k))
+            relieve = _solve_by_multigrid(B, k, dim)
             elongation, error = _relax_elongations(relieve, B, k, stretch)
             return RelaxedCell(elongation, None, error, "multigrid")
-        except MechanismFound as loose:
-            raise SolverError(FLOPPY) from loose
-        except NotConverged as why:
+        except _NotConverged as why:
             if solver == "multigrid" or (count - 1) * dim > AFFORDED[dim]:
                 raise SolverError(
                     f"periodic network: {why}; the points may move without stretching a spring, "
@@ -220,55 +228,19 @@ def _remedy(k: Array) -> str:
 
 
 def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
-    """By dense matrices; and the number of motions without stiffness."""
-    if not B.shape[1]:
-        return lambda stretch: np.zeros((0, stretch.shape[1])), 0
-    K = _stiffness(B, k).toarray()
-    solve, floppy = _solve_by_cholesky(K), 0
-    if solve is None and stiffness_ratio(k) > NEAR:
-        return _solve_by_least_squares(B.toarray(), k)
-    if solve is None:
-        solve, floppy = _solve_by_modes(K)
-    return lambda stretch: -solve(B.T @ (k[:, None] * stretch)), floppy
+    """By least squares, and the number of motions without stiffness.
 
-
-Solve = Callable[[Array], Array]
-"""Motions (f, v) for forces (f, v)."""
-
-
-def _solve_by_cholesky(K: Array) -> Solve | None:
-    """By Cholesky's factor of a dense stiffness; None if a motion may be without any.
-
-    Source: Cholesky's factor, [GolubVanLoan2013], section 4.2.
-    """
-    try:
-        factor = cholesky(K)
-    except LinAlgError:
-        return None
-    if not dpocon(factor, np.abs(K).sum(axis=0).max())[0] > WELL_POSED:
-        return None
-    return lambda force: np.asarray(cho_solve((factor, False), force))
-
-
-def _solve_by_modes(K: Array) -> tuple[Solve, int]:
-    """By all eigenvectors of a dense stiffness; and the number of those without any."""
-    values, modes = eigh(K)
-    stiff = values > NO_STIFFNESS * max(values[-1], np.finfo(float).tiny)
-    values, modes = values[stiff], modes[:, stiff]
-    return lambda force: np.asarray((modes / values) @ (modes.T @ force)), int((~stiff).sum())
-
-
-def _solve_by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
-    """By rows of springs (m, f), the stiff ones first: rounded by themselves, not by each other.
-
-    Householder's method with columns exchanged.
+    Rows are springs, the stiff ones first: rounded by themselves, not by each other. Householder's
+    method with columns exchanged.
 
     Source: [CoxHigham1998].
     """
+    if not B.shape[1]:
+        return lambda stretch: np.zeros((0, stretch.shape[1])), 0
     order = np.argsort(-k, kind="stable")
     root = np.sqrt(k[order])[:, None]
-    Q, R, exchanged = qr(root * B[order], mode="economic", pivoting=True)
-    least = SOFTEST * float(np.sqrt(k[k > 0].min()))
+    Q, R, exchanged = qr(root * B.toarray()[order], mode="economic", pivoting=True)
+    least = SOFTEST * float(np.sqrt(k[k > 0].min(initial=np.inf)))
     rank = int((np.abs(np.diag(R)) > least).sum())
 
     def relieve(stretch: Array) -> Array:
@@ -301,6 +273,62 @@ def _solve_by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
         return np.column_stack([factor.solve(column) for column in right.T])
 
     return relieve, None
+
+
+def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
+    """By conjugate gradients for all strains at once, so that the stiffness is read once a step.
+
+    Raises
+    ------
+    SolverError
+        If a motion without stiffness was found: certain.
+    _NotConverged
+        If conjugate gradients do not answer.
+    """
+    unit, least = float(k.max(initial=0.0)), energy_threshold(k)
+    if not unit:
+        raise SolverError(FLOPPY)
+    A, part = (_stiffness(B, k) / unit).tobsr((dim, dim)), k / unit
+    A.sort_indices()
+    own = A.diagonal()
+
+    def refuse_mechanism(motion: Array | None) -> None:
+        size = 0.0 if motion is None else float(np.abs(motion).max(initial=0.0))
+        if motion is None or not (size and np.isfinite(size)):
+            return
+        way = motion.reshape(len(own), -1)[:, 0] / size
+        if part @ (B @ way) ** 2 <= least * (own @ way**2):
+            raise SolverError(FLOPPY)
+
+    def refuse_unsettled(found: Iterated, *, settled: bool) -> None:
+        if not settled:
+            refuse_mechanism(found.direction if found.negative else found.solution)
+            often = f"conjugate gradients did not answer in {found.steps} steps"
+            raise _NotConverged(MEETS_NONE if found.negative else often)
+
+    try:
+        shift = np.tile(np.eye(dim), (A.shape[0] // dim, 1))
+        cycle = aggregate(A, shift, floating=dim, highest=HIGHEST)
+    except MeetsNothingError as why:
+        refuse_mechanism(why.motion)
+        raise _NotConverged(MEETS_NONE) from why
+    found, told = answer_to_random_load(A, cycle, np.ones(len(own), dtype=bool), dim)
+    refuse_unsettled(found, settled=told)
+    refuse_mechanism(found.solution)
+
+    def relieve(stretch: Array) -> Array:
+        force = (B.T @ (part[:, None] * stretch)).reshape(-1, dim, stretch.shape[1])
+        force = (force - force.mean(axis=0)).reshape(len(own), -1)  # what rounding leaves of it
+        size = np.abs(force).max(axis=0, initial=0.0)
+        found = conjugate_gradients(A, force / np.where(size > 0, size, 1.0), cycle, PART)
+        refuse_unsettled(found, settled=not found.negative and found.reduction <= PART)
+        return np.asarray(-size * found.solution)
+
+    return relieve
+
+
+class _NotConverged(Exception):  # noqa: N818  an outcome, for the caller to act on
+    """Conjugate gradients did not answer."""
 
 
 FLOPPY = (

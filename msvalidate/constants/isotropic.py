@@ -13,6 +13,7 @@ from msvalidate.constants.stiffness import (
     CAUCHY,
     Moduli,
     axes_moduli,
+    central_modulus,
     is_same_tensor,
     isotropic_moduli,
     isotropic_tensor,
@@ -60,7 +61,7 @@ def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -
         if solid is not None and abs(nu - solid.nu) <= ALIKE:
             return tuple(k * E / solid.E for k in rule)
     if deforms_affinely(pattern):
-        return _affine_constants(pattern, spacing, E, nu)
+        return _affine_constants(material, pattern, spacing)
     return _relaxed_constants(pattern, spacing, E, nu)
 
 
@@ -73,25 +74,20 @@ def _isotropic_moduli(pattern: Pattern, constants: Constants, spacing: float) ->
     return found if abs(found.zener - 1) <= ALIKE else None
 
 
-def _affine_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> Constants:
+def _affine_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
     """Non-negative least squares: the tensor is linear in the constants, one column a kind."""
-    d, cauchy = pattern.dim, CAUCHY[pattern.dim]
-    target = isotropic_tensor(d, E, cauchy)
+    d, what = pattern.dim, f"{pattern.name} lattice"
+    target = isotropic_tensor(d, axes_moduli(material, d, what)[0], CAUCHY[d])
     kinds = np.eye(pattern.kinds)
     columns = [pattern_tensor(pattern, tuple(k), spacing).ravel() for k in kinds]
     constants, _ = nnls(np.column_stack(columns), target.ravel())
     tensor = (np.column_stack(columns) @ constants).reshape(target.shape)
     if not is_same_tensor(target, tensor):
         raise ProblemError(
-            f"{pattern.name} lattice: no spring constants make it isotropic, the nearest leave "
+            f"{what}: no spring constants make it isotropic, the nearest leave "
             f"{_describe_tensor(tensor)}; take another lattice, or give the constants"
         )
-    if abs(nu - cauchy) > ALIKE:
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {nu:.6g}; central springs make it isotropic at "
-            f"{cauchy:.6g} only (λ = μ): take that ratio or a volume energy, or give "
-            "the constants"
-        )
+    central_modulus(material, d, what)
     return tuple(constants.tolist())
 
 

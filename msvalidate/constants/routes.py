@@ -38,7 +38,7 @@ from msvalidate.constants.stiffness import (
     CAUCHY,
     UNIT,
     axes_moduli,
-    edge_constants,
+    central_modulus,
     is_of_material,
     isotropic_tensor,
     lame,
@@ -148,7 +148,7 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
         raise ProblemError("spring constants: the material is a tensor; give the constants")
     if not isinstance(lattice.domain, Mesh) or isinstance(lattice, PatternLattice):
         return calibrate_by_route(material, lattice, None, "springs").constants
-    return edge_constants(material)
+    return (central_modulus(material, material.dim, "springs along a mesh's edges"),)
 
 
 def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:

@@ -131,41 +131,18 @@ def square_tensor(k1: float, k2: float) -> Array:
     return np.array([[k1 + k2, k2, 0.0], [k2, k1 + k2, 0.0], [0.0, 0.0, k2]])
 
 
-def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[float, float]:
-    """Spring constants (k1, k2) in N/m of the square lattice that stands for a plane material.
+def square_constants(material: Isotropic) -> tuple[float, float]:
+    """Spring constants (k1, k2) in N/m of the square lattice: E2 = 4 k1/3, k2 = k1/2.
 
     Source: `square_tensor`, solved for the constants of an isotropic material.
-
-    Parameters
-    ----------
-    material
-        Plane stress or plane strain.
-    isotropic
-        True asks for the material in every direction, which one in-plane ratio allows. False asks
-        for its modulus and ratio along the lattice axes only.
 
     Raises
     ------
     ProblemError
-        With the reason, if the lattice cannot be that material.
+        As `central_modulus`.
     """
-    E, nu = in_plane_moduli(material)
-    require_type("isotropic", isotropic, bool)
-    if isotropic and abs(nu - CAUCHY[2]) > 1e-9:
-        raise ProblemError(
-            f"square lattice: in-plane ratio {nu:.6g} ({material.state}, nu = {material.nu:g}); "
-            "central springs are isotropic at 1/3 only (C12 = C66): take nu = 1/3 in plane stress "
-            "or 1/4 in plane strain, route 'volume energy', or the axes alone by "
-            "square_constants(material, isotropic=False)"
-        )
-    if not 0 < nu < 1:
-        raise ProblemError(
-            f"square lattice: in-plane ratio {nu:.6g}; k2/(k1 + k2) stays in 0 < nu < 1 (at 0 the "
-            "diagonals vanish, at 1 the axial springs, and the lattice is a mechanism)"
-        )
-    C11 = E / (1 - nu**2)
-    finite_number("spring constants: C11", C11)
-    return C11 * (1 - nu), C11 * nu
+    E = central_modulus(material, 2, "square lattice")
+    return 3 / 4 * E, 3 / 8 * E
 
 
 def triangular_constants(material: Isotropic) -> tuple[float]:
@@ -176,35 +153,28 @@ def triangular_constants(material: Isotropic) -> tuple[float]:
     Raises
     ------
     ProblemError
-        If the in-plane ratio is not 1/3.
+        As `central_modulus`.
     """
-    E, nu = in_plane_moduli(material)
-    if abs(nu - CAUCHY[2]) > 1e-9:
-        raise ProblemError(
-            f"triangular lattice: in-plane ratio {nu:.6g} ({material.state}, nu = "
-            f"{material.nu:g}); central springs have 1/3 only: take nu = 1/3 in plane stress or "
-            "1/4 in plane strain"
-        )
-    return (math.sqrt(3) / 2 * E,)
+    return (math.sqrt(3) / 2 * central_modulus(material, 2, "triangular lattice"),)
 
 
-def edge_constants(material: Isotropic) -> tuple[float]:
-    """The constant of a spring per edge of a mesh: E·t (N/m) in the plane, E (Pa) in space.
+def central_modulus(material: Isotropic, dim: int, what: str) -> float:
+    """Modulus of the d axes, N/m in the plane or Pa, of a material that central springs can be.
 
     Raises
     ------
     ProblemError
-        If the ratio is not that of central springs, 1/3 in the plane or 1/4 in space.
+        If its ratio is not the only one of `CAUCHY`, or it is of another dimension.
     """
-    E, nu = axes_moduli(material, material.dim, "springs along a mesh's edges")
-    only = CAUCHY[material.dim]
-    if abs(nu - only) > ALIKE:
+    E, nu = axes_moduli(material, dim, what)
+    if abs(nu - CAUCHY[dim]) > ALIKE:
         raise ProblemError(
-            f"springs along a mesh's edges: ratio {nu:.6g} ({material.state}, nu = "
-            f"{material.nu:g}); their mean over directions has {only:.6g} only: take that, or "
-            "give the constant"
+            f"{what}: ratio {nu:.6g} of its axes ({material.state}, nu = {material.nu:g}); central "
+            f"springs make it isotropic at {CAUCHY[dim]:.6g} only (λ = μ): take nu = 1/3 in plane "
+            "stress, 1/4 in plane strain or in space, or route 'volume energy', or give the "
+            "constants"
         )
-    return (E,)
+    return E
 
 
 def in_plane_moduli(material: Isotropic) -> tuple[float, float]:

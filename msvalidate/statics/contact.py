@@ -147,7 +147,7 @@ def press(
     network
         Supports must hold every rigid motion; its loads act too.
     touching
-        What may touch, such as `bodies.contact_network` gives it.
+        What may touch, such as `bodies.lattice_network.contact_network` gives it.
     geometry
         "linear": gaps and springs to first order in the displacement. "nonlinear": the obstacle
         meets points where they are. What is too deep at once is lowered in parts.

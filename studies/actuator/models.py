@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -73,14 +72,15 @@ def run_report_model(covered: str, layers: int, voltages: tuple[float, ...]) -> 
     """
     actuator = replace(body(covered, layers), model="as_report")
     found: list[Observation] = []
-    how: dict[str, Any] = {"charges_every": CHARGES_EVERY, "tolerance": RESTING}
+    last = None
     for voltage in voltages:
         try:
-            moved = relax_actuator(actuator, voltage, **how)
+            last = relax_actuator(
+                actuator, voltage, start=last, charges_every=CHARGES_EVERY, tolerance=RESTING
+            )
         except kit.SolverError:
             break
-        how |= {"start": moved.equilibrium, "dt": moved.dt, "damping": moved.damping}
-        found.append(observe_actuator(actuator, voltage, moved.equilibrium.displacement))
+        found.append(observe_actuator(actuator, voltage, last.displacement))
     return found
 
 

@@ -22,7 +22,7 @@ from scipy.optimize import nnls
 
 from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.contact_network import contact_network
+from msvalidate.bodies.lattice_network import contact_network
 from msvalidate.lattice import mesh_lattice, square
 from msvalidate.network import Configuration, Network
 from msvalidate.problem.records import replace

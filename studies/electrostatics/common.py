@@ -16,9 +16,10 @@ from msvalidate.dielectric.charges import (
     Moments,
     electrodes_of_chains,
     facing_strips,
+    forces_in_air,
     strip_points,
 )
-from msvalidate.dielectric.charges.dielectric import ChargesInAir, SlabInAir, forces_in_air
+from msvalidate.dielectric.charges.dielectric import ChargesInAir, SlabInAir
 from msvalidate.dielectric.charges.moments import Weighting
 from msvalidate.dielectric.charges.patches import patch_capacitance
 from msvalidate.dielectric.charges.report_model import ReportModel
@@ -39,7 +40,7 @@ class ChargeSolver(NamedTuple):
     tangent
         Derivative (2n, 2n) of `forces` at fixed voltages (N/m²).
     plates
-        Capacitance (F) of `Patches` in space.
+        Capacitance over the permittivity (m) of `Patches` in space.
     in_air, forces_in_air
         A body in air from its `Faces`, and force (n, 2) per depth (N/m) on every point of them.
     report

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate import kit
 from msvalidate.dielectric.charges import Charges, Electrodes
-from msvalidate.dielectric.charges.moments import Weighting, to_complex
+from msvalidate.dielectric.charges.moments import Weighting
 from msvalidate.dielectric.charges.patches import Patches
 from msvalidate.dielectric.charges.report_model import ReportModel
 from msvalidate.dielectric.kernels import charges as integrals
@@ -53,12 +53,11 @@ def perturb_potentials(
 ) -> Charges:
     """Charges whose own potential is wrong by the part `size`; without neutrality if so asked."""
     right = MOMENTS.charges(electrodes, voltages, permittivity=permittivity, weighting=weighting)
-    start, along = to_complex(electrodes.start), to_complex(electrodes.along)
-    seen_from = to_complex(electrodes.middle)
+    start, along = electrodes.lines
     mean = (
         integrals.means(start, along)
         if weighting == "galerkin"
-        else integrals.seen(seen_from, start, along)
+        else integrals.seen(start + along / 2, start, along)
     )
     m = len(mean)
     # The part of an average segment's own distance, so that no unit of length comes in.

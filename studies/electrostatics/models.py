@@ -27,8 +27,7 @@ import pandas as pd
 from msvalidate import kit
 from msvalidate.dielectric.charges import Electrodes, facing_strips, facing_strips_capacitance
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.dielectric.charges.patches import Patches, conductors
-from msvalidate.dielectric.charges.plates import plate
+from msvalidate.dielectric.charges.patches import Patches, conductors, plate
 from msvalidate.dielectric.charges.report_model import report_forces
 
 from .common import ChargeSolver

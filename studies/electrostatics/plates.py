@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from msvalidate import kit
 from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
-from msvalidate.dielectric.charges.plates import disc, plate
+from msvalidate.dielectric.charges.patches import disc, plate
 
 from .common import ChargeSolver
 

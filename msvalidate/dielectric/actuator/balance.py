@@ -53,10 +53,10 @@ def stiffness(actuator: Actuator, x: Array, electric: Electric) -> csr_array:
     return csr_array(K - coo_array((values, (rows, columns)), shape=K.shape))
 
 
-def factor_at(actuator: Actuator, x: Array, electric: Electric) -> Factor | None:
-    """Factor of `stiffness` where it is positive; None where a motion meets no stiffness."""
+def positive_factor(K: csr_array) -> Factor | None:
+    """Factor of a stiffness that is positive; None where a motion meets no stiffness, or less."""
     try:
-        factor = factorise(stiffness(actuator, x, electric))
+        factor = factorise(K)
     except NoMemoryError:
         raise
     except RuntimeError:  # a pivot of zero
@@ -99,7 +99,7 @@ def find_equilibrium(
     for solves in range(1, ITERATIONS + 1):
         x = network.points + u
         electric = charged(x)
-        factor = factor_at(actuator, x, electric)
+        factor = positive_factor(stiffness(actuator, x, electric))
         if factor is None:
             return None
         if is_balanced(actuator, u, electric, tolerance):

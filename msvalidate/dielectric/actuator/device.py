@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 
 import numpy as np
+import shapely
 
-from msvalidate.dielectric.actuator.surface import SAME_PLACE, is_off_surface, outline
-from msvalidate.dielectric.charges import Electrodes, electrodes_of_chains
+from msvalidate.dielectric.charges import Electrodes, electrodes_of_chains, faces_of
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
 from msvalidate.problem.checks import (
@@ -21,6 +21,9 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.records import dataclass, field
 
+SAME_PLACE = 1e-9
+"""Distance over the body's size below which two places are one: rounding of coordinates is 1e-16,
+and what is elsewhere is a good part of a segment away."""
 LARGEST_RATIO = 1e6
 """Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
 many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
@@ -36,7 +39,7 @@ class Actuator:
     network
         (n, 2) points; its stiffnesses (N/m) include the depth.
     electrodes
-        Two chains of points, each the numbers of points in order along springs of the surface: 0 is
+        Two chains of points, each the numbers of points in order along the outer surface: 0 is
         the top electrode, at half the voltage, 1 the bottom one, at minus half.
     permittivity
         Of the dielectric between them (F/m).
@@ -56,8 +59,9 @@ class Actuator:
     Raises
     ------
     ProblemError
-        If an electrode leaves the surface, electrodes cross, touch or leave no gap, supports leave
-        a rigid motion free, or a value is out of range.
+        If springs enclose no body in one part, an electrode leaves its outer surface, electrodes
+        cross, touch or leave no gap, supports leave a rigid motion free, or a value is out of
+        range.
     """
 
     network: Network
@@ -82,13 +86,18 @@ class Actuator:
             raise ProblemError(
                 f"electrodes: {format_value(given)}; give two chains of points, the top one first"
             )
-        kept = tuple(_chain(f"electrode {i}", line, self.network) for i, line in enumerate(given))
+        need = "give the numbers of 2 or more points"
+        count = len(self.network.points)
+        kept = tuple(
+            indices(f"electrode {i}", line, count, "k>1", need=need) for i, line in enumerate(given)
+        )
+        for line in kept:
+            line.setflags(write=False)
         object.__setattr__(self, "electrodes", kept)
+        faces_of(self.network.points, self.outline, kept)
         object.__setattr__(
             self, "charged", electrodes_of_chains(*(self.network.start[line] for line in kept))
         )
-        for i, line in enumerate(kept):
-            _refuse_inside(f"electrode {i}", line, self.network)
         MODELS[self.model](self)
 
     @cached_property
@@ -117,36 +126,29 @@ class Actuator:
         return np.array([0.5, -0.5]) * voltage
 
 
-def _chain(name: str, given: object, network: Network) -> Index:
-    """A chain of points of the network, read-only."""
-    need = "give the numbers of 2 or more points"
-    line = indices(name, given, len(network.points), "k>1", need=need)  # type: ignore[arg-type]
-    pairs = _sorted_pairs(line)
-    known = set(map(tuple, np.sort(network.springs, axis=1).tolist()))
-    for i, j in pairs.tolist():
-        if (i, j) not in known:
-            raise ProblemError(
-                f"{name}: no spring joins points {i} and {j}; follow springs of the surface, point "
-                "by point"
-            )
-    line.setflags(write=False)
-    return line
+def outline(network: Network) -> Index:
+    """Points (k,) around a plane network, counter-clockwise, the last not the first again.
 
-
-def _sorted_pairs(line: Index) -> Index:
-    return np.sort(np.column_stack([line[:-1], line[1:]]), axis=1)
-
-
-def _refuse_inside(name: str, line: Index, network: Network) -> None:
-    """Raise unless every segment of a chain has the body on one side only."""
-    pairs = _sorted_pairs(line)
-    inside = is_off_surface(network, pairs)
-    if len(inside):
-        i, j = pairs[inside[0]]
+    Raises
+    ------
+    ProblemError
+        If the body is in parts, or springs cross at the surface where there is no point.
+    """
+    lines = shapely.linestrings(network.points[network.springs])
+    faces = shapely.get_parts(shapely.polygonize([shapely.unary_union(lines)]))
+    body = shapely.coverage_union_all(faces)
+    if body.geom_type != "Polygon":
+        raise ProblemError("network: its springs enclose no body in one part; join them by points")
+    corners = shapely.get_coordinates(shapely.orient_polygons(body).exterior)[:-1]
+    tree = shapely.STRtree(shapely.points(network.points))
+    _, found = tree.query_nearest(shapely.points(corners), all_matches=False)
+    away: Array = np.linalg.norm(network.points[found] - corners, axis=1)
+    if away.max() > SAME_PLACE * np.ptp(network.points, axis=0).max():
+        x, y = corners[away.argmax()]
         raise ProblemError(
-            f"{name}: the spring of points {i} and {j} is not on the surface; lay electrodes along "
-            "the boundary"
+            f"network: springs cross at ({x:g}, {y:g}) m on the surface; put a point there"
         )
+    return np.asarray(found, dtype=np.intp)
 
 
 def _accept(_: Actuator) -> None:

@@ -3,7 +3,7 @@
 Newton's tangent is K_mech - K_elec, charges free to follow: sparse, with a dense block among the
 electrodes' points, factorised once a step. Its pivots tell whether what was found is stable. The
 walk from a lower voltage is in steps, halved where there is no stable equilibrium near by, so that
-nothing folds.
+nothing folds. A sweep goes on from voltage to voltage, to pull-in where it is met.
 """
 
 from __future__ import annotations
@@ -11,14 +11,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.actuator.balance import BalancedState, find_equilibrium, residual_force
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.models import charge_actuator, uncharged
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import finite_number, require_type
+from msvalidate.problem.checks import finite, finite_number, format_value, require_type
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.statics.following import SMALLEST_INCREMENT
+from msvalidate.statics.equilibrium import equilibrium
 
 TOLERANCE = 1e-10
 """Residual at which an equilibrium is found, over the forces that meet at a point. Newton's last
@@ -117,19 +118,30 @@ def at_voltage(
     goal = finite_number("voltage", voltage)
     finite_number("tolerance", tolerance, above=0, most=LOOSEST)
     finite_number("bracket", bracket, above=0, most=LOOSEST)
-    held = _starting_point(actuator, start)
-    if goal == held.voltage:
-        return held if start is None else _near(actuator, held, goal, tolerance)
+    if start is None:
+        held = _rest_without_charge(actuator)
+        if goal == 0:
+            return held
+    else:
+        refuse_other_network(actuator, start)
+        held = replace(start, iterations=0)
     step, easy = goal - held.voltage, False
-    while held.voltage != goal:
+    while True:
         last = abs(goal - held.voltage) <= abs(step)
         target = goal if last else held.voltage + step
         found = _step_to_voltage(actuator, held, target, tolerance)
         if found is not None:
-            # Once a step was refused, twice as long a one is tried after two that were not.
             held = replace(found, iterations=held.iterations + found.iterations)
+            if last:
+                return held
+            # Once a step was refused, twice as long a one is tried after two that were not.
             step, easy = step * (2 if easy else 1), not easy
             continue
+        if target == held.voltage:
+            raise SolverError(
+                f"actuator: no stable equilibrium near the start at {goal:.6g} V; start at a lower "
+                "voltage"
+            )
         if abs(target - held.voltage) <= bracket * abs(target):
             raise PulledIn(
                 f"actuator: no stable equilibrium at {goal:.6g} V; it is pulled in at "
@@ -138,15 +150,6 @@ def at_voltage(
                 target,
             )
         step, easy = 0.5 * (target - held.voltage), False
-    return held
-
-
-def _starting_point(actuator: Actuator, start: ActuatorEquilibrium | None) -> ActuatorEquilibrium:
-    """Where a walk begins: what was given, or rest without charges."""
-    if start is None:
-        return _rest_without_charge(actuator)
-    refuse_other_network(actuator, start)
-    return replace(start, iterations=0)
 
 
 def refuse_other_network(actuator: Actuator, start: ActuatorEquilibrium) -> None:
@@ -160,48 +163,17 @@ def refuse_other_network(actuator: Actuator, start: ActuatorEquilibrium) -> None
 
 
 def _rest_without_charge(actuator: Actuator) -> ActuatorEquilibrium:
-    """Rest without charges; loads, supports and prestress are let in together, in parts if need be.
-
-    Without any the network rests as it is.
-    """
-    network = actuator.network
-    tension = network.rest_length - np.linalg.norm(network.vector, axis=1)
-    none = uncharged(actuator)
-    u, reached, step, solves = np.zeros(network.points.shape), 0.0, 1.0, 0
-    while reached < 1:
-        target = min(1.0, reached + step)
-        partly = replace(
-            network,
-            rest_length=network.rest_length - (1 - target) * tension,
-            displacement=target * network.displacement,
-            force=target * network.force,
-        )
-        place = np.where(network.held, partly.displacement, u)
-        part = replace(actuator, network=partly)
-        found = find_equilibrium(part, place, lambda _: none, TOLERANCE)
-        if found is not None:
-            u, reached, step, solves = found.displacement, target, 2 * step, solves + found.solves
-            continue
-        step /= 2
-        if step < SMALLEST_INCREMENT:
-            raise SolverError(
-                "actuator: no stable equilibrium at 0 V; lower its loads or prestress, or hold it "
-                "better"
-            )
-    electric = charge_actuator(actuator, network.points + u, 0.0)
-    return make_equilibrium(actuator, 0.0, BalancedState(u, electric, solves))
-
-
-def _near(
-    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, tolerance: float
-) -> ActuatorEquilibrium:
-    found = _step_to_voltage(actuator, held, voltage, tolerance)
-    if found is None:
+    """Rest under loads, supports and prestress alone."""
+    try:
+        found = equilibrium(actuator.network, "nonlinear")
+    except SolverError as error:
         raise SolverError(
-            f"actuator: no stable equilibrium near the start at {voltage:.6g} V; start at a lower "
-            "voltage"
-        )
-    return found
+            "actuator: no stable equilibrium at 0 V; lower its loads or prestress, or hold it "
+            "better"
+        ) from error
+    electric = charge_actuator(actuator, found.position, 0.0)
+    state = BalancedState(np.array(found.displacement), electric, found.iterations)
+    return make_equilibrium(actuator, 0.0, state)
 
 
 def _step_to_voltage(
@@ -229,3 +201,80 @@ def make_equilibrium(
     displacement.setflags(write=False)
     residual = float(np.abs(balance).max(initial=0.0))
     return ActuatorEquilibrium(actuator, voltage, displacement, electric.charges, solves, residual)
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Stable equilibria of an actuator at rising voltages.
+
+    Parameters
+    ----------
+    equilibria
+        At 0 V, at each voltage that was reached, and at the last one before pull-in.
+    pull_in
+        The last voltage held and one a small step further without a stable equilibrium (V); None
+        if it was not met.
+    """
+
+    equilibria: tuple[ActuatorEquilibrium, ...]
+    pull_in: tuple[float, float] | None
+
+    @property
+    def voltages(self) -> Array:
+        """(k,) in V."""
+        return np.array([one.voltage for one in self.equilibria])
+
+    @property
+    def last(self) -> ActuatorEquilibrium:
+        """The equilibrium at the highest voltage."""
+        return self.equilibria[-1]
+
+
+def sweep(
+    actuator: Actuator,
+    voltages: ArrayLike,
+    *,
+    tolerance: float = TOLERANCE,
+    bracket: float = BRACKET,
+) -> Sweep:
+    """Equilibria at rising voltages, each found from the one before.
+
+    Parameters
+    ----------
+    actuator
+        At 0 V it must be stable.
+    voltages
+        (k,) in V, rising from above 0.
+    tolerance, bracket
+        As in `at_voltage`; pull-in is known to `bracket` times the voltage.
+
+    Raises
+    ------
+    ProblemError
+        If voltages do not rise, or an argument is out of range.
+    SolverError
+        If the actuator is not stable at 0 V. Pull-in is no error: the sweep ends there.
+    """
+    require_type("actuator", actuator, Actuator)
+    asked = _check_voltages(voltages)
+    held = [at_voltage(actuator, 0.0, tolerance=tolerance)]
+    for voltage in asked:
+        try:
+            found = at_voltage(
+                actuator, voltage, start=held[-1], tolerance=tolerance, bracket=bracket
+            )
+        except PulledIn as error:
+            if error.last.voltage > held[-1].voltage:
+                held.append(error.last)
+            return Sweep(tuple(held), (held[-1].voltage, error.beyond))
+        held.append(found)
+    return Sweep(tuple(held), None)
+
+
+def _check_voltages(voltages: ArrayLike) -> list[float]:
+    given = finite("voltages", voltages)
+    if given.ndim != 1 or not len(given) or given[0] <= 0 or (np.diff(given) <= 0).any():
+        raise ProblemError(
+            f"voltages: {format_value(voltages)}; give a list that rises from above 0 V"
+        )
+    return [float(one) for one in given]

@@ -8,9 +8,9 @@ import numpy as np
 
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
-from msvalidate.lattice import Lattice, boundary_weights, square
-from msvalidate.network import Network, spring_network
-from msvalidate.problem import Array, Box, Index, Mask, ProblemError
+from msvalidate.lattice import boundary_weights, square
+from msvalidate.network import spring_network
+from msvalidate.problem import Box, ProblemError
 from msvalidate.problem.checks import (
     finite_number,
     format_value,
@@ -38,7 +38,6 @@ def slab(
     prestretch: float = 1.0,
     sides: str = "free",
     depth: float = 1.0,
-    density: float = 1.0,
     model: str = "plane",
     permittivity_ratio: float = 1.0,
 ) -> Actuator:
@@ -67,8 +66,6 @@ def slab(
         λ, length after over length before.
     sides
         "free", or "sliding": held along x, as between frictionless walls.
-    density
-        Mass (kg/m³) of the unstretched film; only motion depends on it.
 
     Raises
     ------
@@ -79,18 +76,33 @@ def slab(
     width, tall = length_in_metres("length", length), length_in_metres("height", height)
     layers = whole_number("cells", cells, 1)
     require_one_of("sides", sides, SIDES)
-    columns = _counted("length", width * layers / tall, "a whole multiple of height/cells")
+    columns = round(width * layers / tall)
+    if columns < 1 or abs(columns - width * layers / tall) > WHOLE:
+        raise ProblemError(
+            f"length: {width * layers / tall:.6g} cells along it; give a whole multiple of "
+            "height/cells"
+        )
     lattice = square(Box((width, tall)), (columns, layers))
     k = np.array(
         [positive_number("axial", axial, "Pa"), positive_number("diagonal", diagonal, "Pa")]
     )
-    stretched, deep = (
-        positive_number("prestretch", prestretch),
-        positive_number("depth", depth, "m"),
+    stretched = positive_number("prestretch", prestretch)
+    deep = positive_number("depth", depth, "m")
+    x, y = lattice.points.T
+    bonded = y == 0
+    gripped = ((x == 0) | (x == x.max())) if sides == "sliding" else bonded
+    network = spring_network(
+        lattice.points * [stretched, relaxed_thickness(stretched, axial=k[0], diagonal=k[1])],
+        lattice.springs,
+        deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
+        rest_length=np.linalg.norm(lattice.vectors, axis=1),
+        mass=deep * lattice.point_volume,
+        held=np.column_stack([bonded | gripped, bonded]),
     )
-    mass = deep * positive_number("density", density, "kg/m³")
-    network = _bonded_film(lattice, k, deep, mass, stretched, sliding=sides == "sliding")
-    facing = _electrode_chains(lattice, _bare_columns(covered, columns))
+    upper, lower = np.flatnonzero(y == y.max()), np.flatnonzero(bonded)
+    top, bottom = (at[np.argsort(x[at], kind="stable")] for at in (upper, lower))
+    bare = _bare_columns(covered, columns)
+    facing = top[bare : len(top) - bare], bottom
     return Actuator(network, facing, permittivity, model, deep, permittivity_ratio)
 
 
@@ -124,39 +136,6 @@ def fix_near_tips(actuator: Actuator, within: float) -> Actuator:
     return replace(actuator, network=replace(network, held=held))
 
 
-def _bonded_film(
-    lattice: Lattice, k: Array, deep: float, mass: float, stretched: float, *, sliding: bool
-) -> Network:
-    """The film pre-stretched and held: rest lengths are those of the lattice without stretch.
-
-    k (Pa) of springs along the axes and diagonals, mass per area (kg/m²).
-    """
-    x, y = lattice.points.T
-    thinned = relaxed_thickness(stretched, axial=k[0], diagonal=k[1])
-    return spring_network(
-        lattice.points * [stretched, thinned],
-        lattice.springs,
-        deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
-        rest_length=np.linalg.norm(lattice.vectors, axis=1),
-        mass=mass * lattice.point_volume,
-        held=_fixed_components(x, y, x.max() if sliding else np.nan),
-    )
-
-
-def _electrode_chains(lattice: Lattice, bare: int) -> tuple[Index, Index]:
-    """Chains of points of the top electrode, with bare cells on either side, and of the bottom."""
-    x, y = lattice.points.T
-    top, bottom = (_points_at_height(x, y, level) for level in (y.max(), 0.0))
-    return top[bare : len(top) - bare], bottom
-
-
-def _counted(name: str, count: float, remedy: str) -> int:
-    nearest = round(count)
-    if nearest < 1 or abs(count - nearest) > WHOLE:
-        raise ProblemError(f"{name}: {count:.6g} cells along the length; give {remedy}")
-    return nearest
-
-
 def _bare_columns(covered: float, columns: int) -> int:
     """Cells on either side of the top electrode."""
     part = positive_number("covered", covered)
@@ -171,16 +150,3 @@ def _bare_columns(covered: float, columns: int) -> int:
             f"covered: {part:g} ends between points of {columns} cells; take {ends}/{columns}"
         )
     return round(bare)
-
-
-def _fixed_components(x: Array, y: Array, width: float) -> Mask:
-    """Components (n, 2) held: the bottom, and the sides along x where a width is given."""
-    bonded = y == 0
-    gripped = ((x == 0) | (x == width)) if np.isfinite(width) else np.zeros(len(x), dtype=bool)
-    return np.column_stack([bonded | gripped, bonded])
-
-
-def _points_at_height(x: Array, y: Array, level: float) -> Index:
-    """Points at a height, from left to right."""
-    (there,) = np.nonzero(y == level)
-    return there[np.argsort(x[there], kind="stable")]

@@ -24,8 +24,8 @@ from msvalidate.dielectric.charges import (
     report_forces,
     report_tangent,
     tangent,
+    tangent_in_air,
 )
-from msvalidate.dielectric.charges.tangent_in_air import tangent_in_air
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.records import dataclass
 
@@ -203,11 +203,3 @@ def charge_actuator(actuator: Actuator, position: Array, voltage: float) -> Elec
         If electrodes cross or touch there.
     """
     return CHARGES[actuator.model](actuator, position, voltage)
-
-
-def uncharged(actuator: Actuator) -> Electric:
-    """No charges, which do nothing."""
-    k = len(actuator.loaded)
-    return Electric(
-        None, actuator.loaded, 1.0, lambda _: np.zeros((k, 2)), lambda _: np.zeros((2 * k, 2 * k))
-    )

@@ -7,11 +7,11 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from msvalidate.dielectric.actuator.balance import stiffness
+from msvalidate.dielectric.actuator.balance import positive_factor, stiffness
 from msvalidate.dielectric.actuator.equilibria import ActuatorEquilibrium
 from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.lattice.ties import TIE
-from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
+from msvalidate.linear_algebra.factor import Factor
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import require_type, whole_number
 
@@ -86,13 +86,8 @@ def _shifted_factor(K: csr_array) -> tuple[float, Factor]:
     part = FIRST_SHIFT
     while part <= LONGEST_SHIFT:
         shift = -part * scale
-        try:
-            factor = factorise(csr_array(K - shift * eye_array(K.shape[0])))
-        except NoMemoryError:
-            raise
-        except RuntimeError:  # a pivot of zero
-            factor = None
-        if factor is not None and not factor.negative:
+        factor = positive_factor(csr_array(K - shift * eye_array(K.shape[0])))
+        if factor is not None:
             return shift, factor
         part *= 10
     raise SolverError(

@@ -7,7 +7,12 @@ import math
 import numpy as np
 
 from msvalidate import kernels
-from msvalidate.dielectric.actuator.balance import BalancedState, factor_at, is_balanced
+from msvalidate.dielectric.actuator.balance import (
+    BalancedState,
+    is_balanced,
+    positive_factor,
+    stiffness,
+)
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.equilibria import (
     ActuatorEquilibrium,
@@ -22,27 +27,8 @@ from msvalidate.dynamics.relax import LOOSEST
 from msvalidate.dynamics.run import LOOK_EVERY, step_limit
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
-from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import finite_number, positive_number, require_type, whole_number
-from msvalidate.problem.records import dataclass
-
-
-@dataclass(frozen=True, eq=False)
-class RelaxedActuator:
-    """A motion that came to rest.
-
-    Parameters
-    ----------
-    equilibrium
-        Where; its iterations are the steps taken.
-    dt, damping
-        Time step (s) and damping rate (1/s).
-    """
-
-    equilibrium: ActuatorEquilibrium
-    dt: float
-    damping: float
+from msvalidate.problem.checks import finite_number, require_type, whole_number
 
 
 def relax_actuator(
@@ -50,15 +36,15 @@ def relax_actuator(
     voltage: float,
     *,
     start: ActuatorEquilibrium | None = None,
-    dt: float | None = None,
-    damping: float | None = None,
     charges_every: int = 1,
     tolerance: float = 1e-8,
-    max_steps: int | None = None,
-) -> RelaxedActuator:
+) -> ActuatorEquilibrium:
     """Rest at a voltage by Euler-Cromer with virtual viscosity, the report's Algorithm 1.
 
-    The voltage is switched on at once, on a network that has not moved, or at `start`.
+    The voltage is switched on at once, on a network that has not moved, or at `start`. The time
+    step is 0.9 of the stability limit of the network without charges, which only soften it; the
+    damping twice its lowest frequency; and the run ends after 20 times the steps that its slowest
+    mode needs.
 
     Parameters
     ----------
@@ -66,146 +52,76 @@ def relax_actuator(
         Which, and at how many V.
     start
         Positions to start from, at rest.
-    dt
-        Time step (s); by default 0.9 of the stability limit of the network without charges, which
-        only soften it.
-    damping
-        Rate (1/s), F = -damping·m·v; by default twice the lowest frequency without charges.
     charges_every
         Steps after which charges are solved for anew; between, points keep their forces.
     tolerance
         The run ends when the largest residual is below this times the forces that meet at a point,
         with charges as they are there, and the kinetic energy below its square times the springs'.
-    max_steps
-        By default 20 times what the slowest mode needs without charges.
+
+    Returns
+    -------
+    ActuatorEquilibrium
+        Its iterations are the steps taken.
 
     Raises
     ------
     ProblemError
         If an argument is out of range.
     SolverError
-        If electrodes touch, the motion diverges, is not at rest within `max_steps`, or rests where
-        it is unstable; the message names the voltage.
+        If electrodes touch, the motion diverges, is not at rest in time, or rests where it is
+        unstable; the message names the voltage.
     """
     require_type("actuator", actuator, Actuator)
     volts = finite_number("voltage", voltage)
     finite_number("tolerance", tolerance, above=0, most=LOOSEST)
     every = whole_number("charges_every", charges_every, 1)
-    step, rate, patience = _time_stepping(actuator.network, dt, damping, tolerance, max_steps)
-    run = _Run(actuator, volts, start, step, rate)
-    for count in range(patience + 1):
-        is_looked_at = count % LOOK_EVERY == 0
-        if is_looked_at or count % every == 0:
-            run.charge(count)
-        if is_looked_at and run.is_at_rest(tolerance):
-            return RelaxedActuator(run.equilibrium(count), step, rate)
-        run.advance()
+    network, name = actuator.network, f"actuator moving at {volts:.6g} V"
+    u = np.array(network.displacement)
+    if start is not None:
+        refuse_other_network(actuator, start)
+        u = np.where(network.held, u, start.displacement)
+    lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
+    rate = 2 * lowest
+    dt = SAFETY * stability_limit(EULER_CROMER, lowest, highest, rate)
+    keep, push = (float(f) for f in step_factors(EULER_CROMER)(dt, np.asarray(rate)))
+    patience = step_limit(-math.log(tolerance) / (0.5 * lowest * dt))
+    motion, inertia = kernels.Motion(network), network.mass[:, None]
+    v, force, size = np.zeros_like(u), np.empty_like(u), float(np.ptp(network.points, axis=0).max())
+    for step in range(patience + 1):
+        is_looked_at = step % LOOK_EVERY == 0
+        if is_looked_at or step % every == 0:
+            if not np.abs(u).max() < DIVERGED * size:
+                raise SolverError(f"{name} diverged by step {step}; take a lower voltage")
+            electric, pull = _charge(actuator, u, volts, f"{name}: pulled in by step {step}")
+        stored = motion.force_and_energy(u, force)
+        balance = np.where(network.held, 0.0, force + pull)
+        kinetic = 0.5 * float((inertia * v**2).sum())
+        is_still = is_looked_at and kinetic <= tolerance**2 * stored
+        if is_still and is_balanced(actuator, u, electric, tolerance):
+            if positive_factor(stiffness(actuator, network.points + u, electric)) is None:
+                raise SolverError(
+                    f"{name} came to rest after {step} steps where it is unstable; disturb the "
+                    "symmetry or lower the voltage"
+                )
+            return make_equilibrium(actuator, volts, BalancedState(u, electric, step))
+        v = keep * v + push * balance / inertia
+        u = u + dt * v
     raise SolverError(
-        f"{run.name} is not at rest after {patience} steps: residual "
-        f"{np.abs(run.balance()).max():.3g} N, kinetic energy {run.kinetic:.3g} J; raise "
-        "max_steps, or stay below pull-in"
+        f"{name} is not at rest after {patience} steps: residual {np.abs(balance).max():.3g} N, "
+        f"kinetic energy {kinetic:.3g} J; stay below pull-in"
     )
 
 
-def _time_stepping(
-    network: Network,
-    dt: float | None,
-    damping: float | None,
-    tolerance: float,
-    max_steps: int | None,
-) -> tuple[float, float, int]:
-    """Time step (s), damping rate (1/s) and most steps; by default what suits it uncharged."""
-    lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
-    rate = 2 * lowest if damping is None else positive_number("damping", damping, "1/s")
-    limit = stability_limit(EULER_CROMER, lowest, highest, rate)
-    step = SAFETY * limit if dt is None else positive_number("time step dt", dt, "s")
-    if max_steps is not None:
-        return step, rate, whole_number("max_steps", max_steps, 1)
-    decay = min(0.5 * rate, lowest**2 / rate) if rate > lowest else 0.5 * rate
-    return step, rate, step_limit(-math.log(tolerance) / (decay * step))
-
-
-class _Run:
-    """State of the motion: displacement, velocity and present charges."""
-
-    def __init__(
-        self,
-        actuator: Actuator,
-        voltage: float,
-        start: ActuatorEquilibrium | None,
-        dt: float,
-        rate: float,
-    ) -> None:
-        network = actuator.network
-        self.actuator, self.voltage, self.dt = actuator, voltage, dt
-        self.keep, self.push = (float(f) for f in step_factors(EULER_CROMER)(dt, np.asarray(rate)))
-        self.name = f"actuator moving at {voltage:.6g} V"
-        self.motion = kernels.Motion(network)
-        moved = np.array(network.displacement)
-        if start is not None:
-            refuse_other_network(actuator, start)
-            moved = np.where(network.held, moved, start.displacement)
-        self.displacement, self.velocity = moved, np.zeros_like(moved)
-        self.free, self.inertia = ~network.held, network.mass[:, None]
-        self.force, self.stored = np.empty_like(moved), 0.0
-        self.size = float(np.ptp(network.points, axis=0).max())
-        self.electric: Electric | None = None
-        self.pull = np.zeros_like(moved)
-
-    @property
-    def position(self) -> Array:
-        return self.actuator.network.points + self.displacement
-
-    def charge(self, step: int) -> None:
-        """Solve for the charges where the electrodes are."""
-        self.refuse_diverged(step)
-        try:
-            with np.errstate(over="ignore", invalid="ignore"):  # refused as coordinates
-                self.electric = charge_actuator(self.actuator, self.position, self.voltage)
-        except (ProblemError, SolverError) as error:
-            raise SolverError(
-                f"{self.name}: pulled in by step {step}, {error}; or stay at a lower voltage"
-            ) from error
-        self.pull = np.array(self.actuator.network.force)
-        self.pull[self.electric.loaded] += self.electric.forces()
-
-    def balance(self) -> Array:
-        """Out-of-balance force (n, 2) in N, 0 where it is held."""
-        self.stored = self.motion.force_and_energy(self.displacement, self.force)
-        return np.where(self.free, self.force + self.pull, 0.0)
-
-    def advance(self) -> None:
-        """One step of Euler-Cromer."""
-        self.velocity = self.keep * self.velocity + self.push * self.balance() / self.inertia
-        self.displacement = self.displacement + self.dt * self.velocity
-
-    def refuse_diverged(self, step: int) -> None:
-        """Raise `SolverError` if a point is far away, or nowhere."""
-        if not np.abs(self.displacement).max() < DIVERGED * self.size:
-            raise SolverError(
-                f"{self.name} diverged by step {step}; take a smaller dt, or a lower voltage"
-            )
-
-    @property
-    def kinetic(self) -> float:
-        """Kinetic energy (J)."""
-        return 0.5 * float((self.inertia * self.velocity**2).sum())
-
-    def is_at_rest(self, tolerance: float) -> bool:
-        """Whether forces balance and nothing moves."""
-        self.balance()  # what springs store there
-        if self.kinetic > tolerance**2 * self.stored or self.electric is None:
-            return False
-        return is_balanced(self.actuator, self.displacement, self.electric, tolerance)
-
-    def equilibrium(self, steps: int) -> ActuatorEquilibrium:
-        """Where it rests, if that is stable."""
-        assert self.electric is not None  # noqa: S101  # charged before any row
-        if factor_at(self.actuator, self.position, self.electric) is None:
-            raise SolverError(
-                f"{self.name} came to rest after {steps} steps where it is unstable; disturb the "
-                "symmetry or lower the voltage"
-            )
-        return make_equilibrium(
-            self.actuator, self.voltage, BalancedState(self.displacement, self.electric, steps)
-        )
+def _charge(
+    actuator: Actuator, displacement: Array, voltage: float, said: str
+) -> tuple[Electric, Array]:
+    """Charges where the electrodes are, and the pull (n, 2) in N of them and of loads."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # refused as coordinates
+            place = actuator.network.points + displacement
+            electric = charge_actuator(actuator, place, voltage)
+    except (ProblemError, SolverError) as error:
+        raise SolverError(f"{said}, {error}; or stay at a lower voltage") from error
+    pull = np.array(actuator.network.force)
+    pull[electric.loaded] += electric.forces()
+    return electric, pull

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
 from scipy.optimize import brentq
 
 from msvalidate.problem import LONGEST, ProblemError, SolverError
@@ -67,19 +66,15 @@ def relaxed_thickness(stretch: float, *, axial: float = 1.0, diagonal: float = 0
 
 
 def voltage(
-    ratio: float,
-    *,
-    height: float = 10.0,
-    axial: float = 1.0,
-    diagonal: float = 0.5,
-    permittivity: float = 1.0,
-    stretch: float = 1.0,
+    ratio: float, *, height: float = 10.0, permittivity: float = 1.0, **springs: float
 ) -> float:
     """Voltage (V) that holds the lattice at a thickness ratio l, sides held: ½ε(V/(l·h0))² = P.
 
+    Springs are given as for `pressure`.
+
     Source: the pressure ½εE² at a fixed area; [Pelrine1998] has εE², of films that widen.
     """
-    held = pressure(ratio, axial=axial, diagonal=diagonal, stretch=stretch)
+    held = pressure(ratio, **springs)
     if held < 0:
         raise ProblemError(f"thickness ratio: {ratio:g}; a voltage only squeezes, give a lower one")
     gap = float(ratio) * positive_number("height", height, "m")
@@ -112,22 +107,17 @@ def pull_in(
 
 
 def thickness(
-    volts: float,
-    *,
-    height: float = 10.0,
-    axial: float = 1.0,
-    diagonal: float = 0.5,
-    permittivity: float = 1.0,
-    stretch: float = 1.0,
+    volts: float, *, height: float = 10.0, permittivity: float = 1.0, **springs: float
 ) -> float:
     """Thickness ratio of the lattice at a voltage (V), on the branch that starts at rest.
+
+    Springs are given as for `pressure`.
 
     Raises
     ------
     SolverError
         Beyond pull-in.
     """
-    springs = {"axial": axial, "diagonal": diagonal, "stretch": stretch}
     wanted = abs(finite_number("voltage", volts))
     end = pull_in(height=height, permittivity=permittivity, **springs)
     if wanted > end.voltage:
@@ -142,7 +132,7 @@ def thickness(
 
     if excess(end.thickness) <= 0:  # pull-in itself, to rounding
         return end.thickness
-    whole = relaxed_thickness(stretch, axial=axial, diagonal=diagonal)
+    whole = relaxed_thickness(**({"stretch": 1.0} | springs))
     return float(brentq(excess, end.thickness, whole * (1 + 1e-12), xtol=1e-15))
 
 
@@ -173,7 +163,11 @@ def biaxial_pull_in(modulus: float, height: float, permittivity: float = 1.0) ->
     Source: [ZhaoSuo2007].
     """
     wide = 2 ** (1 / 3)
-    unit = _field_unit(modulus, permittivity) * positive_number("height", height, "m")
+    stiff, tall = (
+        positive_number("shear modulus", modulus, "Pa"),
+        positive_number("height", height, "m"),
+    )
+    unit = tall * math.sqrt(stiff / positive_number("permittivity", permittivity, "F/m"))
     return PullIn(wide**-2, unit * biaxial_nominal_field(wide))
 
 
@@ -229,9 +223,3 @@ def _widened(stretch: float) -> float:
     if wide < 1:
         raise ProblemError(f"stretch: {wide:g}; a voltage only widens a film, give 1 or more")
     return wide
-
-
-def _field_unit(modulus: float, permittivity: float) -> float:
-    """√(μ/ε) in V/m."""
-    stiff = positive_number("shear modulus", modulus, "Pa")
-    return float(np.sqrt(stiff / positive_number("permittivity", permittivity, "F/m")))

@@ -8,7 +8,7 @@ surface, `report_model` the report's model with its switches, `patches` conducto
 capacitances are known.
 """
 
-from msvalidate.dielectric.charges.dielectric import SlabInAir, forces_in_air
+from msvalidate.dielectric.charges.dielectric import SlabInAir
 from msvalidate.dielectric.charges.electrodes import (
     Electrodes,
     electrodes_of_chains,
@@ -21,7 +21,12 @@ from msvalidate.dielectric.charges.exact import (
     square_capacitance,
 )
 from msvalidate.dielectric.charges.faces import faces_of
-from msvalidate.dielectric.charges.forces import forces, tangent
+from msvalidate.dielectric.charges.forces import (
+    forces,
+    forces_in_air,
+    tangent,
+    tangent_in_air,
+)
 from msvalidate.dielectric.charges.moments import Charges, Moments, capacitance
 from msvalidate.dielectric.charges.report_model import (
     ReportCharges,
@@ -50,4 +55,5 @@ __all__ = [
     "square_capacitance",
     "strip_points",
     "tangent",
+    "tangent_in_air",
 ]

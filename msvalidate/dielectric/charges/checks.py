@@ -4,16 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lapack
 
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError
-from msvalidate.problem.checks import (
-    finite,
-    finite_coordinates,
-    format_value,
-    integers,
-    positive_number,
-)
+from msvalidate.problem.checks import finite, finite_coordinates, positive_number
 
 MOST_DENSE = 5_000
 """Segments or patches beyond which no matrix of all pairs is made: 0.2 GB, of which models
@@ -40,25 +33,6 @@ def check_plane_points(name: str, points: ArrayLike, *, least: int = 0) -> Array
     return finite_coordinates(name, points, f"n>{least - 1}" if least else "n", 2)
 
 
-def check_moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return points (n, 2) in m; raise `ProblemError` unless as many as there were."""
-    return finite_coordinates(name, points, *shape, need=f"give {shape}, as there were")
-
-
-def check_owners(name: str, numbers: ArrayLike, count: int) -> Index:
-    """Return numbers of electrodes or conductors; raise `ProblemError` unless one for each part."""
-    return integers(name, numbers, count)
-
-
-def refuse_gaps(name: str, numbers: Index) -> None:
-    """Raise `ProblemError` unless numbers of electrodes or conductors are 0, 1, ..., all there."""
-    known = np.unique(numbers)
-    if not np.array_equal(known, np.arange(len(known))):
-        raise ProblemError(
-            f"{name}: {format_value(known)}; numbers are left out, count {name}s 0, 1, 2 and so on"
-        )
-
-
 def check_voltages(owner: str, count: int, voltages: ArrayLike) -> Array:
     """Return voltages (count,) in V; raise `ProblemError` unless there is one an `owner`."""
     given = finite("voltages", voltages, count, need=f"give ({count},), one {owner}")
@@ -67,37 +41,11 @@ def check_voltages(owner: str, count: int, voltages: ArrayLike) -> Array:
     return given
 
 
-def check_permittivity(value: float) -> float:
-    """Return a permittivity (F/m); raise `ProblemError` unless it is an ordinary number above 0."""
-    given = positive_number("permittivity", value, "F/m")
-    _refuse_extreme("permittivity", given, "F/m")
+def check_positive(name: str, value: float, unit: str = "") -> float:
+    """Return a number above 0; raise `ProblemError` unless it is one, and an ordinary one."""
+    given = positive_number(name, value, unit)
+    _refuse_extreme(name, given, unit)
     return given
-
-
-def check_ratio(value: float) -> float:
-    """Return a ratio of permittivities; raise `ProblemError` unless it is an ordinary number."""
-    given = positive_number("ratio", value)
-    _refuse_extreme("ratio", given, "")
-    return given
-
-
-def condition_number(factor: Array, norm: float, *, symmetric: bool) -> float:
-    """Condition number in the 1-norm, as LAPACK estimates it from a factor for a few solutions.
-
-    Source: [Higham2002], chapter 15.
-
-    Parameters
-    ----------
-    factor
-        (m, m) of Cholesky, lower, or of Gauss.
-    norm
-        The matrix's 1-norm, `one_norm` it.
-    """
-    if symmetric:
-        inverse, _ = lapack.dpocon(factor, norm, uplo="L")
-    else:
-        inverse, _ = lapack.dgecon(factor, norm, norm="1")
-    return 1 / float(inverse) if inverse > 0 else np.inf
 
 
 def logarithm_error(extent: float) -> float:
@@ -106,11 +54,6 @@ def logarithm_error(extent: float) -> float:
     A unit far from their size makes all logarithms large, and differences of them are what counts.
     """
     return ROUNDED * (1 + abs(float(np.log(extent))))
-
-
-def one_norm(matrix: Array) -> float:
-    """The 1-norm of a matrix in the order of columns, without a copy."""
-    return float(lapack.dlange("1", matrix))
 
 
 def check_error(error: float) -> float:

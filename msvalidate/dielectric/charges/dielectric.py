@@ -25,15 +25,13 @@ from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import (
     check_error,
-    check_permittivity,
-    check_ratio,
+    check_positive,
     check_voltages,
     logarithm_error,
     refuse_dense,
 )
 from msvalidate.dielectric.charges.faces import Faces
-from msvalidate.dielectric.charges.moments import Complex, LineCharges, to_complex
-from msvalidate.dielectric.charges.neutral import factorise, subtract_middle
+from msvalidate.dielectric.charges.moments import LineCharges, factorise, subtract_middle
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array
@@ -69,11 +67,11 @@ class SlabInAir:
     def __init__(self, faces: Faces, *, ratio: float = 1.0, permittivity: float = 1.0) -> None:
         require_type("faces", faces, Faces)
         refuse_dense("segments", len(faces.points))
-        self.faces = faces
-        self.ratio = check_ratio(ratio)
-        self.permittivity = check_permittivity(permittivity)
+        self.electrodes = faces
+        self.ratio = check_positive("ratio", ratio)
+        self.permittivity = check_positive("permittivity", permittivity, "F/m")
         self.around = self.permittivity / self.ratio
-        self.flux: Array = fluxes.crossed(*self.lines()).imag / (2 * np.pi)
+        self.flux: Array = fluxes.crossed(*self.electrodes.lines).imag / (2 * np.pi)
         self._inverse, self._condition = factorise(self._equations(), symmetric=False)
 
     @property
@@ -83,12 +81,12 @@ class SlabInAir:
 
     def charges(self, voltages: ArrayLike) -> ChargesInAir:
         """Charges at potentials (k,) in V, one for each electrode."""
-        given = check_voltages("an electrode", self.faces.count, voltages)
+        given = check_voltages("an electrode", self.electrodes.count, voltages)
         level, middle = subtract_middle(given)
-        wanted = np.where(self.faces.bare, 0.0, level[self.faces.electrode])
+        wanted = np.where(self.electrodes.bare, 0.0, level[self.electrodes.electrode])
         solved = self.solve(self.around * wanted)
         constant = float(solved[-1]) / self.around + middle
-        rounding = logarithm_error(float(np.ptp(self.faces.points, axis=0).max()))
+        rounding = logarithm_error(self.electrodes.extent)
         found = ChargesInAir(
             self, given, solved[:-1], constant, check_error(rounding * self._condition)
         )
@@ -101,17 +99,13 @@ class SlabInAir:
 
     def _equations(self) -> Array:
         """Potentials times the air's permittivity, charges on bare faces, neutrality."""
-        n, bare = len(self.faces.points), self.faces.bare
+        n, bare = len(self.electrodes.points), self.electrodes.bare
         whole = np.ones((n + 1, n + 1))
-        whole[:n, :n] = integrals.means(*self.lines()) / (-2 * np.pi)
+        whole[:n, :n] = integrals.means(*self.electrodes.lines) / (-2 * np.pi)
         whole[:n][bare] = 0.0
         whole[:n, :n][bare] = np.eye(n)[bare] - 2 * self.contrast * self.flux[bare]
         whole[n, n] = 0.0
         return whole
-
-    def lines(self) -> tuple[Complex, Complex]:
-        """Starts and vectors (n,) of segments, complex, as `kernels.charges` takes them."""
-        return to_complex(self.faces.points), to_complex(self.faces.along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,21 +123,8 @@ class ChargesInAir(LineCharges):
         moments = self.moments
         ratio, passed = moments.ratio, moments.flux @ self.charge
         return np.where(
-            moments.faces.bare, 0.0, 0.5 * (1 + ratio) * self.charge - (ratio - 1) * passed
+            moments.electrodes.bare, 0.0, 0.5 * (1 + ratio) * self.charge - (ratio - 1) * passed
         )
-
-    @property
-    def totals(self) -> Array:
-        """(k,) free charge of the electrodes, per depth (C/m)."""
-        faces = self.moments.faces
-        covered = ~faces.bare
-        total = np.bincount(faces.electrode[covered], self.free[covered], faces.count)
-        return np.asarray(total, dtype=float)
-
-    @property
-    def energy(self) -> float:
-        """½ΣQV per depth (J/m)."""
-        return 0.5 * float(self.totals @ self.voltages)
 
 
 def _cancellation(charges: ChargesInAir) -> float:
@@ -151,43 +132,3 @@ def _cancellation(charges: ChargesInAir) -> float:
     ratio = charges.moments.ratio
     taken, free = float(np.abs(charges.charge).sum()), float(np.abs(charges.free).sum())
     return max(1.0, (1 + ratio) * taken / free) if free else 1.0
-
-
-def forces_in_air(charges: ChargesInAir) -> Array:
-    """Force (n, 2) per depth (N/m) on each point of the surface, bare or covered.
-
-    The energy's derivative in the points at fixed voltages, W = ½Σ V·Q. The equations are not
-    symmetric, so it takes the adjoint y of the charges:
-
-        dW = -½ y'(dP)q over electrodes + ½ [2·contrast·y - (ε_r-1)·V]'(dΦ)q,
-
-    y on bare faces, V on electrodes. It holds the traction on faces, the pull at the edges of
-    electrodes, and the moments of both on the ends of segments.
-
-    At the edge of an electrode on a smooth face, r away, tractions go like ±1/r for ε_r other than
-    1: inwards on the electrode, outwards beside it. Together they have a limit, each alone has
-    none: sums over a finer and finer electrode without its neighbourhood do not converge.
-    """
-    require_type("charges", charges, ChargesInAir)
-    moments = charges.moments
-    on_covered, weight = adjoint_weights(charges)
-    lines = *moments.lines(), moments.faces.segments
-    n, charge = len(weight), charges.charge
-    more, less = (integrals.pulled(*lines, on_covered + s * charge, n) for s in (1, -1))
-    flux = fluxes.dragged(*lines, weight, charge, n)
-    # A form of two vectors, from that of one.
-    total = (more - less) / (16 * np.pi * moments.around) + flux / (2 * np.pi)
-    return np.column_stack([total.real, -total.imag])
-
-
-def adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:
-    """The weights (n,) of (dP)q, times the air's permittivity, and of (dΦ)q in `forces_in_air`."""
-    moments = charges.moments
-    faces, ratio = moments.faces, moments.ratio
-    volt = np.where(faces.bare, 0.0, charges.voltages[faces.electrode])
-    answer = moments.solve(
-        0.5 * (1 + ratio) * volt - (ratio - 1) * (volt @ moments.flux), adjoint=True
-    )[:-1]
-    on_bare = np.where(faces.bare, answer, 0.0)
-    on_covered = moments.around * (answer - on_bare)
-    return on_covered, moments.contrast * on_bare - 0.5 * (ratio - 1) * volt

@@ -3,63 +3,38 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges.checks import (
-    check_moved_points,
-    check_owners,
-    check_plane_points,
-    freeze,
-    refuse_gaps,
-)
-from msvalidate.dielectric.charges.contact import refuse_contact
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.dielectric.charges.checks import check_plane_points, freeze
+from msvalidate.kernels.values import Complex
+from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import (
+    finite_coordinates,
     finite_number,
+    format_value,
     indices,
+    integers,
     length_in_metres,
     refuse_too_many,
     require_one_of,
     whole_number,
 )
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
 
 GRADINGS = ("uniform", "cosine")
+Moved = TypeVar("Moved", bound="Segments")
 
 
-@dataclass(frozen=True, eq=False)
-class Electrodes:
-    """Conductors without thickness, each of segments at one potential. Arrays are read-only.
-
-    Parameters
-    ----------
-    points
-        (n, 2) ends of segments (m); neighbours share theirs.
-    segments
-        (m, 2) pairs of points.
-    electrode
-        (m,) which electrode each segment belongs to: 0, 1, ..., none left out.
-
-    Raises
-    ------
-    ProblemError
-        If a segment has no length, or if segments meet elsewhere than at a shared point of one
-        electrode: electrodes that cross or touch are short-circuited.
-    """
+class Segments:
+    """Straight segments that electrodes, or the faces of a body, are made of."""
 
     points: Array
     segments: Index
     electrode: Index
-
-    def __post_init__(self) -> None:
-        points = check_plane_points("points of electrodes", self.points)
-        segments = indices("segments", self.segments, len(points), "m>0", 2)
-        electrode = check_owners("electrode", self.electrode, len(segments))
-        refuse_gaps("electrode", electrode)
-        refuse_contact(points, segments, electrode)
-        freeze(self, points=points, segments=segments, electrode=electrode)
 
     @property
     def count(self) -> int:
@@ -91,10 +66,102 @@ class Electrodes:
         """(m, 2) middles (m)."""
         return self.start + 0.5 * self.along
 
-    def moved(self, points: ArrayLike) -> Electrodes:
-        """The same electrodes with their points (n, 2) elsewhere (m)."""
-        later = check_moved_points("points of electrodes", points, self.points.shape)
-        return Electrodes(later, self.segments, self.electrode)
+    @property
+    def lines(self) -> tuple[Complex, Complex]:
+        """Starts and vectors (m,), complex, as `kernels.charges` takes them."""
+        return to_complex(self.start), to_complex(self.along)
+
+    def moved(self: Moved, points: ArrayLike) -> Moved:
+        """The same segments with their points (n, 2) elsewhere (m)."""
+        name, shape = type(self).__name__.lower(), self.points.shape
+        need = f"give {shape}, as there were"
+        later = finite_coordinates(f"points of {name}", points, *shape, need=need)
+        return replace(self, points=later)  # type: ignore[type-var]
+
+
+def to_complex(points: Array) -> Complex:
+    """Points or vectors (n, 2) as complex numbers (n,)."""
+    return np.ascontiguousarray(points).view(np.complex128)[..., 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Electrodes(Segments):
+    """Conductors without thickness, each of segments at one potential. Arrays are read-only.
+
+    Parameters
+    ----------
+    points
+        (n, 2) ends of segments (m); neighbours share theirs.
+    segments
+        (m, 2) pairs of points.
+    electrode
+        (m,) which electrode each segment belongs to: 0, 1, ..., none left out.
+
+    Raises
+    ------
+    ProblemError
+        If a segment has no length, or if segments meet elsewhere than at a shared point of one
+        electrode: electrodes that cross or touch are short-circuited.
+    """
+
+    points: Array
+    segments: Index
+    electrode: Index
+
+    def __post_init__(self) -> None:
+        points = check_plane_points("points of electrodes", self.points)
+        segments = indices("segments", self.segments, len(points), "m>0", 2)
+        electrode = integers("electrode", self.electrode, len(segments))
+        known = np.unique(electrode)
+        if not np.array_equal(known, np.arange(len(known))):
+            raise ProblemError(
+                f"electrode: {format_value(known)}; numbers are left out, count electrodes 0, 1, 2 "
+                "and so on"
+            )
+        _refuse_contact(points, segments, electrode)
+        freeze(self, points=points, segments=segments, electrode=electrode)
+
+
+def _refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
+    """Raise `ProblemError` where segments meet but at shared points of one electrode."""
+    ends = points[segments]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    near = PLACEMENT * float(np.ptp(points[segments.ravel()], axis=0).max())
+    short = np.flatnonzero(length <= near)
+    if len(short):
+        i = short[0]
+        raise ProblemError(
+            f"segment {i}: length {length[i]:g} m; leave it out, or move its points apart"
+        )
+    lines = shapely.linestrings(ends)
+    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=near)
+    first, second = first[first < second], second[first < second]
+    other = electrode[first] != electrode[second]
+    if other.any():
+        i, j = first[other][0], second[other][0]
+        x, y = points[segments[i]].mean(axis=0)
+        raise ProblemError(
+            f"electrodes {electrode[i]} and {electrode[j]} cross or touch at segments {i} and {j} "
+            f"near ({x:g}, {y:g}) m; leave a gap"
+        )
+    shared = (segments[first][:, :, None] == segments[second][:, None, :]).any(axis=(1, 2))
+    crossed = ~shared | _lie_on_each_other(points, segments[first], segments[second])
+    if crossed.any():
+        i, j = first[crossed][0], second[crossed][0]
+        x, y = points[segments[i]].mean(axis=0)
+        raise ProblemError(
+            f"electrode {electrode[i]} crosses or touches itself at segments {i} and {j} near "
+            f"({x:g}, {y:g}) m; let neighbours share a point, and others keep apart"
+        )
+
+
+def _lie_on_each_other(points: Array, one: Index, other: Index) -> Array:
+    """Whether two segments with a shared point lie on each other."""
+    u, v = (points[pair[:, 1]] - points[pair[:, 0]] for pair in (one, other))
+    swap = (one[:, 0] == other[:, 0]) | (one[:, 1] == other[:, 1])
+    v = np.where(swap[:, None], v, -v)
+    cross, dot = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)
+    return np.asarray((dot > 0) & (np.abs(cross) <= PLACEMENT * dot))
 
 
 def electrodes_of_chains(*lines: ArrayLike) -> Electrodes:

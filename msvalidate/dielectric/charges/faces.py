@@ -5,16 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges.checks import (
-    check_moved_points,
-    check_owners,
-    check_plane_points,
-    freeze,
-)
-from msvalidate.dielectric.charges.contact import BARE, refuse_electrodes, refuse_outline
-from msvalidate.dielectric.charges.electrodes import GRADINGS, strip_points
+from msvalidate.dielectric.charges.checks import check_plane_points, freeze
+from msvalidate.dielectric.charges.electrodes import GRADINGS, Segments, strip_points
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -26,11 +21,14 @@ from msvalidate.problem.checks import (
     require_one_of,
     whole_number,
 )
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, field
+
+BARE = -1
+"""In the place of an electrode's number: none."""
 
 
 @dataclass(frozen=True, eq=False)
-class Faces:
+class Faces(Segments):
     """The closed outline of a body, of straight segments. Arrays are read-only.
 
     Parameters
@@ -49,50 +47,57 @@ class Faces:
     """
 
     points: Array
+    segments: Index = field(init=False, repr=False)
     electrode: Index
 
     def __post_init__(self) -> None:
         points = check_plane_points("points of faces", self.points, least=3)
-        electrode = check_owners("electrode", self.electrode, len(points))
-        refuse_outline(points)
-        refuse_electrodes(electrode)
-        freeze(self, points=points, electrode=electrode)
-
-    @property
-    def count(self) -> int:
-        """Number of electrodes."""
-        return int(self.electrode.max()) + 1
+        electrode = integers("electrode", self.electrode, len(points))
+        _refuse_outline(points)
+        _refuse_electrodes(electrode)
+        first = np.arange(len(points))
+        segments = np.column_stack([first, np.roll(first, -1)])
+        freeze(self, points=points, segments=segments, electrode=electrode)
 
     @property
     def bare(self) -> Mask:
-        """(n,) whether a segment is bare."""
+        """(m,) whether a segment is bare."""
         return np.asarray(self.electrode == BARE)
 
-    @property
-    def segments(self) -> Index:
-        """(n, 2) pairs of points."""
-        first = np.arange(len(self.points))
-        return np.column_stack([first, np.roll(first, -1)])
 
-    @property
-    def along(self) -> Array:
-        """(n, 2) from first to second end (m)."""
-        return np.roll(self.points, -1, axis=0) - self.points
+def _refuse_outline(points: Array) -> None:
+    """Raise `ProblemError` unless points (n, 2) run round a body once, counter-clockwise."""
+    near = PLACEMENT * float(np.ptp(points, axis=0).max())
+    length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    if (length <= near).any():
+        i = int(np.argmin(length))
+        raise ProblemError(
+            f"segment {i} of the faces: length {length[i]:g} m; leave its point out, the last is "
+            "not the first again"
+        )
+    ring = shapely.LinearRing(points)
+    if not ring.is_simple:
+        why = shapely.is_valid_reason(shapely.Polygon(points))
+        raise ProblemError(f"faces: the outline crosses or touches itself ({why}); part its sides")
+    if not ring.is_ccw:
+        raise ProblemError("faces: the outline runs clockwise; give its points the other way round")
 
-    @property
-    def length(self) -> Array:
-        """(n,) in m."""
-        return np.asarray(np.hypot(*self.along.T))
 
-    @property
-    def middle(self) -> Array:
-        """(n, 2) middles (m)."""
-        return self.points + 0.5 * self.along
-
-    def moved(self, points: ArrayLike) -> Faces:
-        """The same faces with their points (n, 2) elsewhere (m)."""
-        return Faces(
-            check_moved_points("points of faces", points, self.points.shape), self.electrode
+def _refuse_electrodes(electrode: Index) -> None:
+    """Raise `ProblemError` unless there are two electrodes or more (n,), none beside another."""
+    known = np.unique(electrode)
+    if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
+        raise ProblemError(
+            f"electrode: {format_value(known)}; give at least 0 and 1, and leave out none; -1 "
+            "where the face is bare"
+        )
+    after = np.roll(electrode, -1)
+    touching = np.flatnonzero((electrode != after) & (electrode != BARE) & (after != BARE))
+    if len(touching):
+        i = touching[0]
+        raise ProblemError(
+            f"electrodes {electrode[i]} and {after[i]} touch between segments {i} and "
+            f"{(i + 1) % len(electrode)}; leave a bare face between them"
         )
 
 

@@ -8,30 +8,33 @@ Galerkin's charges it needs none of the charges' own changes: W is stationary in
 which holds the pull across the gap, its moment on each segment's ends, and the outward stretch
 q²/(4πεl) of a segment by itself. Collocation's charges are not stationary: for them it is a force
 with an error of the same order as theirs.
+
+The equations M(x) q = r of a body in air are not symmetric. With r constant at fixed voltages,
+W = ½g(x)'q and M'y = g,
+
+    dW = ½(dg)'q - ½y'(dM)q,
+    d²W = ½(d²g)'q - ½y'(d²M)q - ½[s'M⁻¹u + u'M⁻ᵀs],    u = (dM)q,    s = dg - (dM)'y,
+
+so one solve with as many columns as there are components gives all of it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.dielectric.charges.moments import Charges, Complex, to_complex
+from msvalidate.dielectric.charges.dielectric import ChargesInAir
+from msvalidate.dielectric.charges.moments import Charges
 from msvalidate.dielectric.kernels import charges as integrals
+from msvalidate.dielectric.kernels import fluxes
+from msvalidate.kernels.values import Complex
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_type
 
 
 def forces(charges: Charges) -> Array:
     """Force (n, 2) per depth (N/m) on each point of the electrodes."""
-    require_type("charges", charges, Charges)
-    electrodes = charges.moments.electrodes
-    total = integrals.pulled(
-        to_complex(electrodes.start),
-        to_complex(electrodes.along),
-        electrodes.segments,
-        charges.charge,
-        len(electrodes.points),
-    )
-    return np.column_stack([total.real, -total.imag]) / (4 * np.pi * charges.moments.permittivity)
+    slope, _ = _derivatives(charges)
+    return -0.5 * (charges.charge @ slope).reshape(-1, 2)
 
 
 def tangent(charges: Charges) -> Array:
@@ -45,30 +48,97 @@ def tangent(charges: Charges) -> Array:
     ProblemError
         If charges are those of collocation, whose forces are no energy's derivative.
     """
-    require_type("charges", charges, Charges)
+    slope, bend = _derivatives(charges)
     moments = charges.moments
     if moments.weighting != "galerkin":
         raise ProblemError(
             f'charges: their weighting is {moments.weighting}; a tangent takes weighting="galerkin"'
         )
-    electrodes, scale = moments.electrodes, 1 / (2 * np.pi * moments.permittivity)
-    first, second = integrals.turned(
-        to_complex(electrodes.start),
-        to_complex(electrodes.along),
-        electrodes.segments,
-        charges.charge,
-        len(electrodes.points),
-    )
-    slope = -scale * slopes(first)
-    return 0.5 * scale * bends(second) + slope.T @ moments.solve(slope)
+    return slope.T @ moments.solve(slope) - 0.5 * bend
 
 
-def slopes(first: Complex) -> Array:
+def _derivatives(charges: Charges) -> tuple[Array, Array]:
+    """(∂P/∂x) q (m, 2n), and q'(∂²P/∂x²) q (2n, 2n)."""
+    require_type("charges", charges, Charges)
+    electrodes, q = charges.moments.electrodes, charges.charge
+    lines, n = electrodes.lines, len(electrodes.points)
+    first, _, second = integrals.turned(*lines, electrodes.segments, q, q, n)
+    scale = -1 / (2 * np.pi * charges.moments.permittivity)
+    return scale * _slopes(first), scale * _bends(second)
+
+
+def forces_in_air(charges: ChargesInAir) -> Array:
+    """Force (n, 2) per depth (N/m) on each point of the surface, bare or covered.
+
+    The energy's derivative in the points at fixed voltages, by the adjoint y of the charges:
+
+        dW = -½ y'(dP)q over electrodes + ½ [2·contrast·y - (ε_r-1)·V]'(dΦ)q,
+
+    y on bare faces, V on electrodes. It holds the traction on faces, the pull at the edges of
+    electrodes, and the moments of both on the ends of segments.
+
+    At the edge of an electrode on a smooth face, r away, tractions go like ±1/r for ε_r other than
+    1: inwards on the electrode, outwards beside it. Together they have a limit, each alone has
+    none: sums over a finer and finer electrode without its neighbourhood do not converge.
+    """
+    on_covered, weight = _adjoint_weights(charges)
+    potential, flux = _derivatives_in_air(charges, on_covered, weight)
+    around = charges.moments.around
+    total = on_covered @ potential[0] / (2 * around) + weight @ flux[0]
+    return _slopes(total[None]).reshape(-1, 2)
+
+
+def tangent_in_air(charges: ChargesInAir) -> Array:
+    """Derivative (2n, 2n) of `forces_in_air` at fixed voltages, per depth (N/m²).
+
+    Symmetric, being of a second derivative. Components of a point stand together.
+    """
+    on_covered, weight = _adjoint_weights(charges)
+    potential, flux = _derivatives_in_air(charges, on_covered, weight)
+    moments = charges.moments
+    bare = moments.electrodes.bare[:, None]
+    right = -np.where(bare, 2 * moments.contrast * _slopes(flux[0]), _slopes(potential[0]))
+    moved = moments.solve(right)[:-1]
+    turned = _slopes(potential[1] / moments.around + 2 * flux[1])
+    cross = turned.T @ moved
+    return _bends(potential[2] / (2 * moments.around) + flux[2]) - 0.5 * (cross + cross.T)
+
+
+Derivatives = tuple[Complex, ...]
+"""In the nodes, of what charges make (m, n), of what weights make, and second ones (n, n)."""
+
+
+def _derivatives_in_air(
+    charges: ChargesInAir, on_covered: Array, weight: Array
+) -> tuple[Derivatives, Derivatives]:
+    """Of ln r/(2π) between charges and the first weights, and of fluxes Φ with the second."""
+    faces, q, n = charges.moments.electrodes, charges.charge, len(weight)
+    potential = integrals.turned(*faces.lines, faces.segments, on_covered, q, n)
+    flux = fluxes.twisted(*faces.lines, faces.segments, weight, q, n)
+    whole = 2 * np.pi
+    return tuple(each / whole for each in potential), tuple(each / whole for each in flux)
+
+
+def _adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:
+    """The weights (n,) of (dP)q, times the air's permittivity, and of (dΦ)q in `forces_in_air`."""
+    require_type("charges", charges, ChargesInAir)
+    moments = charges.moments
+    faces, ratio = moments.electrodes, moments.ratio
+    volt = np.where(faces.bare, 0.0, charges.voltages[faces.electrode])
+    answer = moments.solve(
+        0.5 * (1 + ratio) * volt - (ratio - 1) * (volt @ moments.flux), adjoint=True
+    )[:-1]
+    on_bare = np.where(faces.bare, answer, 0.0)
+    on_covered = moments.around * (answer - on_bare)
+    return on_covered, moments.contrast * on_bare - 0.5 * (ratio - 1) * volt
+
+
+def _slopes(first: Complex) -> Array:
     """Complex derivatives (m, n) as real ones (m, 2n)."""
     return np.stack([first.real, -first.imag], axis=-1).reshape(len(first), -1)
 
 
-def bends(second: Complex) -> Array:
+def _bends(second: Complex) -> Array:
     """Complex second derivatives (n, n) as real ones (2n, 2n)."""
     n = len(second)
     bend = np.empty((n, 2, n, 2))

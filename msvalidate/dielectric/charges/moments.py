@@ -17,45 +17,30 @@ weighting, as that of any set of a logarithmic capacity below 1 is: Cholesky's f
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack, lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
     check_error,
-    check_permittivity,
     check_plane_points,
+    check_positive,
     check_voltages,
     logarithm_error,
     refuse_dense,
 )
-from msvalidate.dielectric.charges.electrodes import Electrodes
-from msvalidate.dielectric.charges.neutral import Neutral, factorise, subtract_middle
+from msvalidate.dielectric.charges.electrodes import Electrodes, to_complex
 from msvalidate.dielectric.kernels import charges as integrals
-from msvalidate.problem import Array, ProblemError
+from msvalidate.kernels.values import Complex
+from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import ReadOnly, dataclass
 
 Weighting = Literal["galerkin", "collocation"]
 WEIGHTINGS: tuple[Weighting, ...] = ("galerkin", "collocation")
-
-Complex = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
-
-
-def to_complex(points: Array) -> Complex:
-    """Points or vectors (n, 2) as complex numbers (n,), as `kernels.charges` takes them."""
-    return np.ascontiguousarray(points).view(np.complex128)[..., 0]
-
-
-def check_points(points: ArrayLike) -> Complex:
-    """Given points (n, 2) in m as complex numbers (n,); raise `ProblemError` unless they are."""
-    return to_complex(check_plane_points("points", points))
-
-
-def segment_lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
-    """Starts and vectors (m,) of segments as complex numbers."""
-    return to_complex(electrodes.start), to_complex(electrodes.along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +69,25 @@ class LineCharges(ReadOnly):
     floating: float
     error: float
 
+    @property
+    def free(self) -> Array:
+        """(m,) of the segments that a battery moved there, per depth (C/m)."""
+        return self.charge
+
+    @property
+    def totals(self) -> Array:
+        """(k,) of the electrodes, per depth (C/m)."""
+        of = self.moments.electrodes
+        return np.bincount(np.maximum(of.electrode, 0), self.free, of.count).astype(float)
+
+    @property
+    def energy(self) -> float:
+        """½ΣQV per depth (J/m)."""
+        return 0.5 * float(self.totals @ self.voltages)
+
     def potential(self, points: ArrayLike) -> Array:
         """Potential (n,) in V at points (n, 2) in m."""
-        seen = integrals.seen(check_points(points), *self.moments.lines())
+        seen = integrals.seen(_check_points(points), *self.moments.electrodes.lines)
         charge = self.charge / (2 * np.pi * self.moments.around)
         return np.asarray(self.floating - seen @ charge)
 
@@ -96,7 +97,7 @@ class LineCharges(ReadOnly):
         On a segment the mean of its two sides. At the ends of segments, where densities jump, it is
         infinite, and NaN is returned.
         """
-        seen = integrals.fields(check_points(points), *self.moments.lines())
+        seen = integrals.fields(_check_points(points), *self.moments.electrodes.lines)
         turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.around)
         return np.column_stack([turned.real, turned.imag])
 
@@ -111,17 +112,6 @@ class Charges(LineCharges):
     def density(self) -> Array:
         """(m,) charge per area (C/m²), of both faces together."""
         return self.charge / self.moments.electrodes.length
-
-    @property
-    def totals(self) -> Array:
-        """(k,) of the electrodes, per depth (C/m)."""
-        electrodes = self.moments.electrodes
-        return np.bincount(electrodes.electrode, self.charge, electrodes.count).astype(float)
-
-    @property
-    def energy(self) -> float:
-        """½ΣQV per depth (J/m)."""
-        return 0.5 * float(self.totals @ self.voltages)
 
 
 class Moments:
@@ -158,27 +148,28 @@ class Moments:
         require_one_of("weighting", weighting, WEIGHTINGS)
         refuse_dense("segments", len(electrodes.segments))
         self.weighting: Weighting = weighting
-        self.permittivity = self.around = check_permittivity(permittivity)
+        self.permittivity = self.around = check_positive("permittivity", permittivity, "F/m")
         matrix = coefficients(electrodes, self.permittivity, weighting)
         inverse, condition = factorise(matrix, symmetric=weighting == "galerkin")
-        self._neutral = Neutral(inverse, len(matrix))
+        self._inverse, self._even = inverse, inverse(np.ones(len(matrix)))
         self._error = logarithm_error(electrodes.extent) * condition
 
     def charges(self, voltages: ArrayLike) -> Charges:
         """Charges at potentials (k,) in V, one for each electrode."""
         given = check_voltages("an electrode", self.electrodes.count, voltages)
         level, middle = subtract_middle(given)
-        solved = self._neutral(level[self.electrodes.electrode])
-        constant = float(solved[-1]) + middle
-        return Charges(self, given, solved[:-1], constant, check_error(self._error))
+        charge, constant = self._solve(level[self.electrodes.electrode])
+        return Charges(self, given, charge, float(constant) + middle, check_error(self._error))
 
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
-        return self._neutral(potential)[:-1]
+        return self._solve(potential)[0]
 
-    def lines(self) -> tuple[Complex, Complex]:
-        """Starts and vectors (m,) of segments, complex, as `kernels.charges` takes them."""
-        return segment_lines(self.electrodes)
+    def _solve(self, potential: Array) -> tuple[Array, Array]:
+        """Charges P⁻¹(V - c), and the constant c with which they add up to nothing."""
+        charge = self._inverse(potential)
+        constant = charge.sum(axis=0) / self._even.sum()
+        return charge - np.multiply.outer(self._even, constant), constant
 
 
 def coefficients(electrodes: Electrodes, permittivity: float, weighting: Weighting) -> Array:
@@ -189,7 +180,7 @@ def coefficients(electrodes: Electrodes, permittivity: float, weighting: Weighti
 
     Source: coefficients of potential [Maxwell1873]; weighting as in [Harrington1968].
     """
-    start, along = segment_lines(electrodes)
+    start, along = electrodes.lines
     if weighting == "galerkin":
         mean: Array = integrals.means(start, along)
     else:
@@ -197,6 +188,55 @@ def coefficients(electrodes: Electrodes, permittivity: float, weighting: Weighti
     mean -= np.log(electrodes.extent)
     mean /= -2 * np.pi * permittivity
     return mean
+
+
+Solve = Callable[..., Array]
+
+
+def factorise(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
+    """The inverse of P (m, m), whose memory its factor takes, and P's condition in the 1-norm.
+
+    The inverse of one that is not symmetric has an option `adjoint`, of its transpose. LAPACK
+    estimates the condition from the factor, for a few solutions.
+
+    Source: the estimate, [Higham2002], chapter 15.
+
+    Raises
+    ------
+    SolverError
+        If it has none, or is to be positive definite and is not.
+    """
+    # Transposed it is in the order of columns that LAPACK works in without a copy.
+    norm = float(lapack.dlange("1", matrix.T))
+    try:
+        factor = (
+            cho_factor(matrix.T, lower=True, overwrite_a=True, check_finite=False)
+            if symmetric
+            else lu_factor(matrix.T, overwrite_a=True, check_finite=False)
+        )
+    except LinAlgError as error:
+        raise SolverError(
+            "electrodes: to rounding, some of their segments lie on each other; move them apart, "
+            "or take longer ones"
+        ) from error
+    if symmetric:
+        inverse, _ = lapack.dpocon(factor[0], norm, uplo="L")
+    else:
+        inverse, _ = lapack.dgecon(factor[0], norm, norm="1")
+    condition = 1 / float(inverse) if inverse > 0 else np.inf
+    if symmetric:
+        return lambda right: cho_solve(factor, right, check_finite=False), condition
+
+    def solve(right: Array, *, adjoint: bool = False) -> Array:
+        return np.asarray(lu_solve(factor, right, trans=int(not adjoint), check_finite=False))
+
+    return solve, condition
+
+
+def subtract_middle(voltages: Array) -> tuple[Array, float]:
+    """Voltages less the middle of them, which makes no charge but would cost digits, and that."""
+    middle = 0.5 * float(voltages.max()) + 0.5 * float(voltages.min())
+    return voltages - middle, middle
 
 
 def check_electrodes(electrodes: Electrodes) -> Electrodes:
@@ -222,3 +262,8 @@ def capacitance(electrodes: Electrodes, **how: object) -> float:
     if electrodes.count != 2:
         raise ProblemError(f"electrodes: {electrodes.count}; a capacitance is of two")
     return float(Moments(electrodes, **how).charges((1.0, 0.0)).totals[0])  # type: ignore[arg-type]
+
+
+def _check_points(points: ArrayLike) -> Complex:
+    """Given points (n, 2) in m as complex numbers (n,); raise `ProblemError` unless they are."""
+    return to_complex(check_plane_points("points", points))

@@ -24,16 +24,22 @@ from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import (
     check_error,
-    check_permittivity,
+    check_positive,
     check_voltages,
     logarithm_error,
     refuse_dense,
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes
-from msvalidate.dielectric.charges.moments import check_electrodes
-from msvalidate.dielectric.charges.neutral import factorise
-from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
-from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
+from msvalidate.dielectric.charges.moments import check_electrodes, factorise
+from msvalidate.dielectric.charges.pieces import (
+    KERNELS,
+    PLACES,
+    Kernel,
+    Place,
+    Views,
+    pieces,
+    views_of,
+)
 from msvalidate.problem import Array, Index
 from msvalidate.problem.checks import length_in_metres, require_one_of, require_type
 from msvalidate.problem.records import ReadOnly, dataclass
@@ -77,7 +83,7 @@ class ReportModel:
         self.electrodes = electrodes
         self.kernel: Kernel = kernel
         self.charges_on: Place = charges_on
-        self.permittivity = check_permittivity(permittivity)
+        self.permittivity = check_positive("permittivity", permittivity, "F/m")
         self.depth = length_in_metres("depth", depth)
         self.pieces = pieces(electrodes, charges_on)
         coefficients = self.views().mean @ self.spread()

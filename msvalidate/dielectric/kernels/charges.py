@@ -80,45 +80,27 @@ def fields(points: Complex, start: Complex, along: Complex) -> Complex:
 fields = compiled(fields)
 
 
-def pulled(start: Complex, along: Complex, ends: Index, charge: Array, nodes: int) -> Complex:
-    """Derivative of Σᵢⱼ qᵢ·qⱼ·(mean of ln r)ᵢⱼ in the nodes (n,).
-
-    Complex: that of a point z in x is its real part, in y minus its imaginary part.
-    """
-    total = np.zeros(nodes, dtype=np.complex128)
-    for i in range(len(start)):
-        square = charge[i] * charge[i] / along[i]
-        total[ends[i, 0]] -= square
-        total[ends[i, 1]] += square
-        for j in range(i):
-            slope = jet(start[i] - start[j], along[i], along[j])
-            twice = 2 * charge[i] * charge[j]
-            total[ends[i, 0]] += twice * (slope[1] - slope[2])
-            total[ends[i, 1]] += twice * slope[2]
-            total[ends[j, 0]] -= twice * (slope[1] + slope[3])
-            total[ends[j, 1]] += twice * slope[3]
-    return total
-
-
-pulled = compiled(pulled)
-
-
 def turned(
-    start: Complex, along: Complex, ends: Index, charge: Array, nodes: int
-) -> tuple[Complex, Complex]:
-    """First derivatives in the nodes of Σⱼ (mean of ln r)ᵢⱼ·qⱼ, second ones of the sum of `pulled`.
+    start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
+) -> tuple[Complex, Complex, Complex]:
+    """Derivatives in the nodes of Σⱼ Lᵢⱼ·chargeⱼ, of Σⱼ Lᵢⱼ·weightⱼ, and second ones.
 
-    They are (m, n) and (n, n), complex as there.
+    L are means of ln r between segments. Derivatives are (m, n), (m, n) and (n, n), the last of
+    Σᵢⱼ weightᵢ·Lᵢⱼ·chargeⱼ. Complex: that of a point z in x is its real part, in y minus its
+    imaginary part.
     """
-    first = np.zeros((len(start), nodes), dtype=np.complex128)
+    seen = np.zeros((len(start), nodes), dtype=np.complex128)
+    sent = np.zeros((len(start), nodes), dtype=np.complex128)
     second = np.zeros((nodes, nodes), dtype=np.complex128)
     slope, bend = np.empty(4, dtype=np.complex128), np.empty((4, 4), dtype=np.complex128)
     at = np.empty(4, dtype=np.intp)
     for i in range(len(start)):
         one = 1 / along[i]
-        first[i, ends[i, 0]] -= charge[i] * one
-        first[i, ends[i, 1]] += charge[i] * one
-        square = (charge[i] * one) ** 2
+        seen[i, ends[i, 0]] -= charge[i] * one
+        seen[i, ends[i, 1]] += charge[i] * one
+        sent[i, ends[i, 0]] -= weight[i] * one
+        sent[i, ends[i, 1]] += weight[i] * one
+        square = weight[i] * charge[i] * one * one
         second[ends[i, 0], ends[i, 0]] -= 0.5 * square
         second[ends[i, 1], ends[i, 1]] -= 0.5 * square
         second[ends[i, 0], ends[i, 1]] += square
@@ -132,17 +114,19 @@ def turned(
             bend[0, 2], bend[0, 3] = za + ab - zz - zb, zb - ab
             bend[1, 2], bend[1, 3] = -za - ab, ab
             bend[2, 2], bend[2, 3], bend[3, 3] = 0.5 * (zz + bb) + zb, -zb - bb, 0.5 * bb
-            twice = 2 * charge[i] * charge[j]
+            both = weight[i] * charge[j] + weight[j] * charge[i]
             for c in range(4):
-                first[i, at[c]] += charge[j] * slope[c]
-                first[j, at[c]] += charge[i] * slope[c]
+                seen[i, at[c]] += charge[j] * slope[c]
+                seen[j, at[c]] += charge[i] * slope[c]
+                sent[i, at[c]] += weight[j] * slope[c]
+                sent[j, at[c]] += weight[i] * slope[c]
                 for d in range(c, 4):
-                    second[at[c], at[d]] += twice * bend[c, d]
+                    second[at[c], at[d]] += both * bend[c, d]
     for c in range(nodes):
         for d in range(c + 1):
             second[c, d] += second[d, c]
             second[d, c] = second[c, d]
-    return first, second
+    return seen, sent, second
 
 
 turned = compiled(turned)

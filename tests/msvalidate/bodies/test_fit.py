@@ -70,9 +70,9 @@ def test_slopes_are_the_differences_of_the_misfit():
     built = networks((1.0, 1.0), 1.0)
     (case,) = fit._load_cases(built[:1], moves(built[0]), GRID.kind, 2)
     p = np.array([2.3, 0.7, -0.2])
-    _, slope = fit._misfit(case, p)
+    slope = fit._respond(case, p).slope
     for j, step in enumerate(1e-6 * np.eye(3)):
-        ahead, behind = (fit._misfit(case, p + s)[0] for s in (step, -step))
+        ahead, behind = (fit._respond(case, p + s).move for s in (step, -step))
         np.testing.assert_allclose(
             slope[:, j], (ahead - behind) / 2e-6, atol=1e-7 * np.abs(slope).max()
         )

@@ -309,5 +309,5 @@ def test_what_no_rule_serves_is_refused():
     with refused("triangle6 cells have mid-sides"):
         mesh_lattice(six)
     mesh = grid("quad", 2)
-    with refused("springs along a mesh's edges: ratio 0.3 (plane_stress, nu = 0.3)"):
+    with refused("springs along a mesh's edges: ratio 0.3 of its axes (plane_stress, nu = 0.3)"):
         lattice_network(held_at_low_sides(mesh, Isotropic(E=1.0, nu=0.3)), mesh_lattice(mesh))

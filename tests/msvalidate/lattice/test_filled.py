@@ -210,7 +210,7 @@ def test_per_cell_every_cell_is_one_cell_alone(name):
 
 @table(("name", "material", "message"), [
     ("cubic18", Isotropic(1.0, 0.3, "solid"),
-        "nu = 0.3; central springs make it isotropic at 0.25 only"),
+        "nu = 0.3); central springs make it isotropic at 0.25 only"),
     ("cubic18", Isotropic(1.0, 0.25), "material in plane_stress; give a solid"),
     ("cubic6", Isotropic(1.0, 0.25, "solid"), "no spring constants make it isotropic"),
     ("square4", Isotropic(1.0, 0.25), "no spring constants make it isotropic"),

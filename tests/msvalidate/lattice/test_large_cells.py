@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from msvalidate.constants import cell_at_rest, cell_multigrid
+from msvalidate.constants import cell_at_rest
 from msvalidate.constants.homogenise import homogenise, homogenise_network
 from msvalidate.lattice import patterns, repeat_cell, voronoi
 from msvalidate.problem import ProblemError, SolverError
@@ -101,8 +101,8 @@ def test_rows_that_shift_freely_are_noticed(name):
 
 
 def test_what_conjugate_gradients_do_not_answer_goes_to_the_factor(monkeypatch):
-    few = partial(cell_multigrid.conjugate_gradients, most=3)
-    monkeypatch.setattr(cell_multigrid, "conjugate_gradients", few)
+    few = partial(cell_at_rest.conjugate_gradients, most=3)
+    monkeypatch.setattr(cell_at_rest, "conjugate_gradients", few)
     monkeypatch.setattr(cell_at_rest, "MULTIGRID", {2: 100, 3: 100})
     pattern = voronoi(200, dim=3)
     assert homogenise(pattern, (1.0,)).solver == "direct"

@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import nnls
 
 from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.contact_network import contact_network
-from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.bodies.lattice_network import contact_network, lattice_network
 from msvalidate.lattice import fill, patterns, square
 from msvalidate.network import Configuration
 from msvalidate.problem import (

@@ -67,25 +67,28 @@ def test_electrodes_must_be_two_chains(small):
 
 def test_electrodes_follow_springs(small):
     top, bottom = small.electrodes
-    refused(f"no spring joins points {top[0]} and {top[2]}", electrodes=(top[[0, 2]], bottom))
+    refused(
+        f"from point {top[0]} to {top[2]} it is not on the surface",
+        electrodes=(top[[0, 2]], bottom),
+    )
 
 
 def test_electrodes_stay_on_the_surface(small):
     _, bottom = small.electrodes
     inside = np.arange(7, 14)
     assert (small.network.points[inside, 1] == 1).all()
-    refused(r"points 7 and 8 is not on the surface", electrodes=(inside, bottom))
+    refused("from point 7 to 8 it is not on the surface", electrodes=(inside, bottom))
     diagonal = np.array([14, 8])
-    refused("is not on the surface", electrodes=(diagonal, bottom))
+    refused("it is not on the surface", electrodes=(diagonal, bottom))
     sides = np.array([7, 14])  # up the left side: surface too
     assert Actuator(small.network, (sides, bottom)).electrodes[0].tolist() == [7, 14]
 
 
 def test_electrodes_keep_apart(small):
     top, bottom = small.electrodes
-    refused("cross or touch", electrodes=(bottom, bottom))
-    refused("cross or touch", electrodes=(np.array([0, 7, 14]), bottom))  # meets the corner
-    refused("cross", electrodes=(top[[0, 1, 0]], bottom))
+    refused("electrodes 0 and 1: both cover the surface", electrodes=(bottom, bottom))
+    refused("touch between segments", electrodes=(np.array([0, 7, 14]), bottom))  # meets the corner
+    refused("both cover", electrodes=(top[[0, 1, 0]], bottom))
 
 
 def test_crossing_electrodes_are_refused():
@@ -97,7 +100,7 @@ def test_crossing_electrodes_are_refused():
     network = spring_network(
         points, body.network.springs, body.network.stiffness, held=body.network.held
     )
-    with pytest.raises(ProblemError, match="cross or touch"):
+    with pytest.raises(ProblemError, match=r"electrode 0: .* not on the surface"):
         Actuator(network, body.electrodes)
 
 

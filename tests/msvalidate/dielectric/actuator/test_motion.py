@@ -14,23 +14,13 @@ from tests.table import table
 def test_motion_comes_to_rest_at_the_equilibrium(film, every):
     run = relax_actuator(film, 1.0, charges_every=every)
     rest = at_voltage(film, 1.0)
-    assert np.abs(run.equilibrium.displacement - rest.displacement).max() <= 1e-6
+    assert np.abs(run.displacement - rest.displacement).max() <= 1e-6
 
 
 def test_motion_beyond_pull_in_says_so(plates):
     with pytest.raises(SolverError, match=r"actuator moving at 8 V") as caught:
         relax_actuator(plates, 8.0)
     assert "\n" not in str(caught.value)
-
-
-def test_motion_out_of_time_says_so(film):
-    with pytest.raises(SolverError, match=r"not at rest after 3 steps"):
-        relax_actuator(film, 1.0, max_steps=3)
-
-
-def test_a_step_too_long_is_not_called_pull_in(film):
-    with pytest.raises(SolverError, match=r"at 0.1 V diverged by step \d+; take a smaller dt"):
-        relax_actuator(film, 0.1, dt=100.0)
 
 
 def test_a_start_of_another_network_is_refused(film):
@@ -41,7 +31,7 @@ def test_a_start_of_another_network_is_refused(film):
 
 @table(
     "given",
-    [{"dt": 0.0}, {"damping": -1.0}, {"charges_every": 0}, {"tolerance": 1.0}, {"start": 1}],
+    [{"charges_every": 0}, {"tolerance": 1.0}, {"start": 1}],
 )
 def test_motion_refuses(film, given):
     with pytest.raises(ProblemError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.dielectric.actuator.surface import outline
+from msvalidate.dielectric.actuator.device import outline
 from msvalidate.lattice import square
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError

@@ -18,14 +18,15 @@ from skfem import (
 )
 from skfem.helpers import dot, grad
 
-from msvalidate.dielectric.charges import electrodes_of_chains, forces
-from msvalidate.dielectric.charges.dielectric import (
+from msvalidate.dielectric.charges import (
     SlabInAir,
+    electrodes_of_chains,
+    forces,
     forces_in_air,
+    tangent_in_air,
 )
 from msvalidate.dielectric.charges.faces import Faces, slab_faces
 from msvalidate.dielectric.charges.moments import Moments
-from msvalidate.dielectric.charges.tangent_in_air import tangent_in_air
 from msvalidate.problem import ProblemError
 
 EXACT = 1e-9  # rounding of 1e-16, times condition numbers of up to 1e6
@@ -48,7 +49,9 @@ def crooked(seed, sides=9):
 
 def moved_slab(slab, points):
     """The same body with the points of its surface elsewhere."""
-    return SlabInAir(slab.faces.moved(points), ratio=slab.ratio, permittivity=slab.permittivity)
+    return SlabInAir(
+        slab.electrodes.moved(points), ratio=slab.ratio, permittivity=slab.permittivity
+    )
 
 
 def capacitance_in_air(faces, ratio):
@@ -253,7 +256,7 @@ def test_no_charge_is_lost(seed, ratio):
 @examples
 def test_forces_are_the_energys_derivative(seed, ratio):
     slab = SlabInAir(crooked(seed), ratio=ratio, permittivity=2.0)
-    points, volts, step = slab.faces.points, (1.0, -0.6), 1e-5
+    points, volts, step = slab.electrodes.points, (1.0, -0.6), 1e-5
     expected = np.empty_like(points)
     for at in np.ndindex(points.shape):
         moved = np.zeros_like(points)
@@ -270,7 +273,7 @@ def test_forces_are_the_energys_derivative(seed, ratio):
 @examples
 def test_tangent_is_the_forces_derivative(seed, ratio):
     slab = SlabInAir(crooked(seed), ratio=ratio, permittivity=2.0)
-    points, volts, step = slab.faces.points, (1.0, -0.6), 1e-6
+    points, volts, step = slab.electrodes.points, (1.0, -0.6), 1e-6
     measured = tangent_in_air(slab.charges(volts))
     size = np.abs(measured).max()
     assert measured == pytest.approx(measured.T, abs=1e-12 * size)
@@ -300,7 +303,7 @@ def test_place_direction_and_unit_of_length_change_nothing(scale, turn):
     slab = SlabInAir(crooked(7), ratio=3.0)
     c, s = np.cos(turn), np.sin(turn)
     rotation = np.array([[c, s], [-s, c]])
-    there = moved_slab(slab, scale * slab.faces.points @ rotation + [5.0, -2.0]).charges(VOLTS)
+    there = moved_slab(slab, scale * slab.electrodes.points @ rotation + [5.0, -2.0]).charges(VOLTS)
     here = slab.charges(VOLTS)
     assert there.charge == pytest.approx(here.charge, abs=1e-9 * np.abs(here.charge).max())
     turned = forces_in_air(here) @ rotation / scale

@@ -20,8 +20,7 @@ from msvalidate.dielectric.charges import (
     strip_points,
 )
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.dielectric.charges.patches import patch_charges
-from msvalidate.dielectric.charges.plates import plate
+from msvalidate.dielectric.charges.patches import patch_charges, plate
 from msvalidate.problem import ProblemError
 
 FLAT = [[0.0, 0.0], [1.0, 0.0]]

@@ -8,8 +8,6 @@ import pytest
 from msvalidate.dielectric.charges import Moments, ReportModel, SlabInAir, facing_strips
 from msvalidate.dielectric.charges.checks import ROUNDED, check_error
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.dielectric.charges.patches import patch_charges
-from msvalidate.dielectric.charges.plates import plate
 from msvalidate.problem import SolverError
 from tests.table import table
 
@@ -67,7 +65,6 @@ def test_every_model_states_an_error():
     found = (
         ReportModel(strips, permittivity=8.9e-12, depth=0.2).charges(VOLTAGES),
         ReportModel(strips, permittivity=8.9e-12, kernel="plane").charges(VOLTAGES),
-        patch_charges(plate((0.37, 0.2), 6), (0.7,), permittivity=8.9e-12),
         SlabInAir(slab_faces(0.37, 0.2, 6), permittivity=8.9e-12).charges(VOLTAGES),
         Moments(strips, permittivity=8.9e-12, weighting="collocation").charges(VOLTAGES),
     )

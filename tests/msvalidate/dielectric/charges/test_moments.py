@@ -18,8 +18,7 @@ from msvalidate.dielectric.charges import (
     forces,
     strip_points,
 )
-from msvalidate.dielectric.charges.moments import WEIGHTINGS, coefficients
-from msvalidate.dielectric.charges.neutral import factorise
+from msvalidate.dielectric.charges.moments import WEIGHTINGS, coefficients, factorise
 from msvalidate.problem import SolverError
 
 X, W = np.polynomial.legendre.leggauss(20)

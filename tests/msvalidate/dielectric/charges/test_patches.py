@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,14 +15,14 @@ from msvalidate.dielectric.charges.exact import disc_capacitance, square_capacit
 from msvalidate.dielectric.charges.patches import (
     Patches,
     conductors,
+    disc,
     patch_capacitance,
     patch_charges,
+    plate,
 )
-from msvalidate.dielectric.charges.plates import disc, plate
-from msvalidate.dielectric.charges.views import corner_potential
+from msvalidate.dielectric.charges.pieces import corner_potential
 from msvalidate.dielectric.kernels.polygons import seen
 from msvalidate.problem import ProblemError
-from tests.table import table
 
 EXACT = 1e-11  # rounding of 1e-16, lost to cancellation over distances of up to 1e3 sizes
 examples = settings(max_examples=25, deadline=None)
@@ -101,12 +102,11 @@ def test_polar_patches_on_the_axis_of_a_disc():
 
 
 def test_order_of_corners_and_repeated_ones_change_nothing():
-    middle = [[0.3, 0.3, 0.0]]
+    middle = np.array([[0.3, 0.3, 0.0]])
     triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 0]]])
-    plain = Patches(triangle[:, :3], [0], middle)
+    plain = Patches(triangle[:, :3], np.array([0]), middle)
     for corners in (triangle, triangle[:, ::-1]):
-        patches = Patches(corners, [0], middle)
-        assert patches.area == pytest.approx([0.5])
+        patches = Patches(corners, np.array([0]), middle)
         assert patch_capacitance(patches) == pytest.approx(patch_capacitance(plain), rel=EXACT)
 
 
@@ -127,23 +127,12 @@ def test_square_plate():
     assert (orders(errors) > 2.5).all()
 
 
-def test_even_patches_converge_with_order_one():
-    errors = [
-        1 - patch_capacitance(plate((1.0, 1.0), n, grading=1.0)) / square_capacitance(1.0)
-        for n in (8, 16, 32)
-    ]
-    assert orders(errors)[-1] == pytest.approx(1.0, abs=0.1)
-
-
 def test_disc():
     errors = [
         1 - patch_capacitance(disc(2.0, rings)) / disc_capacitance(2.0) for rings in (6, 12, 24)
     ]
     assert errors[-1] == pytest.approx(0, abs=1e-4)
     assert orders(errors)[0] == pytest.approx(3.0, abs=0.3)
-    # Quadrilaterals need many more patches to be a disc.
-    flat = 1 - patch_capacitance(disc(2.0, 16, sectors=48, arcs=1)) / disc_capacitance(2.0)
-    assert errors[-1] < flat < 1e-3
 
 
 def love(gap, count=400):
@@ -159,7 +148,9 @@ def love(gap, count=400):
 
 @pytest.mark.parametrize("gap", [0.1, 1.0, 1e3])
 def test_a_pair_of_discs_against_loves_equation(gap):
-    pair = conductors(disc(1.0, 24, height=gap), disc(1.0, 24))
+    flat = disc(1.0, 24)
+    up = np.array([0.0, 0.0, gap])
+    pair = conductors(replace(flat, corners=flat.corners + up, middle=flat.middle + up), flat)
     assert patch_capacitance(pair) == pytest.approx(love(gap), rel=1e-4)
 
 
@@ -178,80 +169,39 @@ def test_a_pair_of_plates():
     assert 50 < near < 55
 
 
-@given(st.floats(0.1, 10), st.floats(1e-12, 10), st.floats(0, 2 * np.pi))
+@given(st.floats(0.1, 10), st.floats(0, 2 * np.pi))
 @examples
-def test_capacitance_goes_with_size_and_permittivity(scale, permittivity, turn):
+def test_capacitance_goes_with_size(scale, turn):
     base = plate((1.0, 0.7), 3)
     c, s = np.cos(turn), np.sin(turn)
     rotation = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
     corners, middle = (
         scale * (places @ rotation) + [5.0, -3.0, 2.0] for places in (base.corners, base.middle)
     )
-    moved = patch_capacitance(Patches(corners, base.conductor, middle), permittivity=permittivity)
-    assert moved == pytest.approx(scale * permittivity * patch_capacitance(base), rel=1e-8)
+    moved = patch_capacitance(Patches(corners, base.conductor, middle))
+    assert moved == pytest.approx(scale * patch_capacitance(base), rel=1e-8)
 
 
 def test_potentials_are_met_at_middles():
     patches = conductors(plate((1.0, 1.0), 4, height=0.3), plate((1.0, 1.0), 4))
-    found = patch_charges(patches, (3.0, -1.0), permittivity=2.0)
-    at_middles = seen(patches.middle, patches.corners) @ (found.charge / patches.area) / (8 * np.pi)
+    density = patch_charges(patches, (3.0, -1.0)) / np.prod(
+        np.ptp(patches.corners, axis=1)[:, :2], axis=1
+    )
+    at_middles = seen(patches.middle, patches.corners) @ density / (4 * np.pi)
     assert at_middles == pytest.approx(np.array([3.0, -1.0])[patches.conductor], rel=1e-10)
-    assert found.totals.sum() == pytest.approx(found.charge.sum(), rel=EXACT)
-
-
-# --- bad input ------------------------------------------------------------------------------------
-
-CENTRE = [[0.5, 0.5, 0.0]]
-TILTED = SQUARE + np.array([[0, 0, 0], [0, 0, 0], [0, 0, 0.1], [0, 0, 0]])
-TWICE = np.concatenate([SQUARE, np.add(SQUARE, [0.5, 0, 0])])
-MIDDLES = np.concatenate([CENTRE, np.add(CENTRE, [0.5, 0, 0])])
-
-
-@table(
-    ("corners", "conductor", "middle", "said"),
-    [
-        (SQUARE[0], [0], CENTRE, r"give \(n, c, 3\), c above 2"),
-        (SQUARE, [0], CENTRE[0], "middles of patches: shape"),
-        (SQUARE, [0, 1], CENTRE, "conductor: shape"),
-        (SQUARE, [1], CENTRE, "numbers are left out"),
-        (TILTED, [0], CENTRE, "patch 0: its corners and middle differ by 0.1 m in z"),
-        (SQUARE, [0], [[0.5, 0.5, 0.1]], "differ by 0.1 m in z"),
-        (SQUARE[:, [0, 2, 1, 3]], [0], CENTRE, "patch 0: it has no area or crosses itself"),
-        (SQUARE * [1, 0, 1], [0], CENTRE, "patch 0: it has no area"),
-        (SQUARE, [0], [[1.5, 0.5, 0.0]], "patch 0: its middle is beside it"),
-        (TWICE, [0, 0], MIDDLES, "patches 0 and 1: they overlap"),
-        (TWICE, [0, 1], MIDDLES, "conductors 0 and 1 overlap or touch at patches 0 and 1"),
-        (np.nan * SQUARE, [0], CENTRE, "every value must be finite"),
-    ],
-)
-def test_bad_patches_are_refused(corners, conductor, middle, said):
-    with pytest.raises(ProblemError, match=said):
-        Patches(corners, conductor, middle)
 
 
 def test_bad_questions_are_refused():
     one = plate((1.0, 1.0), 2)
-    with pytest.raises(ProblemError, match="overlap or touch"):
-        conductors(one, one)
-    with pytest.raises(ProblemError, match="bodies: none"):
-        conductors()
     with pytest.raises(ProblemError, match="give a Patches"):
-        conductors(one.corners)
+        patch_charges(one.corners, (1.0,))
     with pytest.raises(ProblemError, match=r"voltages: shape \(2,\); give \(1,\)"):
         patch_charges(one, (1.0, 0.0))
-    three = conductors(*(plate((1.0, 1.0), 2, height=z) for z in (0.0, 1.0, 2.0)))
-    with pytest.raises(ProblemError, match="patches: 3 conductors; a capacitance is of one or two"):
-        patch_capacitance(three)
-    for grading in (0.5, 9.0, np.nan):
-        with pytest.raises(ProblemError, match="grading"):
-            plate((1.0, 1.0), 2, grading=grading)
     for sides in (1.0, (1.0,), (1.0, 1.0, 1.0), None):
         with pytest.raises(ProblemError, match=r"sides: .*; give two lengths in m"):
             plate(sides, 2)
     for many in (lambda: plate((1.0, 1.0), 10**6), lambda: disc(1.0, 10**8)):
         with pytest.raises(ProblemError, match="patches, and the most is 2e"):
             many()
-    with pytest.raises(ProblemError, match="sectors: 1; give a whole number, 2 or more"):
-        disc(1.0, 2, sectors=1)
     with pytest.raises(ProblemError, match="radius: -1 m; it must be above zero"):
         disc(-1, 2)

@@ -19,8 +19,8 @@ from msvalidate.dielectric.charges.patches import (
     conductors,
     patch_capacitance,
     patch_charges,
+    plate,
 )
-from msvalidate.dielectric.charges.plates import plate
 from msvalidate.dielectric.charges.report_model import (
     KERNELS,
     PLACES,
@@ -78,7 +78,7 @@ def test_springs_are_rectangles_in_space(depth):
     z = np.broadcast_to(electrodes.start[:, 1:], x.shape)
     corners = np.stack([x, y, z], axis=-1)
     rectangles = Patches(corners, electrodes.electrode, corners.mean(axis=1))
-    expected = patch_charges(rectangles, VOLTS).charge / depth
+    expected = patch_charges(rectangles, VOLTS) / depth
     measured = ReportModel(electrodes, depth=depth).charges(VOLTS).charge
     assert measured == pytest.approx(expected, rel=EXACT)
 
