@@ -19,34 +19,35 @@ from numba.extending import overload
 from msvalidate.kernels.compiling import compiled
 from msvalidate.kernels.corners import (
     gather,
-    inner,
-    moved,
     numbers,
     numbers_or_zero,
     pull,
     quotient,
-    still,
 )
 from msvalidate.kernels.lanes import WIDTH, spread, total
-from msvalidate.kernels.values import Axes, Body, Cells, Corners, Lane, Type, Vector
+from msvalidate.kernels.values import Axes, Body, Corners, Lane, Type, Vector
 from msvalidate.problem import Array, Index
 
 Shape = Callable[[Body, Body], tuple[Lane, Body]]
 """Change of a multiple of V, and its slope, of cells at rest and their displacement."""
 
 
+@compiled(fused=True, inner=True)
 def _minus(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
+@compiled(fused=True, inner=True)
 def _plus(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
+@compiled(fused=True, inner=True)
 def _dot(a: Vector, b: Vector) -> Lane:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+@compiled(fused=True, inner=True)
 def _cross(a: Vector, b: Vector) -> Vector:
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -55,12 +56,7 @@ def _cross(a: Vector, b: Vector) -> Vector:
     )
 
 
-_minus = compiled(_minus, fused=True, inner=True)
-_plus = compiled(_plus, fused=True, inner=True)
-_dot = compiled(_dot, fused=True, inner=True)
-_cross = compiled(_cross, fused=True, inner=True)
-
-
+@compiled(fused=True, inner=True)
 def _area(P: Vector, Q: Vector, dp: Vector, dq: Vector) -> tuple[Lane, Vector, Vector]:
     """Change of p × q from P and Q on, and its slopes in p and q."""
     px, py, qx, qy = P[0] + dp[0], P[1] + dp[1], Q[0] + dq[0], Q[1] + dq[1]
@@ -68,6 +64,7 @@ def _area(P: Vector, Q: Vector, dp: Vector, dq: Vector) -> tuple[Lane, Vector, V
     return change, (qy, -qx), (-py, px)
 
 
+@compiled(fused=True, inner=True)
 def _determinant(
     P: Vector, Q: Vector, R: Vector, dp: Vector, dq: Vector, dr: Vector
 ) -> tuple[Lane, Vector, Vector, Vector]:
@@ -76,10 +73,6 @@ def _determinant(
     across = _cross(q, r)
     change = _dot(dp, across) + _dot(P, _plus(_cross(dq, r), _cross(Q, dr)))
     return change, across, _cross(r, p), _cross(p, q)
-
-
-_area = compiled(_area, fused=True, inner=True)
-_determinant = compiled(_determinant, fused=True, inner=True)
 
 
 def _triangle(X: Body, u: Body) -> tuple[Lane, Body]:
@@ -102,14 +95,12 @@ def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body]:
     return change, (at_1, at_2, at_3)
 
 
+@compiled(fused=True, inner=True)
 def _columns(
     a: Vector, b: Vector, c: Vector, d: Vector, end: Vector
 ) -> tuple[Vector, Vector, Vector]:
     """Columns p, q and r of one of the determinants of a hexahedron."""
     return _plus(_minus(c, a), _minus(d, b)), _minus(end, c), b
-
-
-_columns = compiled(_columns, fused=True, inner=True)
 
 
 def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
@@ -182,6 +173,7 @@ def _part_of_shape(X: Body) -> Callable[[Body], float]:
     return the_part
 
 
+@compiled(fused=True, inner=True)
 def _response(
     axes: Axes,
     corners: Corners,
@@ -202,9 +194,7 @@ def _response(
     return 0.5 * (pressure * change), part * pressure, slope
 
 
-_response = compiled(_response, fused=True, inner=True)
-
-
+@compiled(fused=True)
 def push(
     axes: Axes,
     corners: Corners,
@@ -235,41 +225,3 @@ def push(
         pull(axes, corners, F, cells, whole, end - whole, pressure, slope)
         stored = stored + energies
     return total(stored)
-
-
-push = compiled(push, fused=True)
-
-
-def _bent(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
-    corners, points, cells, kappa, rest = volumes  # type: ignore[misc]  # some
-    bend = spread(0.0)
-    for e in range(0, len(cells), WIDTH):
-        count = min(WIDTH, len(cells) - e)
-        _, pressure, slope = _response(axes, corners, points, u, (cells, kappa, rest), e, count)
-        w = gather(axes, corners, direction, cells, e, count)
-        change = _part(w) * inner(slope, w)
-        strained = quotient(change * change, numbers(rest, e, count))
-        # V is a form of degree d: its second derivative is (d - 1) slope(w)·(w, or x in space).
-        x = w
-        if len(axes) == 3:
-            at_rest = gather(axes, corners, points, cells, e, count)
-            x = moved(at_rest, gather(axes, corners, u, cells, e, count))
-        second = (len(axes) - 1.0) * inner(_multiple(w, still(w))[1], x)
-        bend = bend + (numbers_or_zero(kappa, e, count) * strained + pressure * second)
-    return total(bend)
-
-
-def _nothing_bent(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
-    return 0.0
-
-
-def volume_curvature(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
-    """Second derivative of the energy of all cells along `direction`. No volumes are ()."""
-    raise NotImplementedError
-
-
-@overload(volume_curvature, jit_options={"fastmath": {"contract"}})
-def _volume_curvature(
-    axes: Axes, u: Array, direction: Array, volumes: Cells
-) -> Callable[..., float]:
-    return _bent if len(volumes) else _nothing_bent
