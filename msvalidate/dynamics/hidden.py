@@ -15,7 +15,6 @@ import numpy as np
 from msvalidate.dynamics.scheme import MotionState
 from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Network
-from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import SolverError
 
 DIGITS = 1e-2
@@ -34,7 +33,7 @@ def is_at_rest(network: Network, start: MotionState) -> bool:
         return False
     with np.errstate(over="ignore"):
         left = np.abs(np.where(free, start.a, 0.0)) * network.mass[:, None]
-        return bool((left <= AT_REST * force_roundoff(network, network.size)).all())
+        return bool((left <= AT_REST * network.rounding(network.size)).all())
 
 
 def refuse_lost_digits(
@@ -73,7 +72,7 @@ def _expected_displacement(network: Network, start: MotionState, end: MotionStat
     move, if it has the time.
     """
     size = network.size
-    k = force_roundoff(network, size) / (EPS * size)
+    k = network.rounding(size) / (EPS * size)
     mass, free = network.mass[:, None], ~network.held
     force = np.maximum(np.abs(start.a) * mass, np.abs(network.force))
     speed = np.maximum(np.abs(start.v), np.abs(end.v))

@@ -21,7 +21,7 @@ from msvalidate.network.laws.linear import LINEAR
 from msvalidate.network.laws.quadratic import QUADRATIC
 from msvalidate.network.laws.volumes import stiffness_magnitudes
 from msvalidate.network.multigrid import make_cycle, restrained_tangent
-from msvalidate.network.residual import force_roundoff, force_scale
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium
@@ -229,14 +229,15 @@ class ConvergenceTest:
 
     def __init__(self, run: Run) -> None:
         self.run, network = run, run.network
-        self._at_lengths = 4 * force_roundoff(network, 0.0)
-        self._per_metre = 4 * force_roundoff(network, 1.0) - self._at_lengths
+        self._at_lengths = 4 * network.rounding(0.0)
+        self._per_metre = 4 * network.rounding(1.0) - self._at_lengths
         # A lattice is stepped as if springs that lead the same way were the same: in the network
         # each component of their vectors, and their lengths, may differ by 4 roundings of the
         # largest coordinate.
         self._apart = np.zeros_like(self._at_lengths)
         if run.motion.path == "lattice":
-            self._apart = 4 * (1 + math.sqrt(network.dim)) * force_roundoff(network)
+            apart = network.rounding(max_abs(network.points))
+            self._apart = 4 * (1 + math.sqrt(network.dim)) * apart
         k = np.abs(network.axial_stiffness)
         self._softest = float(k[k > 0].min(initial=np.inf))
         self._stiffest = _largest_point_stiffness(network)

@@ -26,7 +26,7 @@ PART = 1e-5
 each with a residual of its own, which costs as much as two cycles."""
 ROUGHLY = 1e-3
 WORN = 60
-"""Steps by a cycle of another place at which one of this place is made."""
+"""Steps by a cycle of another place from which one of this place is made."""
 
 
 class NotConvergedError(SolverError):

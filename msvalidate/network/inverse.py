@@ -100,7 +100,8 @@ class Regular:
         mode, met = np.zeros(free.shape), np.zeros(free.shape)
         mode[free], met[free] = way, self.diagonal
         soft = relative_stiffness(self.at, mode, met)
-        _refuse_no_stiffness(self.at.network, soft, mode)
+        if not abs(soft) > NO_STIFFNESS:  # NaN is nothing too
+            raise SolverError(describe_motion(self.at.network, mode))
         return soft, mode
 
 
@@ -150,11 +151,11 @@ class Solver:
             If some motion meets no stiffness, or memory does not suffice.
         """
         K = at.tangent() if K is None else K
-        if self.is_direct:
-            return self._direct(at, K)
         diagonal = K.diagonal()[~at.network.held.ravel()]
-        found = Regular(at, self.inverse(at, K), diagonal)
-        if self._looked:
+        found = Regular(at, self.inverse(at, K, mend=self.is_direct), diagonal)
+        if self.is_direct:
+            _ = found.softness  # a mechanism is refused here
+        if self.is_direct or self._looked:
             return found
         try:
             _refuse_rounding(found.softness)
@@ -180,13 +181,16 @@ class Solver:
         SolverError
             If nothing at all resists a component, or memory does not suffice.
         """
-        network = at.network
+        network, alone = at.network, K.diagonal()
         inside = np.flatnonzero(~network.held.ravel())
-        _refuse_unsupported(network, K.diagonal()[inside], inside)
+        if not alone[inside].all():  # nothing at all is in the way
+            mode = np.zeros(len(alone))
+            mode[inside[alone[inside] == 0][0]] = 1.0
+            raise SolverError(describe_motion(network, mode))
         if not self.is_direct:
             return self._multigrid(at, K)
         if self._order is None:
-            self._order = self._dissected().order
+            self._order = dissection(self._network).order
         A = csr_array(K)[inside][:, inside]
         return factorise(A, free_unknowns(self._order, network.held), mend=mend)
 
@@ -205,7 +209,7 @@ class Solver:
         """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
         if self.wanted == "direct":
             return
-        entries = self._network.dim**2 * self._dissected().entries
+        entries = self._network.dim**2 * dissection(self._network).entries
         if entries > min(most, choice.MOST_IN_NEED):
             raise SolverError(
                 f"{what}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
@@ -220,15 +224,6 @@ class Solver:
         chosen, found = choose(network.points, connected_pairs(network), d, entries)
         self._order = found.order if len(found.order) else None
         return chosen
-
-    def _dissected(self) -> Dissection:
-        return nested_dissection(self._network.points, connected_pairs(self._network))
-
-    def _direct(self, at: Configuration, K: bsr_array) -> Regular:
-        diagonal = K.diagonal()[~at.network.held.ravel()]
-        found = Regular(at, self.inverse(at, K, mend=True), diagonal)
-        _ = found.softness  # a mechanism is refused here
-        return found
 
     def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
         last = self._last.cycle if self._last else self._cycle
@@ -265,8 +260,12 @@ class Once(Solver):
 
 def elimination_order(network: Network) -> Index:
     """Free components (f,) of a network in the order to eliminate them."""
-    found = nested_dissection(network.points, connected_pairs(network))
-    return free_unknowns(found.order, network.held)
+    return free_unknowns(dissection(network).order, network.held)
+
+
+def dissection(network: Network) -> Dissection:
+    """The order to eliminate a network's points in, and what a factor takes."""
+    return nested_dissection(network.points, connected_pairs(network))
 
 
 def connected_pairs(network: Network) -> Index:
@@ -279,23 +278,9 @@ def _refuse_unsettled(told: bool) -> None:
         raise NotConvergedError("multigrid: conjugate gradients do not tell whether it is stable")
 
 
-def _refuse_no_stiffness(network: Network, soft: float, mode: Array) -> None:
-    """Raise `SolverError` for a motion (n·d,) that meets nothing: NaN is nothing too."""
-    if not abs(soft) > NO_STIFFNESS:
-        raise SolverError(describe_motion(network, mode))
-
-
 def _refuse_rounding(softness: float) -> None:
     if not is_certain(softness):
         raise NotConvergedError(
             f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
             "by one, too little to be told from rounding"
         )
-
-
-def _refuse_unsupported(network: Network, diagonal: Array, inside: Index) -> None:
-    """Raise `SolverError` for a component that nothing at all is in the way of."""
-    if not diagonal.all():
-        mode = np.zeros(network.points.size)
-        mode[inside[int(np.flatnonzero(diagonal == 0)[0])]] = 1.0
-        raise SolverError(describe_motion(network, mode))

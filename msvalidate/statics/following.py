@@ -24,11 +24,11 @@ from msvalidate.network import Configuration
 from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import Regular, Solver
 from msvalidate.network.mechanism import is_certain
-from msvalidate.network.residual import force_roundoff, force_scale
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, field
 from msvalidate.statics.path import LoadPath
-from msvalidate.statics.tangents import LARGEST_TURN, Tangent, is_positive_definite, tangent_at
+from msvalidate.statics.tangents import LARGEST_TURN, Tangent, tangent_at
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -149,9 +149,7 @@ def newton_step_along(
         try:
             at = Configuration(network, u)
             balance = at.force() + force
-            small = TOLERANCE * force_scale(at) + 4 * force_roundoff(
-                network, network.size + max_abs(u)
-            )
+            small = TOLERANCE * force_scale(at) + 4 * network.rounding(network.size + max_abs(u))
             K = tangent_at(at, solver)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
@@ -172,7 +170,7 @@ def newton_step_along(
             return NewtonResult(None, iteration + 1)
         if at.largest_rotation(move) > LARGEST_TURN:
             return NewtonResult(None, iteration + 1)
-        calm = calm and K.is_positive_definite
+        calm = calm and K.no_pivot_negative
         first = move if first is None else first
         u = u + move
     return NewtonResult(None, steps)
@@ -181,7 +179,7 @@ def newton_step_along(
 def _is_stable(K: Tangent) -> bool:
     """Whether the tangent is positive definite, as far as rounding allows a decision."""
     try:
-        return K.found is None or is_positive_definite(K.found)
+        return K.is_stable
     except NotConvergedError:  # multigrid cannot tell: a factor may
         raise
     except SolverError:

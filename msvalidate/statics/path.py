@@ -8,7 +8,6 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, format_value
 from msvalidate.problem.records import dataclass, replace
@@ -119,7 +118,7 @@ def load_path(
     present = Configuration(network, u).length if tightened else None
     begun = LoadPath(network, u, stops, given, start is not None, present)
     left = Configuration(begun.network_at(0.0), u).force() + begun.load(0.0)
-    rounding = 4 * force_roundoff(network, network.size + max_abs(u))
+    rounding = 4 * network.rounding(network.size + max_abs(u))
     left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
     return replace(begun, released=left)
 

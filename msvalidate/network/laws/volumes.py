@@ -274,7 +274,7 @@ def stiffness_magnitudes(volumes: Volumes) -> Array:
 def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     """Sum (n,) of the forces (N) of a cell whose corners move by `reach` (m) and its own size.
 
-    An eps of it is the rounding of a force: see `residual.force_roundoff`.
+    An eps of it is the rounding of a force: see `Network.rounding`.
     """
     size = np.linalg.norm(_gradient(volumes, volumes.corners, volumes.corners), axis=2)
     V0 = volumes.rest_volume
