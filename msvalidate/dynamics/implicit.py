@@ -121,12 +121,7 @@ class NetworkAcceleration:
 
 
 def increment(
-    acceleration: Acceleration,
-    x: Array,
-    a: Array,
-    b: Array,
-    p: Array | float,
-    q: float,
+    acceleration: Acceleration, x: Array, a: Array, b: Array, p: Array | float, q: float
 ) -> tuple[Array, Array]:
     """The δ of p·δ - q·a(x + δ) = b, and a(x + δ).
 

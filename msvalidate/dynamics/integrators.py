@@ -12,13 +12,7 @@ from functools import partial
 import numpy as np
 
 from msvalidate.dynamics.implicit import increment
-from msvalidate.dynamics.scheme import (
-    Acceleration,
-    Factors,
-    Integrator,
-    LeadingError,
-    MotionState,
-)
+from msvalidate.dynamics.scheme import Acceleration, Factors, Integrator, LeadingError, MotionState
 from msvalidate.dynamics.variants import OLD, VARIANTS, explicit_euler_limit
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_entry

@@ -220,17 +220,9 @@ RELAXATIONS = {
     "algorithm1": ALGORITHM1,
     "viscous_leapfrog": viscous(LEAPFROG, name="viscous_leapfrog"),
     "kinetic_damping": Method(
-        "kinetic_damping",
-        "kinetic damping",
-        "[Cundall1976]; [Barnes1999]",
-        _kinetic_damping,
+        "kinetic_damping", "kinetic damping", "[Cundall1976]; [Barnes1999]", _kinetic_damping
     ),
-    "fire": Method(
-        "fire",
-        "FIRE",
-        "[Bitzek2006], with semi-implicit Euler steps",
-        _fire,
-    ),
+    "fire": Method("fire", "FIRE", "[Bitzek2006], with semi-implicit Euler steps", _fire),
     "adaptive": Method(
         "adaptive",
         "adaptive dynamic relaxation",

@@ -17,13 +17,7 @@ from collections.abc import Callable
 from numba.extending import overload
 
 from msvalidate.kernels.compiling import compiled
-from msvalidate.kernels.corners import (
-    gather,
-    numbers,
-    numbers_or_zero,
-    pull,
-    quotient,
-)
+from msvalidate.kernels.corners import gather, numbers, numbers_or_zero, pull, quotient
 from msvalidate.kernels.lanes import WIDTH, spread, total
 from msvalidate.kernels.values import Axes, Body, Corners, Lane, Type, Vector
 from msvalidate.problem import Array, Index

@@ -6,12 +6,7 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
-from msvalidate.linear_algebra.multigrid import (
-    Cycle,
-    aggregate,
-    diagonal_blocks,
-    restrain_in_place,
-)
+from msvalidate.linear_algebra.multigrid import Cycle, aggregate, diagonal_blocks, restrain_in_place
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, rigid_motions
 

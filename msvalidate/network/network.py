@@ -15,12 +15,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network.blocks import Blocks, blocks_of
-from msvalidate.network.checks import (
-    broadcast_values,
-    check_cells,
-    check_springs,
-    refuse_first_bad,
-)
+from msvalidate.network.checks import broadcast_values, check_cells, check_springs, refuse_first_bad
 from msvalidate.network.folds import Simplices, simplices_of
 from msvalidate.network.laws import volumes as of_volumes
 from msvalidate.network.laws.law import Coefficients, SpringLaw
