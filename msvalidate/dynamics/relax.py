@@ -119,7 +119,8 @@ def relax(
     for stage in stages:
         loose = tolerance if stage is network else max(tolerance, STOPOVER)
         run = Run(stage, method.title, loose, known, begun)
-        found, at_ease = _run_to_rest(run, method, (max_steps, look_every), watch)
+        with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+            found, at_ease = _run_to_rest(run, method, (max_steps, look_every), watch)
         done.append(found)
         begun = found.equilibrium.displacement
         if not at_ease:  # ended by its watcher
@@ -246,14 +247,6 @@ def _run_to_rest(
     """The run at its end, and whether that is rest; what is held at every point is not asked."""
     if run.network.held.all():
         return Monitor(run).result(0.0), False
-    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
-        return _looked_after(run, method, steps, watch)
-
-
-def _looked_after(
-    run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
-) -> tuple[Relaxation, bool]:
-    """The same of a run that moves: walked from look to look."""
     given, stride = steps
     walk = method.walk(run)
     next(walk)  # prepares

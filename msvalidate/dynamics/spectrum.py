@@ -18,7 +18,7 @@ from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Network, configuration_at, tangent
 from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.network.multigrid import force_against, make_cycle, restrained_tangent
+from msvalidate.network.multigrid import free_force, make_cycle, restrained_tangent
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -220,12 +220,7 @@ def _squares_by_energy(network: Network, position: Array, count: int) -> Array:
     for _ in range(SWEEPS):
         modes = np.column_stack([factor.solve(mass * mode) for mode in modes.T])
         modes = np.linalg.qr(np.sqrt(mass)[:, None] * modes)[0] / np.sqrt(mass)[:, None]
-    pushes = []
-    for mode in modes.T:
-        motion = np.zeros(network.held.size)
-        motion[inside] = mode
-        pushes.append(force_against(at, motion)[inside])
-    energies = modes.T @ np.column_stack(pushes)
+    energies = modes.T @ np.column_stack([free_force(at, mode) for mode in modes.T])
     return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
 
 

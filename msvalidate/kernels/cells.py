@@ -22,8 +22,8 @@ from msvalidate.kernels.lanes import WIDTH, spread, total
 from msvalidate.kernels.values import Axes, Body, Corners, Lane, Type, Vector
 from msvalidate.problem import Array, Index
 
-Shape = Callable[[Body, Body], tuple[Lane, Body]]
-"""Change of a multiple of V, and its slope, of cells at rest and their displacement."""
+Shape = Callable[[Body, Body], tuple[Lane, Body, float]]
+"""Change of a multiple of V, its slope, and what part of it V is, of cells and a displacement."""
 
 
 @compiled(fused=True, inner=True)
@@ -69,24 +69,24 @@ def _determinant(
     return change, across, _cross(r, p), _cross(p, q)
 
 
-def _triangle(X: Body, u: Body) -> tuple[Lane, Body]:
+def _triangle(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """2 V = x1 × x2."""
     change, at_1, at_2 = _area(X[0], X[1], u[0], u[1])
-    return change, (at_1, at_2)
+    return change, (at_1, at_2), 1 / 2
 
 
-def _quadrilateral(X: Body, u: Body) -> tuple[Lane, Body]:
+def _quadrilateral(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """2 V = x2 × (x3 - x1), of the diagonals."""
     across = X[2][0] - X[0][0], X[2][1] - X[0][1]
     moved_across = u[2][0] - u[0][0], u[2][1] - u[0][1]
     change, at_2, at_3 = _area(X[1], across, u[1], moved_across)
-    return change, ((-at_3[0], -at_3[1]), at_2, at_3)
+    return change, ((-at_3[0], -at_3[1]), at_2, at_3), 1 / 2
 
 
-def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body]:
+def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """6 V = x1·(x2 × x3)."""
     change, at_1, at_2, at_3 = _determinant(X[0], X[1], X[2], u[0], u[1], u[2])
-    return change, (at_1, at_2, at_3)
+    return change, (at_1, at_2, at_3), 1 / 6
 
 
 @compiled(fused=True, inner=True)
@@ -97,7 +97,7 @@ def _columns(
     return _plus(_minus(c, a), _minus(d, b)), _minus(end, c), b
 
 
-def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
+def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """12 V, three determinants round the diagonal from corner 0 to corner 6.
 
     The volume of the trilinear map, so the one between bilinear faces.
@@ -122,49 +122,29 @@ def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
         _plus(_plus(q1, q2), q3),
         _plus(b, r2),
     )
-    return first + second + third, slope
+    return first + second + third, slope, 1 / 12
 
 
-_SHAPES: dict[tuple[int, int], tuple[Shape, float]] = {
-    (2, 2): (_triangle, 1 / 2),
-    (2, 3): (_quadrilateral, 1 / 2),
-    (3, 3): (_tetrahedron, 1 / 6),
-    (3, 7): (_hexahedron, 1 / 12),
+_SHAPES: dict[tuple[int, int], Shape] = {
+    (2, 2): _triangle,
+    (2, 3): _quadrilateral,
+    (3, 3): _tetrahedron,
+    (3, 7): _hexahedron,
 }
-"""(axes, corners but the first) of a cell -> a multiple of its volume, and what part V is of it."""
+"""(axes, corners but the first) of a cell -> its shape."""
 
 
-def _multiple(X: Body, u: Body) -> tuple[Lane, Body]:
-    """Change and slope of a multiple of V, of the shape with so many corners."""
+def _multiple(X: Body, u: Body) -> tuple[Lane, Body, float]:
+    """The shape with so many corners, of cells."""
     raise NotImplementedError
-
-
-def _part(X: Body) -> float:
-    """What part of the multiple V is."""
-    raise NotImplementedError
-
-
-def _sizes(kind: Type) -> tuple[int, int]:
-    """Axes, and corners but the first, of the type of a body.
-
-    Numba has the makers of overloads annotated as what they make, though they are shown types.
-    """
-    return len(kind.dtype), len(kind)
 
 
 @overload(_multiple, jit_options={"forceinline": True, "fastmath": {"contract"}})
 def _multiple_of_shape(X: Body, u: Body) -> Shape:
-    return _SHAPES[_sizes(X)][0]
-
-
-@overload(_part)
-def _part_of_shape(X: Body) -> Callable[[Body], float]:
-    part = _SHAPES[_sizes(X)][1]
-
-    def the_part(X: Body) -> float:
-        return part
-
-    return the_part
+    body: Type = (
+        X  # Numba has makers of overloads annotated as what they make, but shows them types
+    )
+    return _SHAPES[len(body.dtype), len(body)]
 
 
 @compiled(fused=True, inner=True)
@@ -181,8 +161,7 @@ def _response(
     cells, kappa, rest = laws
     at_rest = gather(axes, corners, X, cells, first, count)
     moves = gather(axes, corners, u, cells, first, count)
-    part = _part(at_rest)
-    multiple, slope = _multiple(at_rest, moves)
+    multiple, slope, part = _multiple(at_rest, moves)
     change = part * multiple
     pressure = numbers_or_zero(kappa, first, count) * quotient(change, numbers(rest, first, count))
     return 0.5 * (pressure * change), part * pressure, slope

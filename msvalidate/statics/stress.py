@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 from itertools import combinations, combinations_with_replacement
-from typing import Literal
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -26,27 +25,23 @@ from scipy.spatial import cKDTree
 from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.ties import TIE
-from msvalidate.network import Configuration, Network
+from msvalidate.network import Network
 from msvalidate.network.laws.volumes import Volumes, dilatation, tension_virial
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
     positive_number,
-    require_one_of,
     require_type,
     whole_number,
 )
 from msvalidate.statics.equilibrium import Equilibrium
 
-Geometry = Literal["linear", "nonlinear"]
 
-
-def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
+def spring_virial(network: Network, found: Equilibrium) -> Array:
     """Virial (m, d, d) in N·m of each spring: its pull times its vector, f d⊗d/|d|.
 
-    "linear": the force to first order in the displacement times the reference vector, f⊗D.
-    "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
+    To first order in the displacement: the force times the reference vector, f⊗D.
 
     Source: [Clausius1870], [BornHuang1954].
 
@@ -57,16 +52,12 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
     """
     require_type("network", network, Network)
     require_type("equilibrium", found, Equilibrium)
-    require_one_of("geometry", geometry, ("linear", "nonlinear"))
     if found.position.shape != network.points.shape:
         raise ProblemError(
             f"stress: displacements {found.position.shape}, points {network.points.shape}; give "
             "the network's own equilibrium"
         )
     # Elongations come from displacements: positions have few digits of small ones, or none.
-    if geometry == "nonlinear":
-        at = Configuration(network, found.displacement)
-        return np.asarray(at.force_density[:, None, None] * _dyads(at.vector, at.vector))
     vector, (i, j) = network.vector, network.springs.T
     apart = found.displacement[j] - found.displacement[i]
     strain = (apart * vector).sum(axis=1) / network.distance**2
@@ -89,7 +80,6 @@ def cell_stress(
     lattice: Lattice,
     found: Equilibrium,
     *,
-    geometry: Geometry = "linear",
     thickness: float = 1.0,
     parts: csr_array | None = None,
 ) -> Array:
@@ -127,31 +117,22 @@ def cell_stress(
             raise ProblemError(f"stress: parts {parts.shape}; give spring_shares of this lattice")
         spring, cell = parts.nonzero()
         part = parts[spring, cell]
-    virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
+    virial = part[:, None, None] * spring_virial(network, found)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
-    total += network.of_cells(_pressure_virial, lattice, found, geometry)
-    if geometry == "nonlinear":
-        volume = volume * _volume_ratio(lattice, found)
+    total += network.of_cells(_pressure_virial, lattice, found)
     return _voigt_components(total / volume[:, None, None])
 
 
-def _pressure_virial(
-    volumes: Volumes, lattice: Lattice, found: Equilibrium, geometry: Geometry
-) -> Array:
+def _pressure_virial(volumes: Volumes, lattice: Lattice, found: Equilibrium) -> Array:
     """Virial (c, d, d) in N·m of the cells' volumes: U'(J) V along each axis."""
     if not np.array_equal(volumes.cells, lattice.cells):
         raise ProblemError(
             "stress: the network's volumes are not the lattice's cells; give its own"
         )
-    d = volumes.dim
-    if geometry == "linear":
-        grown = dilatation(volumes, found.displacement, linear=True)
-        even = np.multiply.outer(volumes.rest_volume * volumes.curvature * grown, np.eye(d))
-        return even + tension_virial(volumes, found.displacement)
-    grown = dilatation(volumes, found.displacement)
-    slope = volumes.slope + volumes.law.change(*volumes.coefficients, grown)
-    return np.multiply.outer(slope * volumes.rest_volume * (1 + grown), np.eye(d))
+    pressure = volumes.curvature * dilatation(volumes, found.displacement, linear=True)
+    even = np.multiply.outer(volumes.rest_volume * pressure, np.eye(volumes.dim))
+    return even + tension_virial(volumes, found.displacement)
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:
@@ -303,15 +284,6 @@ def _corner_volume(lattice: Lattice) -> Array:
     if isinstance(lattice, CutLattice):
         return lattice.corner_volume
     return corner_volumes(lattice.points, lattice.cells)
-
-
-def _volume_ratio(lattice: Lattice, found: Equilibrium) -> Array:
-    """Volume (c,) of each cell at rest relative to that before."""
-    near = lattice.points - lattice.points[0]
-    now, before = (
-        corner_volumes(x, lattice.cells).sum(axis=1) for x in (near + found.displacement, near)
-    )
-    return np.asarray(now / before)
 
 
 def _voigt_components(tensors: Array) -> Array:
