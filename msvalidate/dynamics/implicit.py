@@ -125,23 +125,11 @@ def increment(
 ) -> tuple[Array, Array]:
     """The δ of p·δ - q·a(x + δ) = b, and a(x + δ).
 
-    Parameters
-    ----------
-    acceleration
-        One that can be solved.
-    x, a
-        Position (m) and the acceleration (m/s²) there.
-    b, p, q
-        In m, 1 and s²; p one number, or one a component.
+    `x` and `a` are the position (m) and the acceleration (m/s²) there, `b`, `p` and `q` in m, 1 and
+    s²; p is one number, or one a component.
 
-    Raises
-    ------
-    ProblemError
-        If the acceleration is a plain function.
-    ConvergenceError
-        If Newton's method does not converge.
-    SolverError
-        If the step is beyond what numbers hold.
+    Raises `ProblemError` if the acceleration is a plain function; `ConvergenceError` if Newton's
+    method does not converge; `SolverError` if the step is beyond what numbers hold.
     """
     if not _is_solvable(acceleration):
         raise ProblemError(

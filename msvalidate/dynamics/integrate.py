@@ -298,10 +298,8 @@ def _check_arguments(
 def damping_rate(network: Network, damping: ArrayLike) -> Array:
     """Damping (n,) in 1/s from one number or one value a point.
 
-    Raises
-    ------
-    ProblemError
-        If a value is negative or not finite, or their number is not that of the points.
+    Raises `ProblemError` if a value is negative or not finite, or their number is not that of the
+    points.
     """
     require_type("network", network, Network)
     rate = finite("damping", damping)

@@ -323,10 +323,7 @@ def require_integrator(name: str, value: object) -> None:
 def step_factors(scheme: Integrator) -> Factors:
     """What `kernels.Motion.advance` needs of a scheme.
 
-    Raises
-    ------
-    ProblemError
-        If it does not move with one new velocity.
+    Raises `ProblemError` if it does not move with one new velocity.
     """
     require_integrator("scheme", scheme)
     if scheme.factors is None:

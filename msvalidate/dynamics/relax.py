@@ -138,19 +138,9 @@ def algorithm1(
 ) -> Relaxation:
     """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
 
+    Its arguments are those of `relax`, `dt` and `damping` those of `viscous.viscous`.
+
     Source: [Report], section 4, Algorithm 1.
-
-    Parameters
-    ----------
-    network, tolerance, max_steps
-        As in `relax`.
-    dt, damping
-        As in `viscous.viscous`.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As in `relax`.
     """
     require_type("network", network, Network)
     if damping is not None:
@@ -160,13 +150,7 @@ def algorithm1(
 
 
 def _judge(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
-    """A run at rest with the error of where it rests; refused where that is no answer.
-
-    Raises
-    ------
-    SolverError
-        If it rests where it is unstable, with cells that are folded, or off by all that it moved.
-    """
+    """A run at rest with the error of where it rests; refused where that is no answer."""
     network = run.network
     if not is_stable(Configuration(network, found.equilibrium.displacement), run.cycle):
         raise SolverError(

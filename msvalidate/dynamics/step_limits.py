@@ -80,10 +80,7 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
 
     Made by two steps of the scheme itself, which is linear in the state.
 
-    Raises
-    ------
-    ProblemError
-        If an argument is not a finite number.
+    Raises `ProblemError` if an argument is not a finite number.
     """
     omega, h, damping = (
         finite_number(name, value)

@@ -161,11 +161,8 @@ class Motion:
         kinetic energy (J) of the last, and whether it ended there because that fell: `to_peak`
         stops after the first such step, counted from `kinetic`, and is for one thread.
 
-        Raises
-        ------
-        ProblemError
-            If an array is of another shape, or displacement or velocity are none of float64 that
-            can be written to. Numbers are not looked at: a NaN comes out as one.
+        Raises `ProblemError` if an array is of another shape, or displacement or velocity are none
+        of float64 that can be written to. Numbers are not looked at: a NaN comes out as one.
         """
         self._refuse_shape(displacement=displacement, velocity=velocity, keep=keep, push=push)
         u, v = _written("displacement", displacement), _written("velocity", velocity)

@@ -38,10 +38,7 @@ class Configuration:
     grown
         (m,) in m²: squares of the lengths less those at the reference points.
 
-    Raises
-    ------
-    SolverError
-        If a spring has no length: it pulls in no direction.
+    Raises `SolverError` if a spring has no length: it pulls in no direction.
     """
 
     def __init__(self, network: Network, displacement: Array | None = None) -> None:
@@ -172,12 +169,8 @@ class Configuration:
 def configuration_at(network: Network, position: Array) -> Configuration:
     """The configuration at `position` (n, d) in m.
 
-    Raises
-    ------
-    ProblemError
-        If positions do not fit the network, or are no ordinary numbers.
-    SolverError
-        As for `Configuration`.
+    Raises `ProblemError` if positions do not fit the network, or are no ordinary numbers;
+    `SolverError` as for `Configuration`.
     """
     require_type("network", network, Network)
     if getattr(position, "shape", None) != network.points.shape:

@@ -60,10 +60,7 @@ class Cycles:
     def solve(self, right: Array, part: float = PART) -> Array:
         """Solution (f,) for a right-hand side (f,), to a part of itself.
 
-        Raises
-        ------
-        NotConvergedError
-            If conjugate gradients do not get there.
+        Raises `NotConvergedError` if conjugate gradients do not get there.
         """
         largest = float(np.abs(right).max(initial=0.0))
         if not largest:

@@ -108,6 +108,8 @@ class Regular:
 class Solver:
     """Inverts the tangents of one network, at one place after another.
 
+    Raises `ProblemError` if there is no such solver.
+
     Parameters
     ----------
     network
@@ -116,11 +118,6 @@ class Solver:
         "direct", "multigrid", or "auto", which counts what a factor takes.
     cycle
         Of a place close by, for the first multigrid.
-
-    Raises
-    ------
-    ProblemError
-        If there is no such solver.
     """
 
     def __init__(self, network: Network, wanted: str = "auto", cycle: Cycle | None = None) -> None:
@@ -145,10 +142,7 @@ class Solver:
         A factor, and the first multigrid, are looked at: some motion may meet no stiffness. Later
         ones are when they are asked.
 
-        Raises
-        ------
-        SolverError
-            If some motion meets no stiffness, or memory does not suffice.
+        Raises `SolverError` if some motion meets no stiffness, or memory does not suffice.
         """
         K = at.tangent() if K is None else K
         diagonal = K.diagonal()[~at.network.held.ravel()]
@@ -174,12 +168,8 @@ class Solver:
     def inverse(self, at: Configuration, K: bsr_array, *, mend: bool = False) -> Factor | Cycles:
         """Inverse of the free part of K that nobody has looked at; `mend` as of `factorise`.
 
-        Raises
-        ------
-        RuntimeError
-            If a pivot is zero.
-        SolverError
-            If nothing at all resists a component, or memory does not suffice.
+        Raises `RuntimeError` if a pivot is zero; `SolverError` if nothing at all resists a
+        component, or memory does not suffice.
         """
         network, alone = at.network, K.diagonal()
         inside = np.flatnonzero(~network.held.ravel())

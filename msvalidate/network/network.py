@@ -260,10 +260,8 @@ class Network:
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,).
 
-        Raises
-        ------
-        ProblemError
-            If the factor is of another shape, not finite, or makes a stiffness negative.
+        Raises `ProblemError` if the factor is of another shape, not finite, or makes a stiffness
+        negative.
         """
         times = finite("factor of the stiffness", factor)
         if times.shape not in {(), self.stiffness.shape}:

@@ -64,10 +64,8 @@ def force_scale(at: Configuration) -> float:
 
     Springs between points that are held take no part in any balance and do not count.
 
-    Raises
-    ------
-    SolverError
-        If the forces are beyond all numbers: any residual would be small beside them.
+    Raises `SolverError` if the forces are beyond all numbers: any residual would be small beside
+    them.
     """
     network = at.network
     with np.errstate(over="ignore", invalid="ignore"):  # refused below

@@ -31,11 +31,8 @@ CLEAR = 10.0
 def negative_modes(found: Regular) -> int:
     """Number of negative eigenvalues of the tangent that `found` is the inverse of.
 
-    Raises
-    ------
-    SolverError
-        If more motions than can be looked at meet no more than rounding; `NotConvergedError` if one
-        does, and there is no factor.
+    Raises `SolverError` if more motions than can be looked at meet no more than rounding;
+    `NotConvergedError` if one does, and there is no factor.
     """
     if is_certain(found.softness):
         return found.negative

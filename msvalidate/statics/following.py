@@ -104,10 +104,7 @@ def follow_path(path: LoadPath, solver: Solver) -> PathResult:
 
     `solver` inverts the tangents.
 
-    Raises
-    ------
-    SolverError
-        If the network is a mechanism where it stands.
+    Raises `SolverError` if the network is a mechanism where it stands.
     """
     found = PathResult(path.start)
     here, increment = PathPoint(0.0, path.start), 1.0

@@ -96,6 +96,8 @@ def load_path(
 ) -> LoadPath:
     """The path of a network from a start to its own loads and displacements.
 
+    Raises `ProblemError` if the path does not rise to 1, ends elsewhere, or an array does not fit.
+
     Parameters
     ----------
     network
@@ -105,11 +107,6 @@ def load_path(
     start
         (n, d) displacement (m) from which it begins; by default 0. Where the start is out of
         balance, what is missing is applied and taken away along the path.
-
-    Raises
-    ------
-    ProblemError
-        If the path does not rise to 1, ends elsewhere, or an array does not fit.
     """
     stops, given = _check_stops(path), path if callable(path) else None
     u = np.zeros(network.points.shape) if start is None else start

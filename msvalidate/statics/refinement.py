@@ -108,10 +108,8 @@ class _System:
 def refine_linear(network: Network, solver: Solver) -> Refined:
     """The linear equilibrium from the reference points: one inverse, and corrections.
 
-    Raises
-    ------
-    SolverError
-        If the network is a mechanism or unstable, or no trustworthy digits are left.
+    Raises `SolverError` if the network is a mechanism or unstable, or no trustworthy digits are
+    left.
     """
     prescribed = np.array(network.displacement)
     if network.held.all():
@@ -143,10 +141,8 @@ def refine_equilibrium(
 
     `found` is the inverse of the tangent there, where it is at hand; `solver` makes others.
 
-    Raises
-    ------
-    SolverError
-        If the network is a mechanism or unstable there, or no trustworthy digits are left.
+    Raises `SolverError` if the network is a mechanism or unstable there, or no trustworthy digits
+    are left.
     """
     title = "nonlinear equilibrium"
     u = np.where(network.held, network.displacement, displacement)

@@ -45,10 +45,7 @@ def spring_virial(network: Network, found: Equilibrium) -> Array:
 
     Source: [Clausius1870], [BornHuang1954].
 
-    Raises
-    ------
-    ProblemError
-        If the equilibrium is not one of this network.
+    Raises `ProblemError` if the equilibrium is not one of this network.
     """
     require_type("network", network, Network)
     require_type("equilibrium", found, Equilibrium)
@@ -252,10 +249,7 @@ def cell_volume(lattice: Lattice) -> Array:
 def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
     """Springs and cells (q,) of which each spring is an edge or a diagonal.
 
-    Raises
-    ------
-    ProblemError
-        If a spring joins corners of no one cell.
+    Raises `ProblemError` if a spring joins corners of no one cell.
     """
     require_type("lattice", lattice, Lattice)
     n = len(lattice.points)

@@ -70,10 +70,7 @@ class Tangent:
 def tangent_at(at: Configuration, solver: Solver) -> Tangent:
     """The tangent there, and its inverse as a solver has it.
 
-    Raises
-    ------
-    SolverError
-        If some motion meets no stiffness.
+    Raises `SolverError` if some motion meets no stiffness.
     """
     free = np.flatnonzero(~at.network.held.ravel())
     K = at.tangent()

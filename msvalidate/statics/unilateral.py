@@ -58,10 +58,8 @@ class Unilateral:
 
         It stops at the part `within` of the first violation, or else where there is none.
 
-        Raises
-        ------
-        SolverError
-            If it does not get there, or an obstacle is pressed so hard that nothing bears it.
+        Raises `SolverError` if it does not get there, or an obstacle is pressed so hard that
+        nothing bears it.
         """
         free = self._gap_at(np.zeros_like(self._start))
         force = self._begin(free)

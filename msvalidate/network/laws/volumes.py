@@ -167,10 +167,7 @@ class Volumes:
 def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
     """Volumes (c,) in m³, in the plane areas in m², of cells as in `Volumes`.
 
-    Raises
-    ------
-    ProblemError
-        As for `Volumes`.
+    Raises `ProblemError` as for `Volumes`.
     """
     t = integers("cells", cells)
     return Volumes(finite_coordinates("points", points), t, np.zeros(t.shape[:1])).rest_volume
