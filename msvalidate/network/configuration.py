@@ -206,12 +206,6 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     return configuration_at(network, position).mode_energy(motion)
 
 
-def spring_vectors(network: Network, position: Array) -> tuple[Array, Array]:
-    """Vectors (m, d) in m of the springs at `position` (n, d) in m, and their lengths (m,) in m."""
-    found = configuration_at(network, position)
-    return found.vector, found.length
-
-
 def frequency_bound(network: Network) -> float:
     """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
 

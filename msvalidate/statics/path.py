@@ -152,20 +152,16 @@ def _evaluate_path(network: Network, given: Callable[[float], Applied], t: float
             f"path: at t = {t:g} no pair of force and displacement ({error}); return two arrays "
             f"{network.points.shape}"
         ) from error
-    found = []
-    for name, value, checked in (
-        ("force", force, finite),
-        ("displacement", displacement, finite_coordinates),
-    ):
-        need = f"return {network.points.shape}"
-        array = checked(f"path: {name} at t = {t:g}", value, *network.points.shape, need=need)
-        found.append(array)
-    if found[1][~network.held].any():
-        point = int(np.flatnonzero((~network.held & (found[1] != 0)).any(axis=1))[0])
+    shape, need = network.points.shape, f"return {network.points.shape}"
+    force = finite(f"path: force at t = {t:g}", force, *shape, need=need)
+    name = f"path: displacement at t = {t:g}"
+    displacement = finite_coordinates(name, displacement, *shape, need=need)
+    if displacement[~network.held].any():
+        point = int(np.flatnonzero((~network.held & (displacement != 0)).any(axis=1))[0])
         raise ProblemError(
             f"path: displacement at t = {t:g} of point {point}, which is not held; return 0 there"
         )
-    return found[0], found[1]
+    return force, displacement
 
 
 def _refuse_other_end(network: Network, given: Callable[[float], Applied]) -> None:

@@ -16,7 +16,7 @@ network is in [BornHuang1954]. Stresses are Voigt's, xx, yy, xy or xx, yy, zz, y
 from __future__ import annotations
 
 import math
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations_with_replacement
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -104,7 +104,10 @@ def cell_stress(
         If they do not belong together, or a spring runs in no cell, as in lattices whose springs
         reach from one cell to the next.
     """
-    _refuse_other_lattice(network, lattice)
+    require_type("network", network, Network)
+    require_type("lattice", lattice, Lattice)
+    if not np.array_equal(network.springs, lattice.springs):
+        raise ProblemError("stress: the network's springs are not the lattice's; give its own")
     volume = cell_volume(lattice) * positive_number("thickness", thickness, "m")
     if parts is None:
         spring, cell = spring_cell_pairs(lattice)
@@ -154,13 +157,6 @@ def point_stress(lattice: Lattice, stress: Array) -> Array:
     total = np.zeros((n, given.shape[1]))
     np.add.at(total, lattice.cells, corner[..., None] * given[:, None])
     return np.asarray(total / around[:, None])
-
-
-def _refuse_other_lattice(network: Network, lattice: Lattice) -> None:
-    require_type("network", network, Network)
-    require_type("lattice", lattice, Lattice)
-    if not np.array_equal(network.springs, lattice.springs):
-        raise ProblemError("stress: the network's springs are not the lattice's; give its own")
 
 
 def fitted_stress(
@@ -255,8 +251,9 @@ def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
     n = len(lattice.points)
     code = lattice.springs.min(axis=1) * n + lattice.springs.max(axis=1)
     order = np.argsort(code, kind="stable")
-    pairs = [np.sort(lattice.cells[:, ends], axis=1) for ends in _pairs(lattice.cells.shape[1])]
-    wanted = np.stack([pair[:, 0] * n + pair[:, 1] for pair in pairs])
+    first, second = np.triu_indices(lattice.cells.shape[1], 1)
+    ends = lattice.cells[:, first], lattice.cells[:, second]
+    wanted = (np.minimum(*ends) * n + np.maximum(*ends)).T
     at = np.minimum(np.searchsorted(code[order], wanted), len(code) - 1)
     spring = order[at]
     there = code[spring] == wanted
@@ -267,10 +264,6 @@ def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
             f"{lattice.springs[missed[0]].tolist()}, corners of no one cell; ask fitted_stress"
         )
     return spring[there], np.broadcast_to(np.arange(len(lattice.cells)), there.shape)[there]
-
-
-def _pairs(corners: int) -> list[list[int]]:
-    return [list(pair) for pair in combinations(range(corners), 2)]
 
 
 def _corner_volume(lattice: Lattice) -> Array:

@@ -4,8 +4,8 @@ Question   Order of accuracy of each scheme on a smooth motion, without and with
 Candidate  `integrate.motion` on a network of 6 x 6 points that swings in its lowest mode, so little
            that it is linear; leapfrog starts from `stagger_velocity`.
 Reference  The mode's motion in closed form, and the matrix of each scheme's step of one mode,
-           whose powers say what order is to be seen over these very steps. As printed, Verlet follows
-           half of all forces: see `misprints`.
+           whose powers say what order is to be seen over these very steps. As printed, Verlet
+           follows half of all forces: see `misprints`.
 Expected   The order that each scheme claims, undamped. Under damping leapfrog keeps its second
            order, for its viscous force is centred; velocity Verlet falls to the first: two half
            kicks leave (1 - ch/2)² = 1 - ch + c²h²/4 of the velocity, where exp(-ch) has c²h²/2.
