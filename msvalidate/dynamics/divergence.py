@@ -42,16 +42,8 @@ class StabilityWarning(UserWarning):
 class Stepping:
     """What a run's steps are.
 
-    Parameters
-    ----------
-    network, scheme
-        What moves, and by which scheme.
-    dt, steps
-        Time step (s) and how many there are.
-    rate
-        Damping (n,) in 1/s.
-    ground
-        Ground springs, if there are any.
+    `network`, `scheme`: what moves, and by which scheme. `dt`, `steps`: time step (s) and how many
+    there are. `rate`: damping (n,) in 1/s. `ground`: ground springs, if there are any.
     """
 
     network: Network

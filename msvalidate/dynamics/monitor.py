@@ -26,18 +26,7 @@ class HistoryRow(NamedTuple):
 
 
 class Monitor:
-    """Watches a run.
-
-    Parameters
-    ----------
-    run
-        What a method moves; it is not changed.
-
-    Attributes
-    ----------
-    history
-        All rows so far, the first before any step.
-    """
+    """Watches a run, which is not changed; `history` has all rows so far, the first of no step."""
 
     def __init__(self, run: Run) -> None:
         self.run = run

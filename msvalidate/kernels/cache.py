@@ -96,13 +96,6 @@ class KernelCache:
 
     A file that cannot be read, or is not as it was written, is none; where none can be written,
     the next process compiles again.
-
-    Parameters
-    ----------
-    function
-        The Python function.
-    options
-        How it is compiled.
     """
 
     def __init__(self, function: Callable[..., Any], options: object) -> None:

@@ -37,18 +37,9 @@ class NotConvergedError(SolverError):
 class Cycles:
     """Multigrid as an inverse: conjugate gradients, with one cycle a step.
 
-    Parameters
-    ----------
-    A
-        Tangent, restrained.
-    at
-        Whose tangent it is.
-    cycle
-        Of this tangent, or of one close by.
-    is_own
-        Whether of this tangent.
-    steps
-        Of conjugate gradients, the most in one solution.
+    `A`: tangent, restrained. `at`: whose tangent it is. `cycle`: of this tangent, or of one close
+    by. `is_own`: whether of this tangent. `steps`: of conjugate gradients, the most in one
+    solution.
     """
 
     A: bsr_array

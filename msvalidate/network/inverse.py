@@ -41,14 +41,7 @@ softest motion, of which it has most, need not be looked for: solid bodies have 
 class Regular:
     """An inverse of a tangent's free part, and what its softest motion meets.
 
-    Parameters
-    ----------
-    at
-        Whose tangent.
-    inverse
-        Of the free part.
-    diagonal
-        Of the free part (f,) in N/m.
+    `at`: whose tangent. `inverse`: of the free part. `diagonal`: of the free part (f,) in N/m.
     """
 
     at: Configuration
@@ -110,14 +103,9 @@ class Solver:
 
     Raises `ProblemError` if there is no such solver.
 
-    Parameters
-    ----------
-    network
-        Others with the same points, springs and supports may be asked about as well.
-    wanted
-        "direct", "multigrid", or "auto", which counts what a factor takes.
-    cycle
-        Of a place close by, for the first multigrid.
+    `network`: others with the same points, springs and supports may be asked about as well.
+    `wanted`: "direct", "multigrid", or "auto", which counts what a factor takes. `cycle`: of a
+    place close by, for the first multigrid.
     """
 
     def __init__(self, network: Network, wanted: str = "auto", cycle: Cycle | None = None) -> None:
@@ -224,13 +212,7 @@ class Solver:
 
 
 class Once(Solver):
-    """A solver that inverts the tangent it is first asked for, whatever the loads, until renewed.
-
-    Parameters
-    ----------
-    network, wanted
-        As of `Solver`.
-    """
+    """A solver that inverts the tangent it is first asked for, under any loads, until renewed."""
 
     def __init__(self, network: Network, wanted: str) -> None:
         super().__init__(network, wanted)

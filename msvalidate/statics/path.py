@@ -98,15 +98,9 @@ def load_path(
 
     Raises `ProblemError` if the path does not rise to 1, ends elsewhere, or an array does not fit.
 
-    Parameters
-    ----------
-    network
-        Its force and displacement are where the path ends.
-    path
-        By default in proportion, with no stop before the end.
-    start
-        (n, d) displacement (m) from which it begins; by default 0. Where the start is out of
-        balance, what is missing is applied and taken away along the path.
+    `network`: its force and displacement are where the path ends. `path`: by default in proportion,
+    with no stop before the end. `start`: (n, d) displacement (m) from which it begins; by default
+    0. Where the start is out of balance, what is missing is applied and taken away along the path.
     """
     stops, given = _check_stops(path), path if callable(path) else None
     u = np.zeros(network.points.shape) if start is None else start

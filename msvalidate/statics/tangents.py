@@ -26,14 +26,8 @@ longer ones land on folded and inside-out equilibria."""
 class Tangent:
     """A tangent stiffness, and the inverse of its free part.
 
-    Parameters
-    ----------
-    free
-        (f,) numbers of the free components.
-    K
-        (n·d, n·d) in N/m.
-    found
-        Inverse of the free rows and columns, and their softest motion; None where nothing is free.
+    `free`: (f,) numbers of the free components. `K`: (n·d, n·d) in N/m. `found`: inverse of the
+    free rows and columns, and their softest motion; None where nothing is free.
     """
 
     free: Index
