@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike
 from msvalidate import kernels
 from msvalidate.dynamics.divergence import (
     Stepping,
+    is_at_rest,
     largest_reach,
     refuse_diverged,
     refuse_long_step,
+    refuse_lost_digits,
     warn_beyond_limit,
 )
-from msvalidate.dynamics.hidden import is_at_rest, refuse_lost_digits
 from msvalidate.dynamics.implicit import NetworkAcceleration
 from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
 from msvalidate.dynamics.scheme import Integrator, MotionState
@@ -101,7 +102,7 @@ def motion(
     ProblemError
         If an argument is out of range.
     SolverError
-        If the motion grows beyond all numbers, or rounding of positions hides it (`hidden`).
+        If the motion grows beyond all numbers, or rounding of positions hides it.
     """
     require_integrator("integrator", integrator)
     if not (watch is None or callable(watch)):
@@ -244,7 +245,7 @@ def euler_cromer(
         If an argument is out of range.
     SolverError
         If the motion grows beyond all numbers, or rounding of positions or of springs' lengths
-        hides it (`hidden`).
+        hides it.
     """
     if not compiled:
         asked = network, state, EULER_CROMER, dt, steps, damping

@@ -1,7 +1,4 @@
-"""A run to rest: what a relaxation moves, when it is at rest, and what comes of it.
-
-`monitor` is what is seen of it.
-"""
+"""A run to rest: what a relaxation moves, when it is at rest, and what comes of it."""
 
 from __future__ import annotations
 
@@ -38,6 +35,8 @@ PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
 MOST_STEPS = 10**9
 """Predicted steps, patience included, that nobody would wait for."""
+DIVERGED = 1e3
+"""Displacement, in sizes of the body, that no equilibrium of interest has."""
 SLOWEST = 1e-7
 """Of the highest frequency: below it a lowest one may be the rounding of none at all."""
 
