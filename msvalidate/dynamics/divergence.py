@@ -77,7 +77,7 @@ def warn_beyond_limit(run: Stepping) -> None:
     if not (bound > 0 and math.isfinite(bound)):
         return
     try:
-        if _has_one_end(scheme) and run.dt <= stability_limit(scheme, bound, bound, run.rate):
+        if scheme.limit(0.0) > 0 and run.dt <= stability_limit(scheme, bound, bound, run.rate):
             return
     except (ProblemError, SolverError):
         return
@@ -91,11 +91,6 @@ def warn_beyond_limit(run: Stepping) -> None:
         )
 
 
-def _has_one_end(scheme: Integrator) -> bool:
-    """Whether the highest frequency alone decides on a scheme's limit."""
-    return scheme.limit(0.0) > 0
-
-
 def _limit(run: Stepping) -> float | None:
     """Stability limit (s) at the reference positions; None where it is not known."""
     network, scheme = run.network, run.scheme
@@ -104,7 +99,7 @@ def _limit(run: Stepping) -> float | None:
     if scheme.limit(0.0) == run.rate.min() == 0:  # also of a mechanism
         return 0.0
     try:
-        if _has_one_end(scheme):
+        if scheme.limit(0.0) > 0:  # the highest frequency alone decides
             highest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
             highest = lowest = run.highest(highest)
         else:

@@ -49,7 +49,9 @@ class SolvableAcceleration(Protocol):
     def __call__(self, x: Array) -> Array:
         """Acceleration in m/s² at positions in m."""
 
-    def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
+    def solve(
+        self, x: Array, residual: Array, p: Array | float, q: float, /, *, fresh: bool
+    ) -> Array:
         """The δ in m of (p - q·∂a/∂x)·δ = residual; unless `fresh`, ∂a/∂x of an earlier x maybe."""
 
 
@@ -65,15 +67,7 @@ class ModeAcceleration:
         """Acceleration in m/s² at positions in m."""
         return np.asarray(-(self.omega**2) * x)
 
-    def solve(
-        self,
-        x: Array,  # noqa: ARG002
-        residual: Array,
-        p: Array | float,
-        q: float,
-        *,
-        fresh: bool,  # noqa: ARG002
-    ) -> Array:
+    def solve(self, _: Array, residual: Array, p: Array | float, q: float, **__: bool) -> Array:
         """The δ in m of (p + q·ω²)·δ = residual."""
         return np.asarray(residual / (p + q * self.omega**2))
 

@@ -58,6 +58,7 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
 
 
 def _direct_moves(run: Run) -> Move:
+    """By a factor of each tangent, [SuperLU]."""
     solver = Solver(run.network, "direct")
 
     def move(load: Array, ahead: Array) -> Array:
@@ -73,7 +74,10 @@ def _direct_moves(run: Run) -> Move:
 
 
 class _Multigrid:
-    """Moves of one run, and what they hand on: the hierarchy, and how far to solve."""
+    """Moves of one run, and what they hand on: the hierarchy, and how far to solve.
+
+    Source: [Vanek1996], [EisenstatWalker1996]; hierarchy by [PyAMG2022].
+    """
 
     def __init__(self, run: Run) -> None:
         self.run, self.free = run, ~run.network.held
@@ -122,17 +126,7 @@ class _Multigrid:
         return min(FIRST_PART, max(LEAST_PART, part))
 
 
-NEWTON = Method(
-    "newton",
-    "Newton's method",
-    "[NocedalWright2006], section 11.1; factor by [SuperLU]",
-    partial(_newton, _direct_moves),
-    look_every=1,
-)
+NEWTON = Method("newton", "Newton's method", partial(_newton, _direct_moves), look_every=1)
 NEWTON_MULTIGRID = Method(
-    "newton_multigrid",
-    "Newton's method by multigrid",
-    "[Vanek1996]; [EisenstatWalker1996]; hierarchy by [PyAMG2022]",
-    partial(_newton, _Multigrid),
-    look_every=1,
+    "newton_multigrid", "Newton's method by multigrid", partial(_newton, _Multigrid), look_every=1
 )

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
-from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER
 from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
@@ -147,9 +146,6 @@ def algorithm1(
 
     Source: [Report], section 4, Algorithm 1.
     """
-    require_type("network", network, Network)
-    if damping is not None:
-        damping_rate(network, damping)
     method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
     return relax(network, method, tolerance=tolerance, max_steps=max_steps)
 

@@ -36,7 +36,8 @@ def viscous(
 ) -> Method:
     """Relaxation by motion under a virtual viscosity.
 
-    Source: [Papadrakakis1981] for the damping; the loop is that of [Report], section 4.
+    Source: [Papadrakakis1981] for leapfrog with centred damping; Euler-Cromer's loop is that of
+    [Report], section 4.
 
     Parameters
     ----------
@@ -61,7 +62,6 @@ def viscous(
     return Method(
         name,
         title or f"viscous {scheme.name}",
-        "[Report], section 4 (Euler-Cromer); [Papadrakakis1981] (leapfrog with centred damping)",
         partial(_viscous, scheme, dt, damping),
     )
 

@@ -48,7 +48,12 @@ class Configuration:
         self.move = displacement[j] - displacement[i]
         self.vector = network.vector + self.move
         self.length = np.linalg.norm(self.vector, axis=1)
-        self._refuse_no_length()
+        if not self.length.all():
+            spring = int(np.flatnonzero(self.length == 0)[0])
+            raise SolverError(
+                f"spring {spring} has no length: points {network.springs[spring].tolist()} have "
+                "been pushed into one place, where no direction is left; reduce the load"
+            )
         self.grown = ((network.vector + self.vector) * self.move).sum(axis=1)
 
     @cached_property
@@ -155,15 +160,6 @@ class Configuration:
         with np.errstate(over="ignore", invalid="ignore"):
             change = np.linalg.norm(motion[j] - motion[i], axis=1) / self.length
         return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
-
-    def _refuse_no_length(self) -> None:
-        if not self.length.all():
-            spring = int(np.flatnonzero(self.length == 0)[0])
-            raise SolverError(
-                f"spring {spring} has no length: points "
-                f"{self.network.springs[spring].tolist()} have been pushed into one place, where "
-                "no direction is left; reduce the load"
-            )
 
 
 def configuration_at(network: Network, position: Array) -> Configuration:

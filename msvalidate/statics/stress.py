@@ -16,7 +16,7 @@ network is in [BornHuang1954]. Stresses are Voigt's, xx, yy, xy or xx, yy, zz, y
 from __future__ import annotations
 
 import math
-from itertools import combinations_with_replacement
+from itertools import product
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -281,15 +281,8 @@ def _voigt_components(tensors: Array) -> Array:
 
 def _monomial_powers(dim: int, degree: int) -> Index:
     """Powers (q, d) of all monomials up to a degree: 1 first, then the coordinates."""
-    each = [
-        np.bincount(axes, minlength=dim)
-        for total in range(degree + 1)
-        for axes in (
-            np.array(some, dtype=np.intp)
-            for some in combinations_with_replacement(range(dim), total)
-        )
-    ]
-    return np.array(each)
+    powers = [p for p in product(range(degree + 1), repeat=dim) if sum(p) <= degree]
+    return np.array(sorted(powers, key=lambda p: (sum(p), [-power for power in p])))
 
 
 def _fit_strain(x: Array, u: Array, place: Array, powers: Index) -> Array:
