@@ -1,6 +1,12 @@
-"""Runs that blow up: warned of before their first step, refused with what is at fault.
+"""Motions that blow up, or that rounding hides: refused with what is at fault.
 
-A run is told from its time step, the scheme's limit, and how far its motion may go.
+Of one that blows up is warned before its first step; it is told from its time step, the scheme's
+limit, and how far it may go.
+
+A state carries positions. Where displacements are small against their rounding, a spring that has
+been stretched is as long as before and does not pull. Judged are the two ends of a motion; what it
+might come to is told by its loads and velocities, so that a few steps of a motion that has digits
+are no less than the whole of it.
 """
 
 from __future__ import annotations
@@ -14,6 +20,7 @@ from msvalidate.dynamics.implicit import ConvergenceError
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
+from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Network, frequency_bound
 from msvalidate.network.ground import Ground
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
@@ -21,17 +28,20 @@ from msvalidate.problem.records import dataclass
 
 SPECTRUM_ERROR = 1e-4
 """Of the squared frequencies from which limits are told: their last digits cost the most."""
-
-
 RUNAWAY = 1e6
 """Times the body's size, and the distance that a free point would go in a run: a motion that is
 farther from its start has blown up."""
-
-
 LONGEST_STEP = 1e7
 """h·ω of a scheme without a limit: masses beside h²/4 times the stiffness are 4e-14 there."""
 FARTHEST = 1e12
 """Lengths of the shortest spring that a point may go: three digits of that length are left."""
+DIGITS = 1e-2
+"""Part of the largest displacement that rounding may hide: two digits are left, what a plot shows.
+Velocities have more. Runs that a pulse begins with e^-18 of its height have that and are ordinary;
+below, what is found is soon no motion."""
+AT_REST = 8.0
+"""Roundings up to which what nothing loads is at rest: as many springs meet at a lattice's points,
+each rounded by itself."""
 
 
 class StabilityWarning(UserWarning):
@@ -42,16 +52,8 @@ class StabilityWarning(UserWarning):
 class Stepping:
     """What a run's steps are.
 
-    Parameters
-    ----------
-    network, scheme
-        What moves, and by which scheme.
-    dt, steps
-        Time step (s) and how many there are.
-    rate
-        Damping (n,) in 1/s.
-    ground
-        Ground springs, if there are any.
+    `network`, `scheme`: what moves, and by which scheme. `dt`, `steps`: time step (s) and how many
+    there are. `rate`: damping (n,) in 1/s. `ground`: ground springs, if there are any.
     """
 
     network: Network
@@ -75,7 +77,7 @@ def warn_beyond_limit(run: Stepping) -> None:
     if not (bound > 0 and math.isfinite(bound)):
         return
     try:
-        if _has_one_end(scheme) and run.dt <= stability_limit(scheme, bound, bound, run.rate):
+        if scheme.limit(0.0) > 0 and run.dt <= stability_limit(scheme, bound, bound, run.rate):
             return
     except (ProblemError, SolverError):
         return
@@ -89,11 +91,6 @@ def warn_beyond_limit(run: Stepping) -> None:
         )
 
 
-def _has_one_end(scheme: Integrator) -> bool:
-    """Whether the highest frequency alone decides on a scheme's limit."""
-    return scheme.limit(0.0) > 0
-
-
 def _limit(run: Stepping) -> float | None:
     """Stability limit (s) at the reference positions; None where it is not known."""
     network, scheme = run.network, run.scheme
@@ -102,7 +99,7 @@ def _limit(run: Stepping) -> float | None:
     if scheme.limit(0.0) == run.rate.min() == 0:  # also of a mechanism
         return 0.0
     try:
-        if _has_one_end(scheme):
+        if scheme.limit(0.0) > 0:  # the highest frequency alone decides
             highest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
             highest = lowest = run.highest(highest)
         else:
@@ -172,3 +169,58 @@ def _largest_ordinary_step(run: Stepping, start: MotionState) -> float:
         (LONGEST_STEP, frequency_bound(run.network)),
     )
     return min((top / each for top, each in bounds if each > 0), default=math.inf)
+
+
+def is_at_rest(network: Network, start: MotionState) -> bool:
+    """Whether the network stays at rest: no load, velocity or displacement, springs in balance."""
+    free = ~network.held
+    if start.x.any() or start.v.any() or network.force[free].any():
+        return False
+    with np.errstate(over="ignore"):
+        left = np.abs(np.where(free, start.a, 0.0)) * network.mass[:, None]
+        return bool((left <= AT_REST * network.rounding(network.size)).all())
+
+
+def refuse_lost_digits(
+    network: Network, scheme: str, start: MotionState, end: MotionState, rounded: float
+) -> None:
+    """Raise `SolverError` for a motion with fewer digits than `DIGITS` asks for.
+
+    `rounded` (m) is the largest length that is rounded whenever forces are computed: it comes back
+    in the displacements of as many springs as the body is long. What nothing loads may come to
+    rest, in many calls: positions tell its end as they tell its start, and from there a few
+    roundings of a velocity are no motion.
+    """
+    moved = max(max_abs(start.x), max_abs(end.x))
+    ends = [np.abs(network.points + one.x) for one in (start, end)]
+    at = 0.5 * EPS * max_abs(np.where(network.held, 0.0, np.maximum(*ends)))
+    along = network.size / float(network.distance.max())
+    lost = max(at, 0.5 * EPS * rounded * along)
+    if moved * DIGITS >= lost:
+        return
+    moved = max(moved, _expected_displacement(network, start, end))
+    loaded = bool(network.force[~network.held].any())
+    if not loaded and (start.x.any() or moved <= AT_REST * at):
+        return
+    if 0 < moved * DIGITS < lost:
+        raise SolverError(
+            f"{scheme}: displacements of about {moved:.1g} m where rounding of positions and "
+            f"lengths is {lost:.1g} m; move the body to the origin, or raise loads and "
+            f"velocities {2 * lost / DIGITS / moved:.1g} times"
+        )
+
+
+def _expected_displacement(network: Network, start: MotionState, end: MotionState) -> float:
+    """Displacement (m) that loads and velocities come to against a point's own springs alone.
+
+    v/ω and f/k with ω² = k/m, k all that meets at the point: no less than these does a free point
+    move, if it has the time.
+    """
+    size = network.size
+    k = network.rounding(size) / (EPS * size)
+    mass, free = network.mass[:, None], ~network.held
+    force = np.maximum(np.abs(start.a) * mass, np.abs(network.force))
+    speed = np.maximum(np.abs(start.v), np.abs(end.v))
+    with np.errstate(all="ignore"):  # where there are no springs: infinite, if anything acts
+        far = np.maximum(force / k, speed * np.sqrt(mass) / np.sqrt(k))
+    return float(np.nan_to_num(far[free], nan=0.0, posinf=math.inf).max(initial=0.0))

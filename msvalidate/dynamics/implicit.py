@@ -49,7 +49,9 @@ class SolvableAcceleration(Protocol):
     def __call__(self, x: Array) -> Array:
         """Acceleration in m/s² at positions in m."""
 
-    def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
+    def solve(
+        self, x: Array, residual: Array, p: Array | float, q: float, /, *, fresh: bool
+    ) -> Array:
         """The δ in m of (p - q·∂a/∂x)·δ = residual; unless `fresh`, ∂a/∂x of an earlier x maybe."""
 
 
@@ -65,15 +67,7 @@ class ModeAcceleration:
         """Acceleration in m/s² at positions in m."""
         return np.asarray(-(self.omega**2) * x)
 
-    def solve(
-        self,
-        x: Array,  # noqa: ARG002
-        residual: Array,
-        p: Array | float,
-        q: float,
-        *,
-        fresh: bool,  # noqa: ARG002
-    ) -> Array:
+    def solve(self, _: Array, residual: Array, p: Array | float, q: float, **__: bool) -> Array:
         """The δ in m of (p + q·ω²)·δ = residual."""
         return np.asarray(residual / (p + q * self.omega**2))
 
@@ -121,32 +115,15 @@ class NetworkAcceleration:
 
 
 def increment(
-    acceleration: Acceleration,
-    x: Array,
-    a: Array,
-    b: Array,
-    p: Array | float,
-    q: float,
+    acceleration: Acceleration, x: Array, a: Array, b: Array, p: Array | float, q: float
 ) -> tuple[Array, Array]:
     """The δ of p·δ - q·a(x + δ) = b, and a(x + δ).
 
-    Parameters
-    ----------
-    acceleration
-        One that can be solved.
-    x, a
-        Position (m) and the acceleration (m/s²) there.
-    b, p, q
-        In m, 1 and s²; p one number, or one a component.
+    `x` and `a` are the position (m) and the acceleration (m/s²) there, `b`, `p` and `q` in m, 1 and
+    s²; p is one number, or one a component.
 
-    Raises
-    ------
-    ProblemError
-        If the acceleration is a plain function.
-    ConvergenceError
-        If Newton's method does not converge.
-    SolverError
-        If the step is beyond what numbers hold.
+    Raises `ProblemError` if the acceleration is a plain function; `ConvergenceError` if Newton's
+    method does not converge; `SolverError` if the step is beyond what numbers hold.
     """
     if not _is_solvable(acceleration):
         raise ProblemError(

@@ -15,17 +15,18 @@ from numpy.typing import ArrayLike
 from msvalidate import kernels
 from msvalidate.dynamics.divergence import (
     Stepping,
+    is_at_rest,
     largest_reach,
     refuse_diverged,
     refuse_long_step,
+    refuse_lost_digits,
     warn_beyond_limit,
 )
-from msvalidate.dynamics.hidden import is_at_rest, refuse_lost_digits
 from msvalidate.dynamics.implicit import NetworkAcceleration
 from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
-from msvalidate.dynamics.step_limits import stability_limit
+from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.network import Network
 from msvalidate.network.breakage import Breakage
 from msvalidate.network.folds import count_folded
@@ -34,7 +35,6 @@ from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
-    finite_number,
     format_value,
     positive_number,
     require_type,
@@ -102,7 +102,7 @@ def motion(
     ProblemError
         If an argument is out of range.
     SolverError
-        If the motion grows beyond all numbers, or rounding of positions hides it (`hidden`).
+        If the motion grows beyond all numbers, or rounding of positions hides it.
     """
     require_integrator("integrator", integrator)
     if not (watch is None or callable(watch)):
@@ -145,13 +145,7 @@ def motion(
     return State(end, now.v, count_folded(network.simplices, end))
 
 
-def stagger_velocity(
-    network: Network,
-    state: State,
-    dt: float,
-    damping: ArrayLike = 0.0,
-    ground: Ground | None = None,
-) -> State:
+def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
     """The state with its velocity half a step earlier: how leapfrog starts.
 
     v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
@@ -161,7 +155,7 @@ def stagger_velocity(
     """
     rate = _check_arguments(network, state, dt, 0, damping)[:, None]
     u = np.asarray(state.position, dtype=float) - network.points
-    a = NetworkAcceleration(network, ground)(u)
+    a = NetworkAcceleration(network)(u)
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))
 
@@ -170,23 +164,20 @@ def recommended_time_step(
     network: Network,
     integrator: Integrator,
     *,
-    safety: float = 0.9,
     damping: ArrayLike = 0.0,
     ground: Ground | None = None,
 ) -> float:
-    """Time step (s): `safety` times the stability limit of a network at its reference positions.
+    """Time step (s): `SAFETY` times the stability limit of a network at its reference positions.
 
     Source: `stability_limit` at the highest frequency; with ground springs at their bound.
 
     Raises
     ------
     ProblemError
-        If the safety is not between 0 and 1, or no step is stable, or every one.
+        If no step is stable, or every one.
     SolverError
         If the network is a mechanism.
     """
-    if not 0 < finite_number("safety", safety) <= 1:
-        raise ProblemError(f"safety: {safety:g}; give a part of the limit, above 0 and at most 1")
     require_integrator("integrator", integrator)
     rate = damping_rate(network, damping)
     if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
@@ -209,7 +200,7 @@ def recommended_time_step(
             f"{integrator.name}: unstable at any step with damping {rate.max():g} 1/s; take another"
             " scheme"
         )
-    return safety * limit
+    return SAFETY * limit
 
 
 def euler_cromer(
@@ -254,7 +245,7 @@ def euler_cromer(
         If an argument is out of range.
     SolverError
         If the motion grows beyond all numbers, or rounding of positions or of springs' lengths
-        hides it (`hidden`).
+        hides it.
     """
     if not compiled:
         asked = network, state, EULER_CROMER, dt, steps, damping
@@ -308,10 +299,8 @@ def _check_arguments(
 def damping_rate(network: Network, damping: ArrayLike) -> Array:
     """Damping (n,) in 1/s from one number or one value a point.
 
-    Raises
-    ------
-    ProblemError
-        If a value is negative or not finite, or their number is not that of the points.
+    Raises `ProblemError` if a value is negative or not finite, or their number is not that of the
+    points.
     """
     require_type("network", network, Network)
     rate = finite("damping", damping)

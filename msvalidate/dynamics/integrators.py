@@ -12,20 +12,8 @@ from functools import partial
 import numpy as np
 
 from msvalidate.dynamics.implicit import increment
-from msvalidate.dynamics.scheme import (
-    Acceleration,
-    Factors,
-    Integrator,
-    LeadingError,
-    MotionState,
-)
-from msvalidate.dynamics.variants import (
-    OLD,
-    VARIANTS,
-    explicit_euler_limit,
-    explicit_euler_matrix,
-    velocity_first,
-)
+from msvalidate.dynamics.scheme import Acceleration, Factors, Integrator, LeadingError, MotionState
+from msvalidate.dynamics.variants import OLD, VARIANTS, explicit_euler_limit
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_entry
 
@@ -64,7 +52,6 @@ EXPLICIT_EULER = Integrator(
     order=1,
     symplectic=False,
     step=_explicit_euler,
-    matrix=explicit_euler_matrix,
     damping=OLD,
     limit=explicit_euler_limit,
     swelling=1.0,
@@ -88,10 +75,6 @@ def _euler_cromer_limit(zeta: float) -> float:
     return 2 / (math.hypot(1, zeta) + zeta)  # 2(√(1 + ζ²) - ζ), without cancellation
 
 
-def _euler_cromer_matrix(h: float, c: float) -> Array:
-    return velocity_first(h, 1 - c * h, h)
-
-
 def _euler_cromer_error(angle: float) -> float:
     return 0.5 * abs(math.sin(angle))
 
@@ -106,7 +89,6 @@ EULER_CROMER = Integrator(
     order=1,
     symplectic=True,
     step=partial(_with_one_velocity, _euler_cromer),
-    matrix=_euler_cromer_matrix,
     damping=OLD,
     limit=_euler_cromer_limit,
     leading=LeadingError(
@@ -147,17 +129,12 @@ def _leapfrog_limit(_: float) -> float:
     return 2.0
 
 
-def _leapfrog_matrix(h: float, c: float) -> Array:
-    return velocity_first(h, (1 - c * h / 2) / (1 + c * h / 2), h / (1 + c * h / 2))
-
-
 LEAPFROG = Integrator(
     "leapfrog",
     "leapfrog",
     order=2,
     symplectic=True,
     step=partial(_with_one_velocity, _leapfrog),
-    matrix=_leapfrog_matrix,
     damping="from the mean of the old and the new velocity",
     limit=_leapfrog_limit,
     damped_order=2,
@@ -174,13 +151,6 @@ def _velocity_verlet(
     x = now.x + h * half
     a = acceleration(x)
     return MotionState(x, half + 0.5 * h * (a - c * half), a)
-
-
-def _velocity_verlet_matrix(h: float, c: float) -> Array:
-    half = 1 - c * h / 2
-    kick, drift = np.array([[1, 0], [-h / 2, half]]), np.array([[1, h], [0, 1]])
-    # The second kick damps before it adds the force, as the first does.
-    return np.asarray(kick @ drift @ kick)
 
 
 def _velocity_verlet_limit(zeta: float) -> float:
@@ -204,7 +174,6 @@ VELOCITY_VERLET = Integrator(
     order=2,
     symplectic=True,
     step=_velocity_verlet,
-    matrix=_velocity_verlet_matrix,
     damping="in each half kick from the velocity before it",
     limit=_velocity_verlet_limit,
     leading=VERLET_ERROR,
@@ -226,13 +195,6 @@ def _runge_kutta(
     a4 = acceleration(now.x + h * v3) - c * v4
     x = now.x + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4)
     return MotionState(x, now.v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4), acceleration(x))
-
-
-def _runge_kutta_matrix(h: float, c: float) -> Array:
-    """The exponential's series to the fourth power."""
-    turn = h * np.array([[0.0, 1.0], [-1.0, -c]])
-    square = turn @ turn
-    return np.eye(2) + turn + square / 2 + turn @ square / 6 + square @ square / 24
 
 
 REAL_LIMIT = 2.785293563405282
@@ -270,7 +232,6 @@ RUNGE_KUTTA = Integrator(
     order=4,
     symplectic=False,
     step=_runge_kutta,
-    matrix=_runge_kutta_matrix,
     damping="from the velocity of each of its four stages",
     limit=_runge_kutta_limit,
     damped_order=4,
@@ -299,11 +260,6 @@ def _average_acceleration(
     return MotionState(now.x + move, v, a)
 
 
-def _average_acceleration_matrix(h: float, c: float) -> Array:
-    half = 0.5 * h * np.array([[0.0, 1.0], [-1.0, -c]])
-    return np.asarray(np.linalg.solve(np.eye(2) - half, np.eye(2) + half))
-
-
 def _no_limit(_: float) -> float:
     return math.inf
 
@@ -322,7 +278,6 @@ AVERAGE_ACCELERATION = Integrator(
     order=2,
     symplectic=True,
     step=_average_acceleration,
-    matrix=_average_acceleration_matrix,
     damping="from the mean of the old and the new velocity",
     limit=_no_limit,
     damped_order=2,
@@ -368,10 +323,7 @@ def require_integrator(name: str, value: object) -> None:
 def step_factors(scheme: Integrator) -> Factors:
     """What `kernels.Motion.advance` needs of a scheme.
 
-    Raises
-    ------
-    ProblemError
-        If it does not move with one new velocity.
+    Raises `ProblemError` if it does not move with one new velocity.
     """
     require_integrator("scheme", scheme)
     if scheme.factors is None:

@@ -20,12 +20,8 @@ from msvalidate.problem import Array
 class Ledger:
     """Watches a motion by velocity Verlet, and books each kind of energy on its own.
 
-    Parameters
-    ----------
-    network, state, dt, damping
-        As in `integrate.motion`; supports must not move.
-    breakage
-        That of the motion.
+    `network`, `state`, `dt`, `damping`: as in `integrate.motion`; supports must not move.
+    `breakage`: that of the motion.
     """
 
     def __init__(

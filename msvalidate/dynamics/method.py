@@ -16,8 +16,6 @@ class Method:
     ----------
     name, title
         Its name in tables, and in sentences.
-    source
-        What it and its parameters come from, by keys of docs/references.bib.
     walk
         Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
         first before any step, the others at most `Run.block` steps on.
@@ -27,6 +25,5 @@ class Method:
 
     name: str
     title: str
-    source: str
     walk: Callable[[Run], Iterator[None]]
     look_every: int = LOOK_EVERY

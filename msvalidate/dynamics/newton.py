@@ -6,7 +6,6 @@ and one hierarchy serves all tangents, for as long as it serves them.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -17,14 +16,11 @@ from msvalidate.dynamics.run import Run
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.network import Configuration
+from msvalidate.network.cycles import WORN
 from msvalidate.network.inverse import Solver
 from msvalidate.network.multigrid import make_cycle
 from msvalidate.problem import Array, SolverError
-from msvalidate.statics.tangents import (
-    LARGEST_TURN,
-    first_order_move,
-    refuse_mechanism,
-)
+from msvalidate.statics.tangents import LARGEST_TURN, refuse_mechanism, tangent_at
 
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""
@@ -34,8 +30,6 @@ LEAST_PART = 1e-9
 """What no linear solve goes below: rounding, of which a stiff system has more than an eps."""
 ENOUGH = 0.2
 """Part of the residual allowed at rest that the last solve leaves."""
-WORN = 2.0
-"""Times the cycles for each digit, over those of a new hierarchy, at which it is made anew."""
 _LESS = "reduce the load, or use equilibrium, which raises it in increments"
 
 Move = Callable[[Array, Array], Array]
@@ -64,29 +58,30 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
 
 
 def _direct_moves(run: Run) -> Move:
+    """By a factor of each tangent, [SuperLU]."""
     solver = Solver(run.network, "direct")
 
     def move(load: Array, ahead: Array) -> Array:
-        found, stable = first_order_move(
-            Configuration(run.network, run.displacement.copy()), load, ahead, solver
-        )
-        if not stable:
+        K = tangent_at(Configuration(run.network, run.displacement.copy()), solver)
+        if not K.is_stable:
             raise SolverError(
                 f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; "
                 f"{_LESS}"
             )
-        return found
+        return K.move(load, ahead)
 
     return move
 
 
 class _Multigrid:
-    """Moves of one run, and what they hand on: the hierarchy, and how far to solve."""
+    """Moves of one run, and what they hand on: the hierarchy, and how far to solve.
+
+    Source: [Vanek1996], [EisenstatWalker1996]; hierarchy by [PyAMG2022].
+    """
 
     def __init__(self, run: Run) -> None:
         self.run, self.free = run, ~run.network.held
         self.residual = 0.0
-        self.usual = math.inf
         self.cycle: Cycle | None = None
 
     def __call__(self, load: Array, ahead: Array) -> Array:
@@ -112,8 +107,9 @@ class _Multigrid:
                 f"{run.title}: residual {found.reduction:.1g} of the first after {found.steps} "
                 f"cycles; {_LESS}"
             )
-        self.look_after(found.steps / max(-math.log10(part), 1.0))
         run.cycle = self.cycle
+        if found.steps > WORN:
+            self.cycle = None
         return np.asarray(found.solution + held).reshape(load.shape)
 
     def needed(self, residual: float) -> float:
@@ -129,25 +125,8 @@ class _Multigrid:
         part = max((residual / before) ** 2, enough / max(residual, 1e-300))
         return min(FIRST_PART, max(LEAST_PART, part))
 
-    def look_after(self, rate: float) -> None:
-        """Let a hierarchy go that takes too many cycles a digit for the tangents of now."""
-        if rate > WORN * self.usual:
-            self.cycle, self.usual = None, math.inf
-        else:
-            self.usual = min(self.usual, rate)
 
-
-NEWTON = Method(
-    "newton",
-    "Newton's method",
-    "[NocedalWright2006], section 11.1; factor by [SuperLU]",
-    partial(_newton, _direct_moves),
-    look_every=1,
-)
+NEWTON = Method("newton", "Newton's method", partial(_newton, _direct_moves), look_every=1)
 NEWTON_MULTIGRID = Method(
-    "newton_multigrid",
-    "Newton's method by multigrid",
-    "[Vanek1996]; [EisenstatWalker1996]; hierarchy by [PyAMG2022]",
-    partial(_newton, _Multigrid),
-    look_every=1,
+    "newton_multigrid", "Newton's method by multigrid", partial(_newton, _Multigrid), look_every=1
 )

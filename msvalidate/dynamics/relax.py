@@ -11,17 +11,16 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
-from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER
 from msvalidate.dynamics.method import Method
-from msvalidate.dynamics.monitor import Monitor
 from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Relaxation, Run, join_runs
+from msvalidate.dynamics.run import DIVERGED, Relaxation, Run, join_runs
 from msvalidate.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
@@ -34,7 +33,12 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
-from msvalidate.statics.equilibrium import Equilibrium, refuse_folded, start_displacement
+from msvalidate.statics.equilibrium import (
+    Equilibrium,
+    equilibrium_at,
+    refuse_folded,
+    start_displacement,
+)
 from msvalidate.statics.path import LoadPath, Path, load_path
 from msvalidate.statics.refinement import error_of_displacement
 from msvalidate.statics.tangents import is_stable
@@ -119,7 +123,8 @@ def relax(
     for stage in stages:
         loose = tolerance if stage is network else max(tolerance, STOPOVER)
         run = Run(stage, method.title, loose, known, begun)
-        found, at_ease = _run_to_rest(run, method, (max_steps, look_every), watch)
+        with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+            found, at_ease = _run_to_rest(run, method, (max_steps, look_every), watch)
         done.append(found)
         begun = found.equilibrium.displacement
         if not at_ease:  # ended by its watcher
@@ -137,35 +142,16 @@ def algorithm1(
 ) -> Relaxation:
     """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
 
+    Its arguments are those of `relax`, `dt` and `damping` those of `viscous.viscous`.
+
     Source: [Report], section 4, Algorithm 1.
-
-    Parameters
-    ----------
-    network, tolerance, max_steps
-        As in `relax`.
-    dt, damping
-        As in `viscous.viscous`.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As in `relax`.
     """
-    require_type("network", network, Network)
-    if damping is not None:
-        damping_rate(network, damping)
     method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
     return relax(network, method, tolerance=tolerance, max_steps=max_steps)
 
 
 def _judge(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
-    """A run at rest with the error of where it rests; refused where that is no answer.
-
-    Raises
-    ------
-    SolverError
-        If it rests where it is unstable, with cells that are folded, or off by all that it moved.
-    """
+    """A run at rest with the error of where it rests; refused where that is no answer."""
     network = run.network
     if not is_stable(Configuration(network, found.equilibrium.displacement), run.cycle):
         raise SolverError(
@@ -246,14 +232,6 @@ def _run_to_rest(
     """The run at its end, and whether that is rest; what is held at every point is not asked."""
     if run.network.held.all():
         return Monitor(run).result(0.0), False
-    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
-        return _looked_after(run, method, steps, watch)
-
-
-def _looked_after(
-    run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
-) -> tuple[Relaxation, bool]:
-    """The same of a run that moves: walked from look to look."""
     given, stride = steps
     walk = method.walk(run)
     next(walk)  # prepares
@@ -281,3 +259,82 @@ def _looked_after(
             run.until = min(run.steps + look_every, allowed)
             while run.block > 0:
                 next(walk)
+
+
+class HistoryRow(NamedTuple):
+    """Step, residual force (N) and kinetic energy (J) of a run at one moment."""
+
+    step: int
+    residual: float
+    kinetic: float
+
+
+class Monitor:
+    """Watches a run, which is not changed; `history` has all rows so far, the first of no step."""
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.history: list[HistoryRow] = []
+        self._reach = DIVERGED * max(float(np.ptp(x)) for x in run.network.points.T)
+
+    def record(self) -> HistoryRow:
+        """Add the run as it is now to the history; raise `SolverError` if it has diverged."""
+        run = self.run
+        seen = HistoryRow(run.steps, max_abs(run.balance()), run.kinetic)
+        near = max_abs(run.displacement) < self._reach
+        if not (math.isfinite(seen.residual) and math.isfinite(seen.kinetic) and near):
+            raise SolverError(self._diverged)
+        self.history.append(seen)
+        return seen
+
+    @property
+    def _diverged(self) -> str:
+        run = self.run
+        remedy = "the network stiffens or collapses under this load: reduce dt or the load"
+        if run.dt > run.limit:
+            remedy = "take a smaller dt or leave it out"
+        elif not run.dt:
+            remedy = "the network collapses under this load: reduce it"
+        return f"{run.title} diverged by step {run.steps}: {run.time_step}{remedy}"
+
+    @property
+    def unfinished(self) -> str:
+        """What to say of a run that has used up its steps."""
+        run, last = self.run, self.history[-1]
+        return (
+            f"{run.title} is not at rest after {run.steps} steps: {run.time_step}residual "
+            f"{last.residual:.3g} N, kinetic energy {last.kinetic:.3g} J; "
+            + (
+                "take a smaller dt or leave it out"
+                if run.dt > run.limit
+                else "raise max_steps, leave damping to its default, or loosen tolerance"
+                if run.rate.any()
+                else "raise max_steps or loosen tolerance"
+            )
+        )
+
+    def result(self, seconds: float) -> Relaxation:
+        """The run as it is now, and its history."""
+        run = self.run
+        return Relaxation(
+            equilibrium=equilibrium_at(
+                run.network, run.displacement.copy(), run.steps, error=math.inf
+            ),
+            dt=run.dt,
+            damping=float(run.rate.max()),
+            stability_limit=run.limit,
+            history=np.array(self.history, dtype=float).reshape(-1, len(HistoryRow._fields)),
+            evaluations=run.evaluations,
+            seconds=seconds,
+        )
+
+    def show(self, bar: tqdm[None]) -> None:
+        """Show how far it is on the way to rest, in logarithms of the residual."""
+        first, last = self.history[0].residual, self.history[-1]
+        if not first:
+            return
+        target = self.run.test.target()
+        way = math.log(first / max(last.residual, target)) / math.log(max(first / target, 2))
+        bar.n = max(bar.n, min(way, 1.0))
+        bar.set_postfix(step=last.step, residual=f"{last.residual:.2g} N", refresh=False)
+        bar.update(0)

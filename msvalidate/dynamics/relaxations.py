@@ -217,34 +217,16 @@ def _line_search(run: Run, direction: Array) -> bool:
 
 
 RELAXATIONS = {
-    "algorithm1": ALGORITHM1,
-    "viscous_leapfrog": viscous(LEAPFROG, name="viscous_leapfrog"),
-    "kinetic_damping": Method(
-        "kinetic_damping",
-        "kinetic damping",
-        "[Cundall1976]; [Barnes1999]",
-        _kinetic_damping,
-    ),
-    "fire": Method(
-        "fire",
-        "FIRE",
-        "[Bitzek2006], with semi-implicit Euler steps",
-        _fire,
-    ),
-    "adaptive": Method(
-        "adaptive",
-        "adaptive dynamic relaxation",
-        "[Underwood1983]; [Papadrakakis1981]",
-        _adaptive_relaxation,
-    ),
-    "conjugate_gradients": Method(
-        "conjugate_gradients",
-        "nonlinear conjugate gradients",
-        "[PolakRibiere1969], restarted as in [NocedalWright2006], section 5.2",
-        _conjugate_gradients,
-        look_every=1,
-    ),
-    "newton": NEWTON,
-    "newton_multigrid": NEWTON_MULTIGRID,
+    method.name: method
+    for method in (
+        ALGORITHM1,
+        viscous(LEAPFROG, name="viscous_leapfrog"),
+        Method("kinetic_damping", "kinetic damping", _kinetic_damping),
+        Method("fire", "FIRE", _fire),
+        Method("adaptive", "adaptive dynamic relaxation", _adaptive_relaxation),
+        Method("conjugate_gradients", "nonlinear conjugate gradients", _conjugate_gradients, 1),
+        NEWTON,
+        NEWTON_MULTIGRID,
+    )
 }
 """Name -> method."""

@@ -1,7 +1,4 @@
-"""A run to rest: what a relaxation moves, and what comes of it.
-
-`state` is where the network is, `convergence` when it is at rest, `monitor` what is seen of it.
-"""
+"""A run to rest: what a relaxation moves, when it is at rest, and what comes of it."""
 
 from __future__ import annotations
 
@@ -10,17 +7,22 @@ from functools import cached_property
 
 import numpy as np
 
-from msvalidate.dynamics.convergence import ConvergenceTest
+from msvalidate import kernels
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.state import State
 from msvalidate.linear_algebra.multigrid import Cycle
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
 from msvalidate.network.inverse import Solver
+from msvalidate.network.laws.linear import LINEAR
+from msvalidate.network.laws.quadratic import QUADRATIC
+from msvalidate.network.laws.volumes import stiffness_magnitudes
 from msvalidate.network.multigrid import make_cycle, restrained_tangent
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium
+from msvalidate.statics.imposing import impose_supports
 from msvalidate.statics.tangents import refuse_mechanism
 
 LOOK_EVERY = 20
@@ -33,6 +35,8 @@ PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
 MOST_STEPS = 10**9
 """Predicted steps, patience included, that nobody would wait for."""
+DIVERGED = 1e3
+"""Displacement, in sizes of the body, that no equilibrium of interest has."""
 SLOWEST = 1e-7
 """Of the highest frequency: below it a lowest one may be the rounding of none at all."""
 
@@ -74,16 +78,28 @@ class Relaxation:
         return self.equilibrium.iterations
 
 
-class Run(State):
-    """What a method moves: the state of a network, and what the method and its judges agree on.
+class Run:
+    """What a method moves: a network on its way to rest, and what method and judges agree on.
 
-    A method changes `displacement` and `velocity` (n, d) in place, tells `moved` of it, and asks
-    `balance` for forces. Before its first `yield` it may set `dt`, `rate` and `limit`, in seconds,
-    that messages name; `inertia` (n, d), if its masses are not the network's; and
-    `most_steps`, after how many it has failed, if frequencies do not say so; and `look_every`, if
-    it knows how long its way is. It may leave `cycle`, a multigrid cycle of a tangent, for the
-    judge of stability. It may take `block` steps before the next look, which is at step `until`.
-    `test` is the convergence test.
+    A method changes `displacement` and `velocity` in place, tells `moved` of it, and asks `balance`
+    for forces. Before its first `yield` it may set `dt`, `rate` and `limit`, in seconds, that
+    messages name; `inertia`; `most_steps`, after how many it has failed, if frequencies do not say
+    so; and `look_every`, if it knows how long its way is. It may leave `cycle`, a multigrid cycle
+    of a tangent, for the judge of stability. It may take `block` steps before the next look, which
+    is at step `until`. `test` is the convergence test.
+
+    Attributes
+    ----------
+    begun
+        (n, d) displacement (m) before what is held was moved.
+    displacement, velocity
+        (n, d) in m and m/s.
+    inertia
+        (n, d) mass (kg) of each component, the network's own unless a method sets others.
+    steps, evaluations
+        Steps taken, and times that the forces of all springs were computed for them.
+    stored
+        Energy (J) of springs and cells, as of the last `balance`.
     """
 
     def __init__(
@@ -94,14 +110,50 @@ class Run(State):
         frequencies: tuple[float, float] | None = None,
         start: Array | None = None,
     ) -> None:
-        super().__init__(network, np.zeros(network.points.shape) if start is None else start)
-        self.title, self.tolerance = title, tolerance
-        self.test = ConvergenceTest(self, tolerance)
+        self.network, self.title, self.tolerance = network, title, tolerance
+        self.begun = np.zeros(network.points.shape) if start is None else start
+        self.displacement = impose_supports(network, self.begun)
+        self.velocity = np.zeros_like(self.displacement)
+        self.inertia = np.repeat(network.mass[:, None], network.dim, axis=1)
+        self.steps, self.evaluations, self.stored = 0, 0, 0.0
         self.dt, self.rate, self.limit = 0.0, np.zeros(1), math.inf
         self.most_steps = self._critically_damped
         self.look_every, self.until = 0, 0
         self.cycle: Cycle | None = None
         self._given = frequencies
+        self._force = np.empty_like(self.displacement)
+        self._known = False
+        self.test = ConvergenceTest(self)
+
+    @cached_property
+    def motion(self) -> kernels.Motion:
+        """What advances displacement and velocity, and knows the forces."""
+        return kernels.Motion(self.network)
+
+    @property
+    def position(self) -> Array:
+        """(n, d) in m."""
+        return self.network.points + self.displacement
+
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy (J)."""
+        return 0.5 * float(np.vdot(self.inertia * self.velocity, self.velocity))
+
+    def moved(self, steps: int = 0, evaluations: int = 0) -> None:
+        """Say that the displacement has changed; count its steps and the evaluations they need."""
+        self.steps += steps
+        self.evaluations += evaluations
+        self._known = False
+
+    def balance(self) -> Array:
+        """Out-of-balance force (n, d) in N at the present displacement, 0 where it is held."""
+        if not self._known:
+            self.stored = self.motion.force_and_energy(self.displacement, self._force)
+            self._force += self.network.force
+            self._force[self.network.held] = 0.0
+            self._known = True
+        return self._force
 
     @cached_property
     def frequencies(self) -> tuple[float, float]:
@@ -163,6 +215,112 @@ class Run(State):
             f"time step {self.dt:.4g} s, stability limit {self.limit:.4g} s at damping "
             f"{self.rate.max():.4g} 1/s; "
         )
+
+
+class ConvergenceTest:
+    """Residual force and kinetic energy of a run against what its tolerance allows.
+
+    The residual may be `tolerance` times the forces that meet at a point, the kinetic energy
+    `tolerance`² times the energy stored; neither is asked to fall below rounding.
+
+    A lattice may be at rest as it is stepped, and as the network is but for what the two are apart.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self.run, network = run, run.network
+        self._at_lengths = 4 * network.rounding(0.0)
+        self._per_metre = 4 * network.rounding(1.0) - self._at_lengths
+        # A lattice is stepped as if springs that lead the same way were the same: in the network
+        # each component of their vectors, and their lengths, may differ by 4 roundings of the
+        # largest coordinate.
+        self._apart = np.zeros_like(self._at_lengths)
+        if run.motion.path == "lattice":
+            apart = network.rounding(max_abs(network.points))
+            self._apart = 4 * (1 + math.sqrt(network.dim)) * apart
+        k = np.abs(network.axial_stiffness)
+        self._softest = float(k[k > 0].min(initial=np.inf))
+        self._stiffest = _largest_point_stiffness(network)
+        self._met = math.inf, run.displacement
+
+    def met(self, residual: float, kinetic: float) -> bool:
+        """Whether the run is at rest, of this residual force (N) and kinetic energy (J).
+
+        A bound of the forces that meet at a point is asked first: to sum them takes as long as
+        many steps.
+        """
+        run, rounding = self.run, self.rounding
+        still = max(run.tolerance**2 * run.stored, rounding / self._softest * rounding)
+        if kinetic > still:  # the usual case, and the cheapest question
+            return False
+        if residual > max(run.tolerance * self._most_met(), rounding + max_abs(self._apart)):
+            return False
+        held = run.network.held
+        if (run.displacement[held] != run.network.displacement[held]).any():
+            return False
+        return self._balanced()
+
+    def _balanced(self) -> bool:
+        """Whether no force is left at any point, by the sums of forces that meet there."""
+        run = self.run
+        small = np.maximum(run.tolerance * self._force_met(), self._floor)
+        excess = np.abs(run.balance()) - small
+        if not (excess <= self._apart).all():
+            return False
+        if (excess > 0).any():  # as the network is
+            excess = np.abs(run.motion.balance(run.displacement)) - small
+        return bool((excess <= 0).all())
+
+    @property
+    def rounding(self) -> float:
+        """Largest force (N) on a point that is rounding."""
+        return float(self._floor.max())
+
+    @property
+    def _floor(self) -> Array:
+        """Force (n, d) in N that is rounding: of positions, and of what they moved."""
+        return np.asarray(self._at_lengths + max_abs(self.run.displacement) * self._per_metre)
+
+    def allowed(self) -> float:
+        """Residual force (N) that is small enough at the points where most forces meet, now."""
+        return max(self.run.tolerance * self._force_met(), self.rounding)
+
+    def target(self) -> float:
+        """As `allowed`, from the last sum of forces there is: enough to show the way by."""
+        met = self._met[0]
+        known = math.isfinite(met)
+        return max(self.run.tolerance * met, self.rounding) if known else self.allowed()
+
+    def _force_met(self) -> float:
+        """Largest sum of force magnitudes (N) that meet at a free point now."""
+        u = self.run.displacement.copy()
+        self._met = force_scale(Configuration(self.run.network, u)), u
+        return self._met[0]
+
+    def _most_met(self) -> float:
+        """What that sum (N) cannot exceed: a spring's force changes by k times its ends' moves.
+
+        Where cells stand beside springs they stiffen as they are deformed; rest is then seen a few
+        looks later, never too early.
+        """
+        met, there = self._met
+        if not self._stiffest or not math.isfinite(met):
+            return math.inf
+        return met + 2 * self._stiffest * max_abs(self.run.displacement - there)
+
+
+def _largest_point_stiffness(network: Network) -> float:
+    """Largest stiffness (N/m) that meets at a point; 0 where it may grow.
+
+    Or where cells may give energy back: energies of both signs bound no force.
+    """
+    cells = network.volumes
+    if network.law is not LINEAR or (
+        cells and (cells.law is not QUADRATIC or cells.stiffness.min() < 0)
+    ):
+        return 0.0
+    k = np.repeat(network.stiffness, 2)
+    met = 1.0 * np.bincount(network.springs.ravel(), k, len(network.points))
+    return float((met + network.of_cells(stiffness_magnitudes)).max())
 
 
 def join_runs(runs: list[Relaxation]) -> Relaxation:

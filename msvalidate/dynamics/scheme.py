@@ -29,8 +29,6 @@ Step = Callable[[Acceleration, MotionState, float, Array | float], MotionState]
 """One step of `h` (s) with damping `c` (1/s), a number or one a component."""
 Factors = Callable[[float, Array], tuple[Array, Array]]
 """(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
-Matrix = Callable[[float, float], Array]
-"""Matrix (2, 2) by which a step of `h` takes (x, v) of x'' = -x - c·x' to the next: ω = 1 rad/s."""
 
 
 class LeadingError(NamedTuple):
@@ -68,8 +66,6 @@ class Integrator:
         Whether the energy of a linear undamped motion does not even fluctuate.
     step
         One step.
-    matrix
-        The step of one mode in closed form, which `step` is held to.
     damping
         In words: from which velocity it takes the viscous force.
     limit
@@ -99,7 +95,6 @@ class Integrator:
     order: int
     symplectic: bool
     step: Step
-    matrix: Matrix
     damping: str
     limit: Callable[[float], float]
     damped_order: int = 1

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from scipy.linalg import eigvalsh
@@ -15,13 +13,12 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
 from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
 from msvalidate.linear_algebra.multigrid import Cycle
-from msvalidate.network import Network, configuration_at, tangent
+from msvalidate.network import Configuration, Network
 from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.network.multigrid import force_against, make_cycle, restrained_tangent
+from msvalidate.network.multigrid import free_force, make_cycle, restrained_tangent
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
-    finite_coordinates,
     finite_number,
     format_value,
     require_one_of,
@@ -49,7 +46,6 @@ FIRST_STEPS, MOST_STEPS = 5, 200
 def natural_frequencies(
     network: Network,
     count: int = 10,
-    position: Array | None = None,
     *,
     tolerance: float = 0.0,
     cycle: Cycle | None = None,
@@ -58,9 +54,10 @@ def natural_frequencies(
 ) -> tuple[Array, float]:
     """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
 
-    K φ = ω² M φ on the free components, with the full tangent (geometric stiffness included). An ω²
-    is rounded by some 1e-16 of the highest; where that is more than 1e-5 of it, its mode's energy,
-    spring by spring, gives it.
+    K φ = ω² M φ on the free components, with the full tangent at the reference points (geometric
+    stiffness included); elsewhere, of a network whose points are there. An ω² is rounded by some
+    1e-16 of the highest; where that is more than 1e-5 of it, its mode's energy, spring by spring,
+    gives it.
 
     Source: [Rayleigh1877]; the symmetric generalised problem, [GolubVanLoan2013], section 8.7.
 
@@ -71,8 +68,6 @@ def natural_frequencies(
         asked for.
     count
         Number of lowest frequencies, at most the number of free components.
-    position
-        (n, d) where to linearise (m); by default the reference points.
     tolerance
         Relative error of the squares at which large networks stop iterating; 0 is rounding. The
         highest frequencies of a lattice lie close together, and their last digits cost the most.
@@ -94,8 +89,7 @@ def natural_frequencies(
     """
     require_type("network", network, Network)
     require_type("rigid", rigid, bool)
-    place = network.points if position is None else finite_coordinates("position", position)
-    matrix = _dynamical_matrix(network, place)
+    matrix = _dynamical_matrix(network)
     size = matrix.shape[0]
     if not 0 <= finite_number("tolerance of the frequencies", tolerance) < 1:
         raise ProblemError(
@@ -107,46 +101,43 @@ def natural_frequencies(
             f"count: {format_value(count)} frequencies; this network has {size} free components"
         )
     require_one_of("solver", solver, SOLVERS)
-    zero = _rigid_motions(network, place, allowed=rigid)
+    zero = _rigid_motions(network, allowed=rigid)
     if size <= max(DENSE, 4 * count):
         squares = _dense_squares(matrix, count)
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest_square(matrix, tolerance)
-        by_factor = partial(_smallest_squares, network, matrix, count, highest, tolerance)
-        by_cycles = partial(
-            _smallest_by_multigrid, network, place, cycle, matrix, count, highest, tolerance
-        )
-        lowest = _lowest_of_large(Solver(network, solver), (count, zero), by_factor, by_cycles)
+        way = Solver(network, solver)
+        asked = count, zero, highest, tolerance
+        lowest = _lowest_of_large(way, network, cycle, matrix, asked)
     if lowest[0] < -1e-10 * highest:
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
         )
-    lowest = _separate_rounding(network, place, lowest, highest, zero)
+    lowest = _separate_rounding(network, lowest, highest, zero)
     return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
 
 
 def _lowest_of_large(
     way: Solver,
-    asked: tuple[int, int],
-    by_factor: Callable[[], Array],
-    by_cycles: Callable[[], Array],
+    network: Network,
+    cycle: Cycle | None,
+    matrix: csr_array,
+    asked: tuple[int, int, float, float],
 ) -> Array:
-    """Lowest squares (count,) of a large network; `asked` are the count and its rigid motions."""
-    count, zero = asked
+    """Lowest squares (count,); `asked` are their count, rigid motions, the highest, a tolerance."""
+    count, zero, highest, tolerance = asked
     if count > FEW or zero:
         way.refuse_too_large(f"natural frequencies: {count} of a body with {zero} rigid motions")
-        return by_factor()
-    if way.is_direct:
-        return by_factor()
-    try:
-        return by_cycles()
-    except NotConvergedError as error:
-        way.give_way(error)
-        return by_factor()
+    elif not way.is_direct:
+        try:
+            return _smallest_by_multigrid(network, cycle, matrix, count, highest, tolerance)
+        except NotConvergedError as error:
+            way.give_way(error)
+    return _smallest_squares(network, matrix, count, highest, tolerance)
 
 
-def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
+def _rigid_motions(network: Network, *, allowed: bool) -> int:
     """Number of rigid motions that supports leave to parts that hang together on their own."""
     n = len(network.points)
     i, j = connected_pairs(network).T
@@ -158,7 +149,7 @@ def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
         held = network.held[own]
         if parts > 1 and held.all():
             continue
-        motions = rigid_motions(_scale_by_size(position[own]))
+        motions = rigid_motions(_scale_by_size(network.points[own]))
         left = _rank(motions.reshape(-1, motions.shape[2])) - _rank(motions[held])
         if left and not allowed:
             whole = "the network" if len(own) == n else f"the part of point {own[0]}"
@@ -181,9 +172,7 @@ def _rank(motions: Array) -> int:
     return int((sizes > SAME * max(float(sizes[0]), 1.0)).sum())
 
 
-def _separate_rounding(
-    network: Network, position: Array, squares: Array, highest: float, zero: int
-) -> Array:
+def _separate_rounding(network: Network, squares: Array, highest: float, zero: int) -> Array:
     """Lowest squares, exact zeros for `zero` rigid motions, and none that is rounding.
 
     Eigenvalues are rounded by an eps of the highest. The energies of modes are not: they are summed
@@ -205,14 +194,14 @@ def _separate_rounding(
             "rounding: a slender body, stiffnesses or masses far apart, or a mechanism; hold the "
             "body, and energies of its modes will tell"
         )
-    squares[:soft] = _squares_by_energy(network, position, soft)
+    squares[:soft] = _squares_by_energy(network, soft)
     return squares
 
 
-def _squares_by_energy(network: Network, position: Array, count: int) -> Array:
+def _squares_by_energy(network: Network, count: int) -> Array:
     """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
     inside = np.flatnonzero(~network.held.ravel())
-    at = configuration_at(network, position)
+    at = Configuration(network)
     factor = Solver(network).regular(at).inverse
     mass = np.repeat(network.mass, network.dim)[inside]
     few = min(count + 4, len(inside))
@@ -220,12 +209,7 @@ def _squares_by_energy(network: Network, position: Array, count: int) -> Array:
     for _ in range(SWEEPS):
         modes = np.column_stack([factor.solve(mass * mode) for mode in modes.T])
         modes = np.linalg.qr(np.sqrt(mass)[:, None] * modes)[0] / np.sqrt(mass)[:, None]
-    pushes = []
-    for mode in modes.T:
-        motion = np.zeros(network.held.size)
-        motion[inside] = mode
-        pushes.append(force_against(at, motion)[inside])
-    energies = modes.T @ np.column_stack(pushes)
+    energies = modes.T @ np.column_stack([free_force(at, mode) for mode in modes.T])
     return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
 
 
@@ -242,19 +226,19 @@ def highest_frequency(network: Network, *, tolerance: float = 0.0) -> float:
 
     It needs no factor and no stability, and sets the limit of most time steps by itself.
     """
-    matrix = _dynamical_matrix(network, network.points)
+    matrix = _dynamical_matrix(network)
     if matrix.shape[0] <= DENSE:
         return float(np.sqrt(max(eigvalsh(matrix.toarray())[-1], 0.0)))
     return float(np.sqrt(_largest_square(matrix, tolerance)))
 
 
-def _dynamical_matrix(network: Network, position: Array) -> csr_array:
+def _dynamical_matrix(network: Network) -> csr_array:
     """M^(-1/2) K M^(-1/2) on the free components."""
     free = np.flatnonzero(~network.held.ravel())
     if not len(free):
         raise ProblemError("natural frequencies: every component is held; nothing can move")
     scale = diags_array(1 / np.sqrt(np.repeat(network.mass, network.dim)[free]))
-    stiffness = tangent(network, position)[free][:, free]
+    stiffness = csr_array(Configuration(network).tangent())[free][:, free]
     with np.errstate(over="ignore", invalid="ignore"):
         matrix = csr_array(scale @ stiffness @ scale)
     largest, stiffest = float(abs(matrix).max()), float(abs(stiffness).max())
@@ -318,7 +302,6 @@ def _smallest_squares(
 
 def _smallest_by_multigrid(
     network: Network,
-    place: Array,
     cycle: Cycle | None,
     matrix: csr_array,
     count: int,
@@ -326,7 +309,7 @@ def _smallest_by_multigrid(
     tolerance: float,
 ) -> Array:
     """By multigrid; where its making finds the network unstable, how much so."""
-    at = configuration_at(network, place)
+    at = Configuration(network)
     A = restrained_tangent(at)
     cycle = cycle or make_cycle(A, at)
     if cycle.indefinite_motion is None:

@@ -11,12 +11,7 @@ from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.integrators import require_integrator
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import (
-    finite,
-    finite_number,
-    format_value,
-    positive_number,
-)
+from msvalidate.problem.checks import finite, finite_number, format_value, positive_number
 
 SAFETY = 0.9
 """Part of the stability limit used: the tangent stiffens a little as the network deforms."""
@@ -85,10 +80,7 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
 
     Made by two steps of the scheme itself, which is linear in the state.
 
-    Raises
-    ------
-    ProblemError
-        If an argument is not a finite number.
+    Raises `ProblemError` if an argument is not a finite number.
     """
     omega, h, damping = (
         finite_number(name, value)

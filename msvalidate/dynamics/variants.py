@@ -1,28 +1,16 @@
 """Schemes that are kept for comparison, as they were misprinted or are mistaken.
 
-What they share with the true ones of `integrators`, explicit Euler's matrix and limit, stands here.
+What they share with the true ones of `integrators`, explicit Euler's limit, stands here.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from msvalidate.dynamics.scheme import Acceleration, Integrator, MotionState
 from msvalidate.problem import Array
 
 OLD = "from the old velocity"
-
-
-def velocity_first(h: float, keep: float, push: float) -> Array:
-    """Matrix of v' = keep·v - push·x, x' = x + h·v'."""
-    return np.array([[1 - h * push, h * keep], [-push, keep]])
-
-
-def explicit_euler_matrix(h: float, c: float) -> Array:
-    """Explicit Euler's step of x'' = -x - c·x'."""
-    return np.array([[1, h], [-h, 1 - c * h]])
 
 
 def explicit_euler_limit(zeta: float) -> float:
@@ -47,7 +35,6 @@ EULER_CROMER_AS_PRINTED = Integrator(
     order=1,
     symplectic=False,
     step=_euler_cromer_as_printed,
-    matrix=explicit_euler_matrix,
     damping=OLD,
     limit=explicit_euler_limit,
     variant=True,
@@ -68,17 +55,12 @@ def _verlet_as_printed_limit(zeta: float) -> float:
     return 4 / (math.hypot(math.sqrt(2), zeta) + zeta)  # 2(√(2 + ζ²) - ζ), the same way
 
 
-def _verlet_as_printed_matrix(h: float, c: float) -> Array:
-    return velocity_first(h, 1 - c * h / 2, h / 2)
-
-
 VERLET_AS_PRINTED = Integrator(
     "verlet_as_printed",
     "Verlet as printed",
     order=1,
     symplectic=True,
     step=_verlet_as_printed,
-    matrix=_verlet_as_printed_matrix,
     damping=OLD,
     limit=_verlet_as_printed_limit,
     variant=True,
@@ -94,11 +76,6 @@ def _verlet_lagged(
     return MotionState(x, half + 0.5 * h * (now.a - c * now.v), acceleration(x))
 
 
-def _verlet_lagged_matrix(h: float, c: float) -> Array:
-    half = 1 - c * h / 2
-    return np.array([[1 - h * h / 2, h * half], [-h, 1 - c * h]])
-
-
 def _verlet_lagged_limit(zeta: float) -> float:
     return min(4 * zeta, 1 / zeta) if zeta > 0 else 0.0
 
@@ -109,7 +86,6 @@ VERLET_LAGGED = Integrator(
     order=1,
     symplectic=False,
     step=_verlet_lagged,
-    matrix=_verlet_lagged_matrix,
     damping=OLD,
     limit=_verlet_lagged_limit,
     variant=True,

@@ -14,6 +14,7 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
+from msvalidate.dynamics.damping import decay
 from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
@@ -35,7 +36,8 @@ def viscous(
 ) -> Method:
     """Relaxation by motion under a virtual viscosity.
 
-    Source: [Papadrakakis1981] for the damping; the loop is that of [Report], section 4.
+    Source: [Papadrakakis1981] for leapfrog with centred damping; Euler-Cromer's loop is that of
+    [Report], section 4.
 
     Parameters
     ----------
@@ -60,7 +62,6 @@ def viscous(
     return Method(
         name,
         title or f"viscous {scheme.name}",
-        "[Report], section 4 (Euler-Cromer); [Papadrakakis1981] (leapfrog with centred damping)",
         partial(_viscous, scheme, dt, damping),
     )
 
@@ -91,26 +92,20 @@ def _viscous(
 
 def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) -> int:
     """`PATIENCE` times the steps in which the slowest mode decays to `tolerance`."""
-    slow = float(rate.min()) / 2
-    strong = float(rate.max()) / 2
-    # The slower root of an overdamped mode, strong - √(strong² - lowest²), without cancellation.
-    decay = slow
-    if strong > lowest:
-        part = lowest / strong
-        decay = min(slow, lowest * part / (1 + math.sqrt(1 - part * part)))
-    if decay <= 0:
+    slowest = min(float(rate.min()) / 2, decay(lowest, float(rate.max())))
+    if slowest <= 0:
         raise ProblemError(
-            f"damping: {2 * slow:g} 1/s with no max_steps: the motion never ends, or none can say "
-            "when; give a positive rate, leave it out, or set max_steps"
+            f"damping: {rate.min():g} 1/s with no max_steps: the motion never ends, or none can "
+            "say when; give a positive rate, leave it out, or set max_steps"
         )
     needed = -math.log(min(tolerance, 0.5))
-    if PATIENCE * needed > MOST_STEPS * decay * dt:
+    if PATIENCE * needed > MOST_STEPS * slowest * dt:
         raise ProblemError(
             f"damping: {rate.max():.4g} 1/s: the slowest motion would take more than "
             f"{MOST_STEPS / PATIENCE:.2g} steps of {dt:.4g} s to die out; leave damping and dt to "
             "their defaults, or set max_steps"
         )
-    return step_limit(needed / (decay * dt))
+    return step_limit(needed / (slowest * dt))
 
 
 ALGORITHM1 = viscous(EULER_CROMER, name="algorithm1", title="Algorithm 1")

@@ -13,7 +13,7 @@ from coming to rest.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -161,11 +161,8 @@ class Motion:
         kinetic energy (J) of the last, and whether it ended there because that fell: `to_peak`
         stops after the first such step, counted from `kinetic`, and is for one thread.
 
-        Raises
-        ------
-        ProblemError
-            If an array is of another shape, or displacement or velocity are none of float64 that
-            can be written to. Numbers are not looked at: a NaN comes out as one.
+        Raises `ProblemError` if an array is of another shape, or displacement or velocity are none
+        of float64 that can be written to. Numbers are not looked at: a NaN comes out as one.
         """
         self._refuse_shape(displacement=displacement, velocity=velocity, keep=keep, push=push)
         u, v = _written("displacement", displacement), _written("velocity", velocity)
@@ -249,24 +246,14 @@ def _put_back(*written: tuple[Array, Array]) -> None:
 
 def curvature(network: Network, displacement: Array, direction: Array) -> float:
     """Second derivative (N·m) of the stored energy along `direction` d, (n, d) in m: dᵀ K d."""
-    if network.law.straight or not compiles(network):
+    if network.law.straight or network.law.loops is None or network.volumes:
         return Configuration(network, displacement).mode_energy(direction)
-    axes = tuple(range(network.dim))
-    return float(bending.curvature(axes, displacement, direction, *_laws(network)))
+    axes, each = tuple(range(network.dim)), (network.stiffness, network.rest_length)
+    springs = network.springs, network.vector
+    return float(bending.curvature(axes, displacement, direction, *springs, *each))
 
 
 def compiles(network: Network) -> bool:
     """Whether compiled loops have the laws of its springs and cells."""
     cells = network.volumes
     return network.law.loops is not None and (cells is None or cells.law.compiled)
-
-
-def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:
-    """Springs, and cells as one tuple; where there are none, an empty one."""
-    each = network.springs, network.vector, network.stiffness, network.rest_length
-    cells = network.volumes
-    if cells is None:
-        return *each, ()
-    corners = tuple(range(cells.cells.shape[1]))
-    laws = network.points, network.dim * cells.cells, cells.stiffness, cells.rest_volume
-    return *each, (corners, *(np.ascontiguousarray(law) for law in laws))

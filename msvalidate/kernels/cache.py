@@ -25,7 +25,6 @@ from typing import Any
 import llvmlite
 import numba
 from numba.core import config
-from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
@@ -92,18 +91,11 @@ def _writable(place: Path) -> bool:
     return place.is_dir() and os.access(place, os.W_OK | os.X_OK)
 
 
-class KernelCache(_Cache):
+class KernelCache:
     """What numba asks for compiled forms of a function, and gives them to.
 
     A file that cannot be read, or is not as it was written, is none; where none can be written,
     the next process compiles again.
-
-    Parameters
-    ----------
-    function
-        The Python function.
-    options
-        How it is compiled.
     """
 
     def __init__(self, function: Callable[..., Any], options: object) -> None:
@@ -112,11 +104,6 @@ class KernelCache(_Cache):
         self._name = "{}.{}-{}".format(*place).replace("<", "").replace(">", "")
         self._options = repr(options), tuple(getattr(config, name, None) for name in OPTIONS)
         folder()  # before any source can change
-
-    @property
-    def cache_path(self) -> str:
-        """The folder, "" if there is none."""
-        return str(folder() or "")
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """A form that was kept; None if there is none."""
@@ -152,15 +139,6 @@ class KernelCache(_Cache):
         except OSError:  # a full disk, or another process that clears away
             with contextlib.suppress(OSError):
                 part.unlink()
-
-    def enable(self) -> None:
-        """It always is."""
-
-    def disable(self) -> None:
-        """It never is."""
-
-    def flush(self) -> None:
-        """Nothing waits to be written."""
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
         """The file of a form on the processor that numba compiles for."""

@@ -17,36 +17,31 @@ from collections.abc import Callable
 from numba.extending import overload
 
 from msvalidate.kernels.compiling import compiled
-from msvalidate.kernels.corners import (
-    gather,
-    inner,
-    moved,
-    numbers,
-    numbers_or_zero,
-    pull,
-    quotient,
-    still,
-)
+from msvalidate.kernels.corners import gather, numbers, numbers_or_zero, pull, quotient
 from msvalidate.kernels.lanes import WIDTH, spread, total
-from msvalidate.kernels.values import Axes, Body, Cells, Corners, Lane, Type, Vector
+from msvalidate.kernels.values import Axes, Body, Corners, Lane, Type, Vector
 from msvalidate.problem import Array, Index
 
-Shape = Callable[[Body, Body], tuple[Lane, Body]]
-"""Change of a multiple of V, and its slope, of cells at rest and their displacement."""
+Shape = Callable[[Body, Body], tuple[Lane, Body, float]]
+"""Change of a multiple of V, its slope, and what part of it V is, of cells and a displacement."""
 
 
+@compiled(fused=True, inner=True)
 def _minus(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
+@compiled(fused=True, inner=True)
 def _plus(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
+@compiled(fused=True, inner=True)
 def _dot(a: Vector, b: Vector) -> Lane:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+@compiled(fused=True, inner=True)
 def _cross(a: Vector, b: Vector) -> Vector:
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -55,12 +50,7 @@ def _cross(a: Vector, b: Vector) -> Vector:
     )
 
 
-_minus = compiled(_minus, fused=True, inner=True)
-_plus = compiled(_plus, fused=True, inner=True)
-_dot = compiled(_dot, fused=True, inner=True)
-_cross = compiled(_cross, fused=True, inner=True)
-
-
+@compiled(fused=True, inner=True)
 def _area(P: Vector, Q: Vector, dp: Vector, dq: Vector) -> tuple[Lane, Vector, Vector]:
     """Change of p × q from P and Q on, and its slopes in p and q."""
     px, py, qx, qy = P[0] + dp[0], P[1] + dp[1], Q[0] + dq[0], Q[1] + dq[1]
@@ -68,6 +58,7 @@ def _area(P: Vector, Q: Vector, dp: Vector, dq: Vector) -> tuple[Lane, Vector, V
     return change, (qy, -qx), (-py, px)
 
 
+@compiled(fused=True, inner=True)
 def _determinant(
     P: Vector, Q: Vector, R: Vector, dp: Vector, dq: Vector, dr: Vector
 ) -> tuple[Lane, Vector, Vector, Vector]:
@@ -78,30 +69,27 @@ def _determinant(
     return change, across, _cross(r, p), _cross(p, q)
 
 
-_area = compiled(_area, fused=True, inner=True)
-_determinant = compiled(_determinant, fused=True, inner=True)
-
-
-def _triangle(X: Body, u: Body) -> tuple[Lane, Body]:
+def _triangle(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """2 V = x1 × x2."""
     change, at_1, at_2 = _area(X[0], X[1], u[0], u[1])
-    return change, (at_1, at_2)
+    return change, (at_1, at_2), 1 / 2
 
 
-def _quadrilateral(X: Body, u: Body) -> tuple[Lane, Body]:
+def _quadrilateral(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """2 V = x2 × (x3 - x1), of the diagonals."""
     across = X[2][0] - X[0][0], X[2][1] - X[0][1]
     moved_across = u[2][0] - u[0][0], u[2][1] - u[0][1]
     change, at_2, at_3 = _area(X[1], across, u[1], moved_across)
-    return change, ((-at_3[0], -at_3[1]), at_2, at_3)
+    return change, ((-at_3[0], -at_3[1]), at_2, at_3), 1 / 2
 
 
-def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body]:
+def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """6 V = x1·(x2 × x3)."""
     change, at_1, at_2, at_3 = _determinant(X[0], X[1], X[2], u[0], u[1], u[2])
-    return change, (at_1, at_2, at_3)
+    return change, (at_1, at_2, at_3), 1 / 6
 
 
+@compiled(fused=True, inner=True)
 def _columns(
     a: Vector, b: Vector, c: Vector, d: Vector, end: Vector
 ) -> tuple[Vector, Vector, Vector]:
@@ -109,10 +97,7 @@ def _columns(
     return _plus(_minus(c, a), _minus(d, b)), _minus(end, c), b
 
 
-_columns = compiled(_columns, fused=True, inner=True)
-
-
-def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
+def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body, float]:
     """12 V, three determinants round the diagonal from corner 0 to corner 6.
 
     The volume of the trilinear map, so the one between bilinear faces.
@@ -137,51 +122,32 @@ def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
         _plus(_plus(q1, q2), q3),
         _plus(b, r2),
     )
-    return first + second + third, slope
+    return first + second + third, slope, 1 / 12
 
 
-_SHAPES: dict[tuple[int, int], tuple[Shape, float]] = {
-    (2, 2): (_triangle, 1 / 2),
-    (2, 3): (_quadrilateral, 1 / 2),
-    (3, 3): (_tetrahedron, 1 / 6),
-    (3, 7): (_hexahedron, 1 / 12),
+_SHAPES: dict[tuple[int, int], Shape] = {
+    (2, 2): _triangle,
+    (2, 3): _quadrilateral,
+    (3, 3): _tetrahedron,
+    (3, 7): _hexahedron,
 }
-"""(axes, corners but the first) of a cell -> a multiple of its volume, and what part V is of it."""
+"""(axes, corners but the first) of a cell -> its shape."""
 
 
-def _multiple(X: Body, u: Body) -> tuple[Lane, Body]:
-    """Change and slope of a multiple of V, of the shape with so many corners."""
+def _multiple(X: Body, u: Body) -> tuple[Lane, Body, float]:
+    """The shape with so many corners, of cells."""
     raise NotImplementedError
-
-
-def _part(X: Body) -> float:
-    """What part of the multiple V is."""
-    raise NotImplementedError
-
-
-def _sizes(kind: Type) -> tuple[int, int]:
-    """Axes, and corners but the first, of the type of a body.
-
-    Numba has the makers of overloads annotated as what they make, though they are shown types.
-    """
-    return len(kind.dtype), len(kind)
 
 
 @overload(_multiple, jit_options={"forceinline": True, "fastmath": {"contract"}})
 def _multiple_of_shape(X: Body, u: Body) -> Shape:
-    return _SHAPES[_sizes(X)][0]
+    body: Type = (
+        X  # Numba has makers of overloads annotated as what they make, but shows them types
+    )
+    return _SHAPES[len(body.dtype), len(body)]
 
 
-@overload(_part)
-def _part_of_shape(X: Body) -> Callable[[Body], float]:
-    part = _SHAPES[_sizes(X)][1]
-
-    def the_part(X: Body) -> float:
-        return part
-
-    return the_part
-
-
+@compiled(fused=True, inner=True)
 def _response(
     axes: Axes,
     corners: Corners,
@@ -195,16 +161,13 @@ def _response(
     cells, kappa, rest = laws
     at_rest = gather(axes, corners, X, cells, first, count)
     moves = gather(axes, corners, u, cells, first, count)
-    part = _part(at_rest)
-    multiple, slope = _multiple(at_rest, moves)
+    multiple, slope, part = _multiple(at_rest, moves)
     change = part * multiple
     pressure = numbers_or_zero(kappa, first, count) * quotient(change, numbers(rest, first, count))
     return 0.5 * (pressure * change), part * pressure, slope
 
 
-_response = compiled(_response, fused=True, inner=True)
-
-
+@compiled(fused=True)
 def push(
     axes: Axes,
     corners: Corners,
@@ -235,41 +198,3 @@ def push(
         pull(axes, corners, F, cells, whole, end - whole, pressure, slope)
         stored = stored + energies
     return total(stored)
-
-
-push = compiled(push, fused=True)
-
-
-def _bent(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
-    corners, points, cells, kappa, rest = volumes  # type: ignore[misc]  # some
-    bend = spread(0.0)
-    for e in range(0, len(cells), WIDTH):
-        count = min(WIDTH, len(cells) - e)
-        _, pressure, slope = _response(axes, corners, points, u, (cells, kappa, rest), e, count)
-        w = gather(axes, corners, direction, cells, e, count)
-        change = _part(w) * inner(slope, w)
-        strained = quotient(change * change, numbers(rest, e, count))
-        # V is a form of degree d: its second derivative is (d - 1) slope(w)·(w, or x in space).
-        x = w
-        if len(axes) == 3:
-            at_rest = gather(axes, corners, points, cells, e, count)
-            x = moved(at_rest, gather(axes, corners, u, cells, e, count))
-        second = (len(axes) - 1.0) * inner(_multiple(w, still(w))[1], x)
-        bend = bend + (numbers_or_zero(kappa, e, count) * strained + pressure * second)
-    return total(bend)
-
-
-def _nothing_bent(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
-    return 0.0
-
-
-def volume_curvature(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
-    """Second derivative of the energy of all cells along `direction`. No volumes are ()."""
-    raise NotImplementedError
-
-
-@overload(volume_curvature, jit_options={"fastmath": {"contract"}})
-def _volume_curvature(
-    axes: Axes, u: Array, direction: Array, volumes: Cells
-) -> Callable[..., float]:
-    return _bent if len(volumes) else _nothing_bent

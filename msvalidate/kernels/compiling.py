@@ -13,7 +13,7 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 """A function, by what it takes and gives."""
 
 
-def compiled(function: Kernel, *, fused: bool = False, inner: bool = False) -> Kernel:
+def compiled(*, fused: bool = False, inner: bool = False) -> Callable[[Kernel], Kernel]:
     """Compile at the first call; keep the result on disk where there is a place for it (`cache`).
 
     `fused` lets a product and a sum be one operation with one rounding. No other liberty is ever
@@ -25,6 +25,10 @@ def compiled(function: Kernel, *, fused: bool = False, inner: bool = False) -> K
         options["fastmath"] = {"contract"}
     if inner:
         options |= {"forceinline": True, "no_cpython_wrapper": True}
-    machine = njit(**options)(function)
-    machine._cache = KernelCache(function, options)
-    return cast(Kernel, machine)
+
+    def compile_function(function: Kernel) -> Kernel:
+        machine = njit(**options)(function)
+        machine._cache = KernelCache(function, options)
+        return cast(Kernel, machine)
+
+    return compile_function

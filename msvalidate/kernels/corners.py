@@ -19,24 +19,23 @@ from numba.core import cgutils, types
 from numba.core.errors import TypingError
 from numba.extending import overload
 
-from msvalidate.kernels.lanes import LANES, WIDTH, Lanes, instruction, operation, shuffled
+from msvalidate.kernels.lanes import (
+    LANES,
+    UNDEFINED,
+    WIDTH,
+    Lanes,
+    instruction,
+    loaded,
+    operation,
+    shuffled,
+)
 from msvalidate.kernels.values import Builder, Code, Context, Instruction, Lane, Signature, Type
 from msvalidate.problem import Array
 
 Ends = tuple[Code, Code | None]
 """Pointers to the first two components of a corner, and to its third in space."""
 
-_DOUBLE, _INDEX, _FUSED = ir.DoubleType(), ir.IntType(64), ("contract",)
-
-
-def _undefined() -> Code:
-    return ir.Constant(ir.VectorType(_DOUBLE, WIDTH), ir.Undefined)
-
-
-def _loaded(builder: Builder, pointer: Code) -> Code:
-    value = builder.load(pointer)
-    value.align = 8
-    return value
+_DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 
 
 def _contiguous(*arrays: Type) -> None:
@@ -84,13 +83,13 @@ def _points(
 
 def _read(builder: Builder, pointers: list[Ends]) -> list[Code]:
     """A corner of all cells as it lies: [x0 y0 x2 y2], [x1 y1 x3 y3], in space [z0 z1 z2 z3]."""
-    pairs = [_loaded(builder, pair) for pair, _ in pointers]
+    pairs = [loaded(builder, pair) for pair, _ in pointers]
     values = [shuffled(builder, pairs[i], pairs[i + 2], [0, 1, 2, 3]) for i in (0, 1)]
     if pointers[0][1] is None:
         return values
-    third = _undefined()
+    third = UNDEFINED
     for lane, (_, pointer) in enumerate(pointers):
-        third = builder.insert_element(third, _loaded(builder, pointer), _INDEX(lane))
+        third = builder.insert_element(third, loaded(builder, pointer), _INDEX(lane))
     return [*values, third]
 
 
@@ -107,23 +106,10 @@ def _returned(builder: Builder, values: list[Code]) -> list[tuple[Code, Code | N
     out = []
     for lane in range(WIDTH):
         half = [lane // 2 * 2, lane // 2 * 2 + 1]
-        pair = shuffled(builder, both[lane % 2], _undefined(), half)
+        pair = shuffled(builder, both[lane % 2], UNDEFINED, half)
         third = builder.extract_element(values[2], _INDEX(lane)) if values[2:] else None
         out.append((pair, third))
     return out
-
-
-def _leaves(builder: Builder, body: Code) -> list[Code]:
-    unpacked: Any = cgutils.unpack_tuple
-    return [value for vector in unpacked(builder, body) for value in unpacked(builder, vector)]
-
-
-def _bundled(context: Context, builder: Builder, body: Type, values: list[Code]) -> Code:
-    d = len(body.dtype)
-    vectors = [
-        context.make_tuple(builder, body.dtype, values[i : i + d]) for i in range(0, len(values), d)
-    ]
-    return context.make_tuple(builder, body, vectors)
 
 
 @instruction
@@ -140,12 +126,12 @@ def gather(
         context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
     ) -> Code:
         points = _points(context, builder, (values, cells), given[2:], (d, k))
-        seen = [_read(builder, points(corner)) for corner in range(k)]
-        turned = []
-        for corner in seen[1:]:
-            apart = [builder.fsub(*pair) for pair in zip(corner, seen[0], strict=True)]
-            turned += _turned(builder, apart)
-        return _bundled(context, builder, body, turned)
+        first_corner, *others = [_read(builder, points(corner)) for corner in range(k)]
+        vectors = []
+        for corner in others:
+            apart = [builder.fsub(*pair) for pair in zip(corner, first_corner, strict=True)]
+            vectors.append(context.make_tuple(builder, body.dtype, _turned(builder, apart)))
+        return context.make_tuple(builder, body, vectors)
 
     return body(axes, corners, values, cells, types.int64, types.int64), code
 
@@ -173,7 +159,9 @@ def pull(
         context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
     ) -> Code:
         points = _points(context, builder, (out, cells), given[2:6], (d, k))
-        back = [builder.fmul(given[6], value) for value in _leaves(builder, given[7])]
+        unpacked: Any = cgutils.unpack_tuple
+        slopes = [x for corner in unpacked(builder, given[7]) for x in unpacked(builder, corner)]
+        back = [builder.fmul(given[6], value) for value in slopes]
         sums = back[:d]
         for i in range(d, len(back)):
             sums[i % d] = builder.fadd(sums[i % d], back[i])
@@ -182,9 +170,9 @@ def pull(
             combine = builder.fsub if corner else builder.fadd
             steps = zip(points(corner), _returned(builder, change), strict=True)
             for (pair, third), (by_pair, by_third) in steps:
-                builder.store(combine(_loaded(builder, pair), by_pair), pair).align = 8
+                builder.store(combine(loaded(builder, pair), by_pair), pair).align = 8
                 if third is not None:
-                    builder.store(combine(_loaded(builder, third), by_third), third).align = 8
+                    builder.store(combine(loaded(builder, third), by_third), third).align = 8
         return context.get_dummy_value()
 
     return types.void(axes, corners, out, cells, types.int64, types.int64, force, slope), code
@@ -199,9 +187,9 @@ def _reader(beyond: bool) -> Callable[[Array, int, int], Lane]:
             context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
         ) -> Code:
             data = context.make_array(values)(context, builder, given[0]).data
-            lanes, read = _lanes(builder, *given[1:]), _undefined()
+            lanes, read = _lanes(builder, *given[1:]), UNDEFINED
             for lane, number in enumerate(lanes):
-                value = _loaded(builder, builder.gep(data, [number]))
+                value = loaded(builder, builder.gep(data, [number]))
                 if not beyond:
                     inside = builder.icmp_signed("<", _INDEX(lane), given[2])
                     value = builder.select(inside, value, ir.Constant(_DOUBLE, 0.0))
@@ -218,42 +206,6 @@ numbers = _reader(beyond=True)
 
 numbers_or_zero = _reader(beyond=False)
 """The same with 0 in the places left."""
-
-
-@instruction
-def moved(_typing: Context, body: Type, move: Type) -> Instruction:
-    """Corners after a displacement of theirs."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
-    ) -> Code:
-        pairs = zip(*(_leaves(builder, one) for one in given), strict=True)
-        return _bundled(context, builder, body, [builder.fadd(*pair) for pair in pairs])
-
-    return body(body, move), code
-
-
-@instruction
-def still(_typing: Context, body: Type) -> Instruction:
-    """No displacement, of as many corners."""
-
-    def code(
-        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
-    ) -> Code:
-        none = ir.Constant(ir.VectorType(_DOUBLE, WIDTH), [ir.Constant(_DOUBLE, 0.0)] * WIDTH)
-        return _bundled(context, builder, body, [none for _ in _leaves(builder, given[0])])
-
-    return body(body), code
-
-
-@operation(LANES, None, None)
-def inner(builder: Builder, slope: Code, move: Code) -> Code:
-    """Sum over corners and axes of the products of two bodies' components."""
-    pairs = list(zip(_leaves(builder, slope), _leaves(builder, move), strict=True))
-    total = builder.fmul(*pairs[0], flags=_FUSED)
-    for pair in pairs[1:]:
-        total = builder.fadd(total, builder.fmul(*pair, flags=_FUSED), flags=_FUSED)
-    return total
 
 
 @operation(LANES, LANES, LANES)

@@ -33,10 +33,7 @@ class Sweep:
 
     One thread at a time may use it.
 
-    Raises
-    ------
-    ProblemError
-        If there are too many points for the tables.
+    Raises `ProblemError` if there are too many points for the tables.
     """
 
     def __init__(

@@ -90,7 +90,7 @@ def recognised(network: Network) -> Grid | None:
     step = np.array(np.unravel_index(second, shape)) - at
     if np.abs(step).max() > 1:
         return None
-    lower, kind = np.minimum(at, at + step), _kind(step)
+    lower, kind = np.minimum(at, at + step), np.ravel_multi_index(step + 1, (3,) * len(step))
     ways = []
     for which in np.flatnonzero(np.bincount(kind)):
         these = np.flatnonzero(kind == which)
@@ -100,11 +100,6 @@ def recognised(network: Network) -> Grid | None:
             return None
         ways.append(way)
     return _grid(network, shape, order, ways)
-
-
-def _kind(step: Index) -> Index:
-    """Number from 0 to 3^d - 1 of steps (d, ..) of -1, 0 and 1."""
-    return np.asarray(np.ravel_multi_index(tuple(step + 1), (3,) * len(step)))
 
 
 def _placed(network: Network) -> tuple[Index, tuple[int, ...], Index] | None:

@@ -27,6 +27,7 @@ WIDTH = 4
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _VECTOR, _BITS = ir.VectorType(_DOUBLE, WIDTH), ir.VectorType(_INDEX, WIDTH)
 _FUSED = ("contract",)
+UNDEFINED = ir.Constant(_VECTOR, ir.Undefined)
 
 
 class Lanes(types.Type):
@@ -82,6 +83,13 @@ def _pointer(builder: Builder, start: Code, index: Code) -> Code:
     return builder.bitcast(builder.gep(start, [index]), _VECTOR.as_pointer())
 
 
+def loaded(builder: Builder, pointer: Code) -> Code:
+    """What is at a pointer, aligned as a float64 is."""
+    value = builder.load(pointer)
+    value.align = 8
+    return value
+
+
 @instruction
 def start(_typing: Context, array: Type) -> Instruction:
     """Where an array's numbers begin: what inner functions take, since arrays count who holds them.
@@ -101,9 +109,7 @@ def start(_typing: Context, array: Type) -> Instruction:
 @operation(LANES, None, types.int64)
 def load(builder: Builder, begin: Code, index: Code) -> Code:
     """The `WIDTH` float64 from an int64 index behind a `start` on, unchecked."""
-    loaded = builder.load(_pointer(builder, begin, index))
-    loaded.align = 8
-    return loaded
+    return loaded(builder, _pointer(builder, begin, index))
 
 
 @operation(types.void, None, types.int64, LANES)
@@ -116,8 +122,8 @@ def _widened(builder: Builder, value: Code) -> Code:
     """A number as a value with it in every place; a value as it is."""
     if value.type == _VECTOR:
         return value
-    one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INDEX(0))
-    return shuffled(builder, one, ir.Constant(_VECTOR, ir.Undefined), [0] * WIDTH)
+    one = builder.insert_element(UNDEFINED, value, _INDEX(0))
+    return shuffled(builder, one, UNDEFINED, [0] * WIDTH)
 
 
 def shuffled(builder: Builder, a: Code, b: Code, places: Sequence[int]) -> Code:
@@ -168,9 +174,8 @@ def total(builder: Builder, value: Code) -> Code:
 def load_half(builder: Builder, begin: Code, index: Code) -> Code:
     """The two float64 from an int64 index behind a `start` on, then two zeros, unchecked."""
     half = ir.VectorType(_DOUBLE, 2)
-    loaded = builder.load(builder.bitcast(builder.gep(begin, [index]), half.as_pointer()))
-    loaded.align = 8
-    return shuffled(builder, loaded, ir.Constant(half, [0.0, 0.0]), range(4))
+    pointer = builder.bitcast(builder.gep(begin, [index]), half.as_pointer())
+    return shuffled(builder, loaded(builder, pointer), ir.Constant(half, [0.0, 0.0]), range(4))
 
 
 @instruction

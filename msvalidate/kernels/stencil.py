@@ -88,15 +88,14 @@ def bytes_a_step(grid: Grid) -> int:
     return int(8 * size * (2 * 2 * d + 2) + grid.still.nbytes + grid.law.nbytes)
 
 
+@compiled(inner=True)
 def _at(axes: Axes, values: Pointer[float], apart: int, index: int) -> Padded:
     """Components of a vector, of which in the plane the third is not used."""
     x, y = load(values, index), load(values, index + apart)
     return x, y, load(values, index + 2 * apart) if len(axes) == 3 else x
 
 
-_at = compiled(_at, inner=True)
-
-
+@compiled(inner=True)
 def _put(axes: Axes, values: Pointer[float], apart: int, index: int, vector: Padded) -> None:
     store(values, index, vector[0])
     store(values, index + apart, vector[1])
@@ -104,23 +103,17 @@ def _put(axes: Axes, values: Pointer[float], apart: int, index: int, vector: Pad
         store(values, index + 2 * apart, vector[2])
 
 
-_put = compiled(_put, inner=True)
-
-
+@compiled(inner=True)
 def _plus(a: Padded, b: Padded) -> Padded:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-_plus = compiled(_plus, inner=True)
-
-
+@compiled(inner=True)
 def _one_on(before: Padded, now: Padded) -> Padded:
     return one_on(before[0], now[0]), one_on(before[1], now[1]), one_on(before[2], now[2])
 
 
-_one_on = compiled(_one_on, inner=True)
-
-
+@compiled(inner=True)
 def _law(axes: Axes, law: Pointer[float], vector: Pointer[float], first: int, kind: int) -> Spring:
     """A spring's k and k·L0, and its vector at rest."""
     at, k = len(axes) * kind, 2 * (first + kind)
@@ -128,9 +121,7 @@ def _law(axes: Axes, law: Pointer[float], vector: Pointer[float], first: int, ki
     return law[k], law[k + 1], vector[at], vector[at + 1], z
 
 
-_law = compiled(_law, inner=True)
-
-
+@compiled(inner=True)
 def _pull(
     axes: Axes, law: Spring, a: Padded, b: Padded, special: bool, weight: tuple[Pointer[float], int]
 ) -> Padded:
@@ -152,9 +143,7 @@ def _pull(
     return pull * x, pull * y, pull * z
 
 
-_pull = compiled(_pull, inner=True)
-
-
+@compiled()
 def _between(
     axes: Axes,
     u: Pointer[float],
@@ -195,9 +184,7 @@ def _between(
         _put(axes, f, pitch, other + c, (x - its[0], y - its[1], z - its[2]))
 
 
-_between = compiled(_between)
-
-
+@compiled()
 def _move(
     axes: Axes,
     u: Pointer[float],
@@ -243,9 +230,7 @@ def _move(
     return total(twice)
 
 
-_move = compiled(_move)
-
-
+@compiled(inner=True)
 def _row(
     axes: Axes,
     u: Pointer[float],
@@ -277,9 +262,7 @@ def _row(
     return _move(axes, u, size, still, f, pitch, (here, own), own_law, columns, dt, watched)
 
 
-_row = compiled(_row, inner=True)
-
-
+@compiled()
 def _advance(
     axes: Axes,
     moving: Array,
@@ -315,6 +298,3 @@ def _advance(
             return done, 0.5 * twice, True
         kinetic = 0.5 * twice
     return done, kinetic, False
-
-
-_advance = compiled(_advance)

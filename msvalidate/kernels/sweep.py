@@ -47,6 +47,7 @@ Pushing = tuple[Corners, Array, Array, Index, Array, Array, Index, Array] | tupl
 cells of the blocks, and the flow that takes the forces; empty where there are none."""
 
 
+@compiled(inner=True)
 def _apart(axes: Axes, place: Pointer[float], i: int, j: int) -> Lane:
     """Vector from place i to place j; in the plane its two parts, side by side."""
     apart = load(place, j) - load(place, i)
@@ -55,9 +56,7 @@ def _apart(axes: Axes, place: Pointer[float], i: int, j: int) -> Lane:
     return apart
 
 
-_apart = compiled(_apart, inner=True)
-
-
+@compiled(inner=True)
 def _vectors(
     axes: Axes, place: Pointer[float], owner: Pointer[int], other: Pointer[int], e: int
 ) -> Vector:
@@ -73,9 +72,7 @@ def _vectors(
     return x, y, y
 
 
-_vectors = compiled(_vectors, inner=True)
-
-
+@compiled(inner=True)
 def _break(laws: Any, energy: Any, looked: Pointer[float], e: int, at: int) -> None:
     """Take out of four springs from e on those that are beyond; what is looked at lies at `at`."""
     for i in range(TOGETHER):
@@ -84,9 +81,7 @@ def _break(laws: Any, energy: Any, looked: Pointer[float], e: int, at: int) -> N
             laws[2 * e + i] = laws[2 * e + TOGETHER + i] = 0.0
 
 
-_break = compiled(_break, inner=True)
-
-
+@compiled(fused=True, inner=True)
 def _pull(
     axes: Axes,
     place: Pointer[float],
@@ -132,16 +127,12 @@ def _pull(
     return total(stored)
 
 
-_pull = compiled(_pull, fused=True, inner=True)
-
-
+@compiled(inner=True)
 def _force_of(axes: Axes, forces: Pointer[float], spring: int) -> Lane:
     return load(forces, 4 * spring) if len(axes) == 3 else load_half(forces, 2 * spring)
 
 
-_force_of = compiled(_force_of, inner=True)
-
-
+@compiled(inner=True)
 def _gathered(
     axes: Axes,
     flow: Pointer[float],
@@ -167,9 +158,7 @@ def _gathered(
     return force
 
 
-_gathered = compiled(_gathered, inner=True)
-
-
+@compiled(fused=True, inner=True)
 def _moved(
     axes: Axes,
     place: Pointer[float],
@@ -195,9 +184,7 @@ def _moved(
     return mass * (v * v)
 
 
-_moved = compiled(_moved, fused=True, inner=True)
-
-
+@compiled(fused=True, inner=True)
 def _block(
     axes: Axes,
     tables: tuple[Pointer[float], Pointer[float], Pointer[float]],
@@ -226,6 +213,7 @@ def _block(
     return total(twice) / (4 - len(axes))
 
 
+@compiled(inner=True)
 def _push(axes: Axes, cells: Pushing, b: int) -> float:
     """Add the forces of a block's cells to the flow; return their energy."""
     stored = 0.0
@@ -237,10 +225,7 @@ def _push(axes: Axes, cells: Pushing, b: int) -> float:
     return stored
 
 
-_push = compiled(_push, inner=True)
-_block = compiled(_block, fused=True, inner=True)
-
-
+@compiled(inner=True)
 def _starts(
     springs: Springs,
 ) -> tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Form]:
@@ -248,18 +233,14 @@ def _starts(
     return start(first), start(owner), start(other), start(laws), form
 
 
-_starts = compiled(_starts, inner=True)
-
-
+@compiled(inner=True)
 def _ends(limit: Limit) -> Ends:
     if len(limit):
         return limit[0], start(limit[1])  # type: ignore[misc]  # some
     return ()
 
 
-_ends = compiled(_ends, inner=True)
-
-
+@compiled(fused=True)
 def run(
     axes: Axes,
     tables: tuple[Array, Array, Array],
@@ -304,9 +285,7 @@ def run(
     return done, kinetic, False
 
 
-run = compiled(run, fused=True)
-
-
+@compiled(fused=True)
 def force(
     axes: Axes,
     tables: tuple[Array, Array, Array],
@@ -330,9 +309,7 @@ def force(
     return stored
 
 
-force = compiled(force, fused=True)
-
-
+@compiled()
 def enter(
     order: Index,
     rest: Array,
@@ -357,9 +334,7 @@ def enter(
         kept[i], pushed[i] = keep[point], push[point]
 
 
-enter = compiled(enter)
-
-
+@compiled()
 def leave(
     order: Index,
     tables: tuple[Array, Array],
@@ -376,6 +351,3 @@ def leave(
         for a in range(u.shape[1]):
             u[point, a] = place[i, half + a]
             v[point, a] = flow[i, half + a]
-
-
-leave = compiled(leave)

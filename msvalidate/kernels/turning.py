@@ -18,6 +18,7 @@ _even = picked(0, 4, 2, 6)
 _odd = picked(1, 5, 3, 7)
 
 
+@compiled(inner=True)
 def halves_added(a: Lane, b: Lane, c: Lane, d: Lane) -> tuple[Lane, Lane]:
     """Components x and y of the sums of the halves of four rows."""
     ab, cd = _even(a, b), _even(c, d)
@@ -26,26 +27,20 @@ def halves_added(a: Lane, b: Lane, c: Lane, d: Lane) -> tuple[Lane, Lane]:
     return x, first_halves(ab, cd) + second_halves(ab, cd)
 
 
-halves_added = compiled(halves_added, inner=True)
-
-
+@compiled(inner=True)
 def components(a: Lane, b: Lane, c: Lane, d: Lane) -> tuple[Lane, Lane, Lane]:
     """Components x, y and z of four rows."""
     ab, cd, odd_ab, odd_cd = _even(a, b), _even(c, d), _odd(a, b), _odd(c, d)
     return first_halves(ab, cd), first_halves(odd_ab, odd_cd), second_halves(ab, cd)
 
 
-components = compiled(components, inner=True)
-
-
+@compiled(inner=True)
 def pairs(x: Lane, y: Lane) -> tuple[Lane, Lane]:
     """Pairs (x, y), two in a value: those of numbers 0 and 2, then those of 1 and 3."""
     return _even(x, y), _odd(x, y)
 
 
-pairs = compiled(pairs, inner=True)
-
-
+@compiled(inner=True)
 def rows(x: Lane, y: Lane, z: Lane, w: Lane) -> tuple[Lane, Lane, Lane, Lane]:
     """Four rows (x, y, z, w)."""
     even, odd, further_even, further_odd = _even(x, y), _odd(x, y), _even(z, w), _odd(z, w)
@@ -55,6 +50,3 @@ def rows(x: Lane, y: Lane, z: Lane, w: Lane) -> tuple[Lane, Lane, Lane, Lane]:
         second_halves(even, further_even),
         second_halves(odd, further_odd),
     )
-
-
-rows = compiled(rows, inner=True)

@@ -12,8 +12,6 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from msvalidate.problem import Array, Index
-
 Number_co = TypeVar("Number_co", int, float, covariant=True)
 
 Complex = NDArray[np.complex128]
@@ -60,9 +58,6 @@ Body = tuple[Vector, ...]
 
 Spring = tuple[float, float, float, float, float]
 """Of one kind of spring of a lattice: k (N/m), k·L0 (N) and its vector X, Y, Z (m) at rest."""
-Cells = tuple[Corners, Array, Index, Array, Array] | tuple[()]
-"""Cells: points (n, d) at rest, where corners (c, k) begin there, κ (c,) and volumes (c,) at rest;
-empty where there are none."""
 Done = tuple[int, float, bool]
 """Steps done, kinetic energy of the last, and whether it ended there because that fell."""
 

@@ -7,7 +7,6 @@ from msvalidate.network.configuration import (
     frequency_bound,
     internal_force,
     mode_energy,
-    spring_vectors,
     tangent,
 )
 from msvalidate.network.network import Network, spring_network
@@ -21,6 +20,5 @@ __all__ = [
     "internal_force",
     "mode_energy",
     "spring_network",
-    "spring_vectors",
     "tangent",
 ]

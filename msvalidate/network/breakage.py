@@ -16,10 +16,7 @@ from msvalidate.problem.records import replace
 def critical_stretches(network: Network, critical_stretch: ArrayLike) -> Array:
     """Elongation over rest length (m,) at which each spring breaks, checked.
 
-    Raises
-    ------
-    ProblemError
-        If one is none or not above 0, or a spring is beyond it at rest.
+    Raises `ProblemError` if one is none or not above 0, or a spring is beyond it at rest.
     """
     require_type("network", network, Network)
     if network.law.name != "linear" or network.volumes is not None:

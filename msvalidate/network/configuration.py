@@ -38,10 +38,7 @@ class Configuration:
     grown
         (m,) in m²: squares of the lengths less those at the reference points.
 
-    Raises
-    ------
-    SolverError
-        If a spring has no length: it pulls in no direction.
+    Raises `SolverError` if a spring has no length: it pulls in no direction.
     """
 
     def __init__(self, network: Network, displacement: Array | None = None) -> None:
@@ -51,7 +48,12 @@ class Configuration:
         self.move = displacement[j] - displacement[i]
         self.vector = network.vector + self.move
         self.length = np.linalg.norm(self.vector, axis=1)
-        self._refuse_no_length()
+        if not self.length.all():
+            spring = int(np.flatnonzero(self.length == 0)[0])
+            raise SolverError(
+                f"spring {spring} has no length: points {network.springs[spring].tolist()} have "
+                "been pushed into one place, where no direction is left; reduce the load"
+            )
         self.grown = ((network.vector + self.vector) * self.move).sum(axis=1)
 
     @cached_property
@@ -159,25 +161,12 @@ class Configuration:
             change = np.linalg.norm(motion[j] - motion[i], axis=1) / self.length
         return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
 
-    def _refuse_no_length(self) -> None:
-        if not self.length.all():
-            spring = int(np.flatnonzero(self.length == 0)[0])
-            raise SolverError(
-                f"spring {spring} has no length: points "
-                f"{self.network.springs[spring].tolist()} have been pushed into one place, where "
-                "no direction is left; reduce the load"
-            )
-
 
 def configuration_at(network: Network, position: Array) -> Configuration:
     """The configuration at `position` (n, d) in m.
 
-    Raises
-    ------
-    ProblemError
-        If positions do not fit the network, or are no ordinary numbers.
-    SolverError
-        As for `Configuration`.
+    Raises `ProblemError` if positions do not fit the network, or are no ordinary numbers;
+    `SolverError` as for `Configuration`.
     """
     require_type("network", network, Network)
     if getattr(position, "shape", None) != network.points.shape:
@@ -211,12 +200,6 @@ def tangent(network: Network, position: Array) -> csr_array:
 def mode_energy(network: Network, position: Array, motion: Array) -> float:
     """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion."""
     return configuration_at(network, position).mode_energy(motion)
-
-
-def spring_vectors(network: Network, position: Array) -> tuple[Array, Array]:
-    """Vectors (m, d) in m of the springs at `position` (n, d) in m, and their lengths (m,) in m."""
-    found = configuration_at(network, position)
-    return found.vector, found.length
 
 
 def frequency_bound(network: Network) -> float:

@@ -16,7 +16,7 @@ from msvalidate.linear_algebra.conjugate_gradients import (
 )
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration
-from msvalidate.network.mechanism import describe_motion, is_mechanism
+from msvalidate.network.mechanism import NO_STIFFNESS, describe_motion, relative_stiffness
 from msvalidate.network.multigrid import make_cycle, softest_motion
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import dataclass
@@ -26,7 +26,7 @@ PART = 1e-5
 each with a residual of its own, which costs as much as two cycles."""
 ROUGHLY = 1e-3
 WORN = 60
-"""Steps by a cycle of another place at which one of this place is made."""
+"""Steps by a cycle of another place from which one of this place is made."""
 
 
 class NotConvergedError(SolverError):
@@ -37,18 +37,9 @@ class NotConvergedError(SolverError):
 class Cycles:
     """Multigrid as an inverse: conjugate gradients, with one cycle a step.
 
-    Parameters
-    ----------
-    A
-        Tangent, restrained.
-    at
-        Whose tangent it is.
-    cycle
-        Of this tangent, or of one close by.
-    is_own
-        Whether of this tangent.
-    steps
-        Of conjugate gradients, the most in one solution.
+    `A`: tangent, restrained. `at`: whose tangent it is. `cycle`: of this tangent, or of one close
+    by. `is_own`: whether of this tangent. `steps`: of conjugate gradients, the most in one
+    solution.
     """
 
     A: bsr_array
@@ -60,10 +51,7 @@ class Cycles:
     def solve(self, right: Array, part: float = PART) -> Array:
         """Solution (f,) for a right-hand side (f,), to a part of itself.
 
-        Raises
-        ------
-        NotConvergedError
-            If conjugate gradients do not get there.
+        Raises `NotConvergedError` if conjugate gradients do not get there.
         """
         largest = float(np.abs(right).max(initial=0.0))
         if not largest:
@@ -132,5 +120,5 @@ def refuse_mechanism_motion(A: bsr_array, at: Configuration) -> None:
     `A` is `restrained_tangent` there.
     """
     mode = softest_motion(A, at)
-    if mode.any() and is_mechanism(at, mode, A.diagonal()):
+    if mode.any() and not abs(relative_stiffness(at, mode, A.diagonal())) > NO_STIFFNESS:
         raise SolverError(describe_motion(at.network, mode))

@@ -64,7 +64,8 @@ class Ground:
         self.obstacle = obstacle
         self.depth = finite_number("ground: depth", depth)
         self.friction = finite_number("ground: friction", friction, least=0)
-        given = _mean_stiffness(network) if stiffness is None else stiffness
+        k = network.axial_stiffness
+        given = k[k > 0].mean() if stiffness is None else stiffness
         self.stiffness = np.broadcast_to(finite("ground: stiffness", given), self.points.shape)
         if (self.stiffness <= 0).any():
             raise ProblemError(f"ground: stiffness {self.stiffness.min():g} N/m; raise it above 0")
@@ -119,9 +120,3 @@ class Ground:
         self.stored += 0.5 * float(
             self.stiffness @ np.where(touches, np.minimum(far, kept), 0.0) ** 2
         )
-
-
-def _mean_stiffness(network: Network) -> float:
-    """Mean stiffness (N/m) of a spring that has any."""
-    k = network.axial_stiffness
-    return float(k[k > 0].mean())

@@ -41,14 +41,7 @@ softest motion, of which it has most, need not be looked for: solid bodies have 
 class Regular:
     """An inverse of a tangent's free part, and what its softest motion meets.
 
-    Parameters
-    ----------
-    at
-        Whose tangent.
-    inverse
-        Of the free part.
-    diagonal
-        Of the free part (f,) in N/m.
+    `at`: whose tangent. `inverse`: of the free part. `diagonal`: of the free part (f,) in N/m.
     """
 
     at: Configuration
@@ -100,26 +93,19 @@ class Regular:
         mode, met = np.zeros(free.shape), np.zeros(free.shape)
         mode[free], met[free] = way, self.diagonal
         soft = relative_stiffness(self.at, mode, met)
-        _refuse_no_stiffness(self.at.network, soft, mode)
+        if not abs(soft) > NO_STIFFNESS:  # NaN is nothing too
+            raise SolverError(describe_motion(self.at.network, mode))
         return soft, mode
 
 
 class Solver:
     """Inverts the tangents of one network, at one place after another.
 
-    Parameters
-    ----------
-    network
-        Others with the same points, springs and supports may be asked about as well.
-    wanted
-        "direct", "multigrid", or "auto", which counts what a factor takes.
-    cycle
-        Of a place close by, for the first multigrid.
+    Raises `ProblemError` if there is no such solver.
 
-    Raises
-    ------
-    ProblemError
-        If there is no such solver.
+    `network`: others with the same points, springs and supports may be asked about as well.
+    `wanted`: "direct", "multigrid", or "auto", which counts what a factor takes. `cycle`: of a
+    place close by, for the first multigrid.
     """
 
     def __init__(self, network: Network, wanted: str = "auto", cycle: Cycle | None = None) -> None:
@@ -144,17 +130,14 @@ class Solver:
         A factor, and the first multigrid, are looked at: some motion may meet no stiffness. Later
         ones are when they are asked.
 
-        Raises
-        ------
-        SolverError
-            If some motion meets no stiffness, or memory does not suffice.
+        Raises `SolverError` if some motion meets no stiffness, or memory does not suffice.
         """
         K = at.tangent() if K is None else K
-        if self.is_direct:
-            return self._direct(at, K)
         diagonal = K.diagonal()[~at.network.held.ravel()]
-        found = Regular(at, self.inverse(at, K), diagonal)
-        if self._looked:
+        found = Regular(at, self.inverse(at, K, mend=self.is_direct), diagonal)
+        if self.is_direct:
+            _ = found.softness  # a mechanism is refused here
+        if self.is_direct or self._looked:
             return found
         try:
             _refuse_rounding(found.softness)
@@ -173,20 +156,19 @@ class Solver:
     def inverse(self, at: Configuration, K: bsr_array, *, mend: bool = False) -> Factor | Cycles:
         """Inverse of the free part of K that nobody has looked at; `mend` as of `factorise`.
 
-        Raises
-        ------
-        RuntimeError
-            If a pivot is zero.
-        SolverError
-            If nothing at all resists a component, or memory does not suffice.
+        Raises `RuntimeError` if a pivot is zero; `SolverError` if nothing at all resists a
+        component, or memory does not suffice.
         """
-        network = at.network
+        network, alone = at.network, K.diagonal()
         inside = np.flatnonzero(~network.held.ravel())
-        _refuse_unsupported(network, K.diagonal()[inside], inside)
+        if not alone[inside].all():  # nothing at all is in the way
+            mode = np.zeros(len(alone))
+            mode[inside[alone[inside] == 0][0]] = 1.0
+            raise SolverError(describe_motion(network, mode))
         if not self.is_direct:
             return self._multigrid(at, K)
         if self._order is None:
-            self._order = self._dissected().order
+            self._order = dissection(self._network).order
         A = csr_array(K)[inside][:, inside]
         return factorise(A, free_unknowns(self._order, network.held), mend=mend)
 
@@ -205,7 +187,7 @@ class Solver:
         """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
         if self.wanted == "direct":
             return
-        entries = self._network.dim**2 * self._dissected().entries
+        entries = self._network.dim**2 * dissection(self._network).entries
         if entries > min(most, choice.MOST_IN_NEED):
             raise SolverError(
                 f"{what}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
@@ -221,15 +203,6 @@ class Solver:
         self._order = found.order if len(found.order) else None
         return chosen
 
-    def _dissected(self) -> Dissection:
-        return nested_dissection(self._network.points, connected_pairs(self._network))
-
-    def _direct(self, at: Configuration, K: bsr_array) -> Regular:
-        diagonal = K.diagonal()[~at.network.held.ravel()]
-        found = Regular(at, self.inverse(at, K, mend=True), diagonal)
-        _ = found.softness  # a mechanism is refused here
-        return found
-
     def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
         last = self._last.cycle if self._last else self._cycle
         A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
@@ -239,13 +212,7 @@ class Solver:
 
 
 class Once(Solver):
-    """A solver that inverts the tangent it is first asked for, whatever the loads, until renewed.
-
-    Parameters
-    ----------
-    network, wanted
-        As of `Solver`.
-    """
+    """A solver that inverts the tangent it is first asked for, under any loads, until renewed."""
 
     def __init__(self, network: Network, wanted: str) -> None:
         super().__init__(network, wanted)
@@ -265,8 +232,12 @@ class Once(Solver):
 
 def elimination_order(network: Network) -> Index:
     """Free components (f,) of a network in the order to eliminate them."""
-    found = nested_dissection(network.points, connected_pairs(network))
-    return free_unknowns(found.order, network.held)
+    return free_unknowns(dissection(network).order, network.held)
+
+
+def dissection(network: Network) -> Dissection:
+    """The order to eliminate a network's points in, and what a factor takes."""
+    return nested_dissection(network.points, connected_pairs(network))
 
 
 def connected_pairs(network: Network) -> Index:
@@ -279,23 +250,9 @@ def _refuse_unsettled(told: bool) -> None:
         raise NotConvergedError("multigrid: conjugate gradients do not tell whether it is stable")
 
 
-def _refuse_no_stiffness(network: Network, soft: float, mode: Array) -> None:
-    """Raise `SolverError` for a motion (n·d,) that meets nothing: NaN is nothing too."""
-    if not abs(soft) > NO_STIFFNESS:
-        raise SolverError(describe_motion(network, mode))
-
-
 def _refuse_rounding(softness: float) -> None:
     if not is_certain(softness):
         raise NotConvergedError(
             f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
             "by one, too little to be told from rounding"
         )
-
-
-def _refuse_unsupported(network: Network, diagonal: Array, inside: Index) -> None:
-    """Raise `SolverError` for a component that nothing at all is in the way of."""
-    if not diagonal.all():
-        mode = np.zeros(network.points.size)
-        mode[inside[int(np.flatnonzero(diagonal == 0)[0])]] = 1.0
-        raise SolverError(describe_motion(network, mode))

@@ -14,20 +14,12 @@ few parts in 1e16, squared, while the softest mode of a cantilever 20,000 cells 
 still has 1e-18."""
 
 
-def is_mechanism(at: Configuration, motion: Array, stiffness: Array) -> bool:
-    """Whether a motion (n·d,) in m is a mechanism there.
+def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> float:
+    """Energy of a motion (n·d,) in m over what its components would cost one by one; 0 of nothing.
 
     The springs that it stretches are asked: an eigenvalue of the tangent is rounded by far more.
     `stiffness` (n·d,) in N/m is what each component meets on its own, the tangent's diagonal. A
     point is judged by all of its free ones: a motion across its only spring has none of its own.
-    """
-    return not abs(relative_stiffness(at, motion, stiffness)) > NO_STIFFNESS
-
-
-def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> float:
-    """Energy of a motion over what its components would cost one by one, as in `is_mechanism`.
-
-    0 where that is nothing.
     """
     held = at.network.held
     way = motion.reshape(held.shape)

@@ -6,12 +6,7 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
-from msvalidate.linear_algebra.multigrid import (
-    Cycle,
-    aggregate,
-    diagonal_blocks,
-    restrain_in_place,
-)
+from msvalidate.linear_algebra.multigrid import Cycle, aggregate, diagonal_blocks, restrain_in_place
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, Index, rigid_motions
 
@@ -48,19 +43,17 @@ def make_cycle(A: bsr_array, at: Configuration) -> Cycle:
     centred = network.points - network.points.mean(axis=0)
     centred += at.displacement - at.displacement.mean(axis=0)
     rigid = rigid_motions(centred / np.abs(centred).max()).reshape(free.size, -1)
-    order = _order_by_place(network) if _is_scattered(network) else None
-    return aggregate(A, rigid * free.reshape(-1, 1), order)
+    return aggregate(A, rigid * free.reshape(-1, 1), _order_by_place(network))
 
 
-def _is_scattered(network: Network) -> bool:
-    """Whether points are numbered without regard to their places: cycles take more steps then."""
-    n, d = network.points.shape
-    i, j = network.springs.T
-    return bool(np.abs(i - j).mean() > FAR_APART * n ** (1 - 1 / d))
+def _order_by_place(network: Network) -> Index | None:
+    """Points (n,) in layers, rows and along them, as lattices have them; alike ones by number.
 
-
-def _order_by_place(network: Network) -> Index:
-    """Points (n,) in layers, rows and along them, as lattices have them; alike ones by number."""
+    None where they are numbered with regard to their places: else cycles take more steps.
+    """
+    (n, d), (i, j) = network.points.shape, network.springs.T
+    if np.abs(i - j).mean() <= FAR_APART * n ** (1 - 1 / d):
+        return None
     spacing = float(np.linalg.norm(network.vector, axis=1).mean())
     layers = np.floor((network.points - network.points.min(axis=0)) / spacing + 0.25)
     return np.lexsort(layers.T)
@@ -110,3 +103,11 @@ def force_against(at: Configuration, motion: Array) -> Array:
     """
     held = at.network.held
     return np.where(held, 0.0, -at.force_change(motion.reshape(held.shape))).ravel()
+
+
+def free_force(at: Configuration, mode: Array) -> Array:
+    """As `force_against`, of and on what is free (f,)."""
+    free = ~at.network.held.ravel()
+    motion = np.zeros(free.shape)
+    motion[free] = mode
+    return force_against(at, motion)[free]

@@ -15,12 +15,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network.blocks import Blocks, blocks_of
-from msvalidate.network.checks import (
-    broadcast_values,
-    check_cells,
-    check_springs,
-    refuse_first_bad,
-)
+from msvalidate.network.checks import broadcast_values, check_cells, check_springs, refuse_first_bad
 from msvalidate.network.folds import Simplices, simplices_of
 from msvalidate.network.laws import volumes as of_volumes
 from msvalidate.network.laws.law import Coefficients, SpringLaw
@@ -265,10 +260,8 @@ class Network:
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,).
 
-        Raises
-        ------
-        ProblemError
-            If the factor is of another shape, not finite, or makes a stiffness negative.
+        Raises `ProblemError` if the factor is of another shape, not finite, or makes a stiffness
+        negative.
         """
         times = finite("factor of the stiffness", factor)
         if times.shape not in {(), self.stiffness.shape}:

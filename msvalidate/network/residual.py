@@ -10,7 +10,6 @@ import numpy as np
 from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array, SolverError
-from msvalidate.problem.checks import require_type
 
 
 def out_of_balance_force(network: Network, displacement: Array) -> Array:
@@ -65,10 +64,8 @@ def force_scale(at: Configuration) -> float:
 
     Springs between points that are held take no part in any balance and do not count.
 
-    Raises
-    ------
-    SolverError
-        If the forces are beyond all numbers: any residual would be small beside them.
+    Raises `SolverError` if the forces are beyond all numbers: any residual would be small beside
+    them.
     """
     network = at.network
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
@@ -80,14 +77,3 @@ def force_scale(at: Configuration) -> float:
             "forces, or reduce the load"
         )
     return scale
-
-
-def force_roundoff(network: Network, reach: float | None = None) -> Array:
-    """Force (n, 1) in N below which the residual at a point is rounding.
-
-    `reach` (m) is the largest number that is added to lengths: by default a coordinate; where
-    displacements are kept apart from reference positions, a displacement. See `Network.rounding`.
-    """
-    require_type("network", network, Network)
-    reach = float(np.abs(network.points).max()) if reach is None else reach
-    return network.rounding(reach)

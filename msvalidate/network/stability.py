@@ -13,11 +13,10 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.network import Configuration
 from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import Regular
 from msvalidate.network.mechanism import NO_STIFFNESS, is_certain
-from msvalidate.network.multigrid import force_against
+from msvalidate.network.multigrid import free_force
 from msvalidate.network.refine import FACTOR_ROUNDING
 from msvalidate.problem import Array, SolverError
 
@@ -32,11 +31,8 @@ CLEAR = 10.0
 def negative_modes(found: Regular) -> int:
     """Number of negative eigenvalues of the tangent that `found` is the inverse of.
 
-    Raises
-    ------
-    SolverError
-        If more motions than can be looked at meet no more than rounding; `NotConvergedError` if one
-        does, and there is no factor.
+    Raises `SolverError` if more motions than can be looked at meet no more than rounding;
+    `NotConvergedError` if one does, and there is no factor.
     """
     if is_certain(found.softness):
         return found.negative
@@ -50,7 +46,7 @@ def negative_modes(found: Regular) -> int:
     own = modes.T @ pushes
     metric = modes.T @ (weight[:, None] * modes)
     factored = eigh((own + own.T) / 2, metric, eigvals_only=True)
-    changes = np.column_stack([_force_against(found.at, mode) for mode in modes.T])
+    changes = np.column_stack([free_force(found.at, mode) for mode in modes.T])
     exact = modes.T @ changes
     energies = eigh((exact + exact.T) / 2, metric, eigvals_only=True)
     all_seen = len(weight) <= MODES
@@ -84,11 +80,3 @@ def _softest_motions(factor: Factor, weight: Array) -> tuple[Array, Array]:
         scale = np.abs(root * modes).max(axis=0)
         modes, pushes = (np.linalg.solve(R.T, (x / scale).T).T for x in (modes, pushes))
     return modes, pushes
-
-
-def _force_against(at: Configuration, mode: Array) -> Array:
-    """Force (f,) that meets a motion (f,) of what is free, in N per m."""
-    free = ~at.network.held.ravel()
-    motion = np.zeros(free.shape)
-    motion[free] = mode
-    return force_against(at, motion)[free]

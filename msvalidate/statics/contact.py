@@ -250,16 +250,20 @@ class _Way:
 
     def _gaps(self) -> tuple[Array, Array]:
         """Gaps (c,) in m and normals (c, d): to first order in the displacement, or there."""
-        u = self.found.displacement[self.points]
-        x = self.network.points[self.points] + (u if self.nonlinear else 0.0)
+        x = self._places()
         gap, normal = np.empty(len(x)), np.empty(x.shape)
         for k, one in enumerate(self.each):
             own = self.which == k
             gap[own] = one.obstacle.gap(x[own], self.depths[k])
             normal[own] = one.obstacle.normal(x[own], self.depths[k])
         if not self.nonlinear:
-            gap = gap + (normal * u).sum(axis=1)
+            gap = gap + (normal * self.found.displacement[self.points]).sum(axis=1)
         return gap, normal
+
+    def _places(self) -> Array:
+        """Where (c, d) in m the candidates are, to first order where they were."""
+        x = self.network.points + (self.found.displacement if self.nonlinear else 0.0)
+        return np.asarray(x[self.points])
 
     def _reach(self) -> Array:
         """How far (m) each obstacle of a given depth would be in the body as it is; 0 of others."""
@@ -344,10 +348,7 @@ class _Way:
     def result(self) -> ContactEquilibrium:
         """What the way has led to."""
         gap, normal = self._gaps()
-        x = self.network.points[self.points] + (
-            self.found.displacement[self.points] if self.nonlinear else 0.0
-        )
-        contacts = []
+        x, contacts = self._places(), []
         for k, one in enumerate(self.each):
             own, axis = self.which == k, self.axes[k]
             force = self.force[own]

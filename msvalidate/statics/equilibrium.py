@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -125,11 +127,12 @@ def equilibrium(
             "path, start: a linear equilibrium has neither; take geometry 'nonlinear'"
         )
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        found = (
-            _solve_linear(network, solver)
-            if geometry == "linear"
-            else _solve_nonlinear(network, path, start, solver)
-        )
+        way = solver if isinstance(solver, Solver) else Solver(network, solver)
+        if geometry == "linear":
+            found = _solve_by(way, partial(_solve_linear, network, way))
+        else:
+            begun = start_displacement(network, start)
+            found = _solve_by(way, partial(_solve_nonlinear, network, way, path, begun))
     if geometry == "nonlinear" and not allow_folded:
         refuse_folded(network, found, "nonlinear equilibrium")
     return found
@@ -138,10 +141,7 @@ def equilibrium(
 def start_displacement(network: Network, start: Equilibrium | Array | None) -> Array | None:
     """Displacement (n, d) in m of a start, checked.
 
-    Raises
-    ------
-    ProblemError
-        If it is of another network, or no displacement.
+    Raises `ProblemError` if it is of another network, or no displacement.
     """
     if start is None:
         return None
@@ -196,31 +196,11 @@ def equilibrium_at(
     )
 
 
-def _solve_linear(network: Network, wanted: str | Solver) -> Equilibrium:
-    solver = wanted if isinstance(wanted, Solver) else Solver(network, wanted)
+def _solve_by(solver: Solver, solve: Callable[[], Equilibrium]) -> Equilibrium:
+    """What is found by a solver, by its factor where multigrid gives up."""
     while True:
         try:
-            found = refine_linear(network, solver)
-            break
-        except SolverError as error:
-            if solver.is_direct or not isinstance(error, NotConvergedError | InaccurateError):
-                raise
-            solver.give_way(error)
-    choice = None if network.held.all() else solver.choice
-    u, steps = found.solution, 1 + found.steps
-    return equilibrium_at(network, u, steps, error=found.error, solver=choice, linear=True)
-
-
-def _solve_nonlinear(
-    network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str | Solver
-) -> Equilibrium:
-    """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
-    begun = start_displacement(network, start)
-    solver = wanted if isinstance(wanted, Solver) else Solver(network, wanted)
-    while True:
-        try:
-            found = _follow_path(network, solver, path, begun)
-            end = refine_equilibrium(network, found.displacement, found.factor, solver)
+            return solve()
         except SolverError as error:
             # A factor goes on past tangents that are not positive, at which multigrid stops.
             stopped = solver.met_negative and not isinstance(error, NotConvergedError)
@@ -229,15 +209,29 @@ def _solve_nonlinear(
             ):
                 raise
             solver.give_way(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
-            continue
-        return equilibrium_at(
-            network,
-            end.solution,
-            found.solves + end.steps,
-            error=end.error,
-            passed_limit=found.passed_limit,
-            solver=None if network.held.all() else solver.choice,
-        )
+
+
+def _solve_linear(network: Network, solver: Solver) -> Equilibrium:
+    found = refine_linear(network, solver)
+    choice = None if network.held.all() else solver.choice
+    u, steps = found.solution, 1 + found.steps
+    return equilibrium_at(network, u, steps, error=found.error, solver=choice, linear=True)
+
+
+def _solve_nonlinear(
+    network: Network, solver: Solver, path: Path | None, begun: Array | None
+) -> Equilibrium:
+    """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
+    found = _follow_path(network, solver, path, begun)
+    end = refine_equilibrium(network, found.displacement, found.factor, solver)
+    return equilibrium_at(
+        network,
+        end.solution,
+        found.solves + end.steps,
+        error=end.error,
+        passed_limit=found.passed_limit,
+        solver=None if network.held.all() else solver.choice,
+    )
 
 
 def _follow_path(
@@ -256,11 +250,7 @@ def _follow_path(
         tightened = _follow_prestress(network, solver, found.solves)
         found = tightened if tightened and tightened.reached == 1 else found
     if found.reached < 1:
-        raise SolverError(
-            _explain_failure(
-                network, solver, found, stressed=network.law.rests and network.prestressed
-            )
-        )
+        raise SolverError(_explain_failure(network, solver, found))
     return found
 
 
@@ -274,24 +264,23 @@ def _follow_prestress(network: Network, solver: Solver, solves: int) -> PathResu
     return found
 
 
-def _explain_failure(network: Network, solver: Solver, found: PathResult, *, stressed: bool) -> str:
+def _explain_failure(network: Network, solver: Solver, found: PathResult) -> str:
     """What to say of a way that leads no further."""
-    said = (
-        f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
-        f"load (after {found.solves} linear solves); "
-    )
-    hidden = _explain_pivots(network, solver)
+    what, hidden = "load", _explain_pivots(network, solver)
     if hidden:
-        return f"{said}what lies beyond may be hidden by rounding: {hidden}"
-    if not stressed:
-        return f"{said}reduce the load or stiffen the network"
-    if not (network.force.any() or network.displacement.any()):
-        return (
-            f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
-            f"prestress (after {found.solves} linear solves); bring rest lengths closer to the "
-            "springs' lengths, or take the start from a relaxation"
-        )
-    return f"{said}reduce load or prestress, or take the start from a relaxation"
+        remedy = f"what lies beyond may be hidden by rounding: {hidden}"
+    elif not (network.law.rests and network.prestressed):
+        remedy = "reduce the load or stiffen the network"
+    elif network.force.any() or network.displacement.any():
+        remedy = "reduce load or prestress, or take the start from a relaxation"
+    else:
+        what = "prestress"
+        remedy = "bring rest lengths closer to the springs' lengths, or take the start from a "
+        remedy += "relaxation"
+    return (
+        f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
+        f"{what} (after {found.solves} linear solves); {remedy}"
+    )
 
 
 def _explain_pivots(network: Network, solver: Solver) -> str:

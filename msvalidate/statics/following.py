@@ -24,11 +24,11 @@ from msvalidate.network import Configuration
 from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import Regular, Solver
 from msvalidate.network.mechanism import is_certain
-from msvalidate.network.residual import force_roundoff, force_scale
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, field
 from msvalidate.statics.path import LoadPath
-from msvalidate.statics.tangents import LARGEST_TURN, Tangent, is_positive_definite, tangent_at
+from msvalidate.statics.tangents import LARGEST_TURN, Tangent, tangent_at
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -60,25 +60,15 @@ class PathPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class NewtonResult:
-    """What Newton's method found, from one station to the next.
+class Arrival:
+    """A station that Newton's method found from the one before.
 
-    Parameters
-    ----------
-    station
-        The next; None where there is no stable one near.
-    solves
-        Linear solves made.
-    smooth
-        Whether the way there shows no sign of a jump.
-    factor
-        Of the tangent there.
+    `smooth` says whether the way there shows no sign of a jump; `factor` is that of the tangent.
     """
 
-    station: PathPoint | None
-    solves: int
-    smooth: bool = True
-    factor: Regular | None = None
+    station: PathPoint
+    smooth: bool
+    factor: Regular | None
 
 
 @dataclass(eq=False)
@@ -97,6 +87,8 @@ class PathResult:
         t of the first limit point passed; None where none was.
     factor
         Of the tangent at the end, where the signs of its pivots are certain.
+    legs
+        From a point to the next, and whether the way is smooth; None where nobody has looked.
     """
 
     displacement: Array
@@ -112,18 +104,14 @@ def follow_path(path: LoadPath, solver: Solver) -> PathResult:
 
     `solver` inverts the tangents.
 
-    Raises
-    ------
-    SolverError
-        If the network is a mechanism where it stands.
+    Raises `SolverError` if the network is a mechanism where it stands.
     """
     found = PathResult(path.start)
     here, increment = PathPoint(0.0, path.start), 1.0
     for stop in path.stops:
         while here.t < stop:
-            arrival = newton_step_along(path, solver, here, min(stop, here.t + increment))
-            found.solves += arrival.solves
-            if arrival.station is None:
+            arrival = _newton_along(path, solver, here, min(stop, here.t + increment), found)
+            if arrival is None:
                 increment = min(increment, stop - here.t) / 2
                 if increment < SMALLEST_INCREMENT:
                     return found
@@ -137,10 +125,18 @@ def follow_path(path: LoadPath, solver: Solver) -> PathResult:
     return found
 
 
-def newton_step_along(
-    path: LoadPath, solver: Solver, start: PathPoint, t: float, steps: int = ITERATIONS
-) -> NewtonResult:
-    """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one."""
+def _newton_along(
+    path: LoadPath,
+    solver: Solver,
+    start: PathPoint,
+    t: float,
+    found: PathResult,
+    steps: int = ITERATIONS,
+) -> Arrival | None:
+    """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one.
+
+    `found` counts the solves.
+    """
     network, u = path.network_at(t), start.displacement
     force, target = path.force(t), path.prescribed(t)
     first, calm = None, True
@@ -149,39 +145,38 @@ def newton_step_along(
         try:
             at = Configuration(network, u)
             balance = at.force() + force
-            small = TOLERANCE * force_scale(at) + 4 * force_roundoff(
-                network, network.size + max_abs(u)
-            )
+            small = TOLERANCE * force_scale(at) + 4 * network.rounding(network.size + max_abs(u))
             K = tangent_at(at, solver)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
-            return NewtonResult(None, iteration)
+            return None
+        found.solves += 1
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
         arrived = max_abs(ahead) <= _rounding(u)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
             if not _is_stable(K):
-                return NewtonResult(None, iteration + 1)
+                return None
             there = PathPoint(t, u)
             smooth = first is None or (calm and _is_smooth(path, start, there, first, K))
-            return NewtonResult(there, iteration + 1, smooth, K.found)
+            return Arrival(there, smooth, K.found)
         try:
             move = K.move(balance, ahead)
         except SolverError:  # multigrid met what is not positive, where a factor would go on
             solver.met_negative = True
-            return NewtonResult(None, iteration + 1)
+            return None
         if at.largest_rotation(move) > LARGEST_TURN:
-            return NewtonResult(None, iteration + 1)
-        calm = calm and K.is_positive_definite
+            return None
+        calm = calm and K.no_pivot_negative
         first = move if first is None else first
         u = u + move
-    return NewtonResult(None, steps)
+    return None
 
 
 def _is_stable(K: Tangent) -> bool:
     """Whether the tangent is positive definite, as far as rounding allows a decision."""
     try:
-        return K.found is None or is_positive_definite(K.found)
+        return K.is_stable
     except NotConvergedError:  # multigrid cannot tell: a factor may
         raise
     except SolverError:
@@ -225,10 +220,8 @@ def _find_limit_point(path: LoadPath, solver: Solver, found: PathResult) -> floa
     while legs:
         a, b, smooth = legs.pop()
         if smooth is None:
-            onward = newton_step_along(path, solver, a, b.t, SEARCHING)
-            found.solves += onward.solves
-            same = onward.station is not None and _is_same_point(onward.station, b, a)
-            smooth = same and onward.smooth
+            onward = _newton_along(path, solver, a, b.t, found, SEARCHING)
+            smooth = onward is not None and _is_same_point(onward.station, b, a) and onward.smooth
         if smooth:
             continue
         if b.t - a.t <= RESOLVED:
@@ -236,7 +229,7 @@ def _find_limit_point(path: LoadPath, solver: Solver, found: PathResult) -> floa
                 return b.t
             continue
         arrival = _point_between(path, solver, a, b.t, found)
-        if arrival.station is None:  # b was leapt to
+        if arrival is None:  # b was leapt to
             return a.t
         legs.append((arrival.station, b, None))
         legs.append((a, arrival.station, arrival.smooth))
@@ -245,25 +238,23 @@ def _find_limit_point(path: LoadPath, solver: Solver, found: PathResult) -> floa
 
 def _point_between(
     path: LoadPath, solver: Solver, a: PathPoint, end: float, found: PathResult
-) -> NewtonResult:
+) -> Arrival | None:
     """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
     t = end
     while True:
         t = (a.t + t) / 2
-        arrival = newton_step_along(path, solver, a, t, SEARCHING)
-        found.solves += arrival.solves
-        if arrival.station is not None or t - a.t <= RESOLVED / 2:
+        arrival = _newton_along(path, solver, a, t, found, SEARCHING)
+        if arrival is not None or t - a.t <= RESOLVED / 2:
             return arrival
 
 
 def _is_jump(path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: PathResult) -> bool:
     """Whether b, led back to the load of a, is not a."""
     try:
-        back = newton_step_along(path, solver, b, a.t, SEARCHING)
+        back = _newton_along(path, solver, b, a.t, found, SEARCHING)
     except SolverError:
         return True
-    found.solves += back.solves
-    return back.station is None or not _is_same_point(back.station, a, b)
+    return back is None or not _is_same_point(back.station, a, b)
 
 
 def _is_same_point(station: PathPoint, other: PathPoint, far: PathPoint) -> bool:

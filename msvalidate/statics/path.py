@@ -8,7 +8,6 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, format_value
 from msvalidate.problem.records import dataclass, replace
@@ -97,20 +96,11 @@ def load_path(
 ) -> LoadPath:
     """The path of a network from a start to its own loads and displacements.
 
-    Parameters
-    ----------
-    network
-        Its force and displacement are where the path ends.
-    path
-        By default in proportion, with no stop before the end.
-    start
-        (n, d) displacement (m) from which it begins; by default 0. Where the start is out of
-        balance, what is missing is applied and taken away along the path.
+    Raises `ProblemError` if the path does not rise to 1, ends elsewhere, or an array does not fit.
 
-    Raises
-    ------
-    ProblemError
-        If the path does not rise to 1, ends elsewhere, or an array does not fit.
+    `network`: its force and displacement are where the path ends. `path`: by default in proportion,
+    with no stop before the end. `start`: (n, d) displacement (m) from which it begins; by default
+    0. Where the start is out of balance, what is missing is applied and taken away along the path.
     """
     stops, given = _check_stops(path), path if callable(path) else None
     u = np.zeros(network.points.shape) if start is None else start
@@ -119,7 +109,7 @@ def load_path(
     present = Configuration(network, u).length if tightened else None
     begun = LoadPath(network, u, stops, given, start is not None, present)
     left = Configuration(begun.network_at(0.0), u).force() + begun.load(0.0)
-    rounding = 4 * force_roundoff(network, network.size + max_abs(u))
+    rounding = 4 * network.rounding(network.size + max_abs(u))
     left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
     return replace(begun, released=left)
 
@@ -156,20 +146,16 @@ def _evaluate_path(network: Network, given: Callable[[float], Applied], t: float
             f"path: at t = {t:g} no pair of force and displacement ({error}); return two arrays "
             f"{network.points.shape}"
         ) from error
-    found = []
-    for name, value, checked in (
-        ("force", force, finite),
-        ("displacement", displacement, finite_coordinates),
-    ):
-        need = f"return {network.points.shape}"
-        array = checked(f"path: {name} at t = {t:g}", value, *network.points.shape, need=need)
-        found.append(array)
-    if found[1][~network.held].any():
-        point = int(np.flatnonzero((~network.held & (found[1] != 0)).any(axis=1))[0])
+    shape, need = network.points.shape, f"return {network.points.shape}"
+    force = finite(f"path: force at t = {t:g}", force, *shape, need=need)
+    name = f"path: displacement at t = {t:g}"
+    displacement = finite_coordinates(name, displacement, *shape, need=need)
+    if displacement[~network.held].any():
+        point = int(np.flatnonzero((~network.held & (displacement != 0)).any(axis=1))[0])
         raise ProblemError(
             f"path: displacement at t = {t:g} of point {point}, which is not held; return 0 there"
         )
-    return found[0], found[1]
+    return force, displacement
 
 
 def _refuse_other_end(network: Network, given: Callable[[float], Applied]) -> None:

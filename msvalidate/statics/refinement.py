@@ -15,9 +15,8 @@ import numpy as np
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import ROUGHLY, Cycles, NotConvergedError
+from msvalidate.network.cycles import PART, ROUGHLY, Cycles, NotConvergedError
 from msvalidate.network.inverse import Regular, Solver
-from msvalidate.network.multigrid import make_cycle, restrained_tangent
 from msvalidate.network.refine import (
     DOUBTFUL,
     STANDING,
@@ -32,7 +31,6 @@ from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.problem.records import replace
 from msvalidate.statics.tangents import LARGEST_TURN
 
-TOO_FAR = "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
 SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
 FACTORS = 6
@@ -75,16 +73,17 @@ class _System:
         """Change of this force by a small motion (n, d) in m."""
         return np.where(self.free, self.found.at.force_change(motion), 0.0)
 
-    def solve(self, force: Array, *, roughly: bool = False) -> Array:
-        """Motion (n, d) in m that the inverse gives for a force (n, d) in N."""
+    def solve(self, force: Array, part: float = PART) -> Array:
+        """Motion (n, d) in m that the inverse gives for a force (n, d) in N; `part` of cycles."""
         motion, inverse = np.zeros(force.shape), self.found.inverse
         if not np.isfinite(force).all():
-            raise SolverError(TOO_FAR)
+            raise SolverError(
+                "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
+            )
         load = force[self.free]
-        if roughly and isinstance(inverse, Cycles):
-            motion[self.free] = inverse.solve(load, ROUGHLY)
-        else:
-            motion[self.free] = inverse.solve(load)
+        motion[self.free] = (
+            inverse.solve(load, part) if isinstance(inverse, Cycles) else inverse.solve(load)
+        )
         return motion
 
     def refined(self, start: Array, solved: float = 0.0) -> Refined:
@@ -101,7 +100,7 @@ class _System:
             known = _trial_motion(self.free, self.found.mode)
             times = error_amplification(self.change, self.solve, rate, known)
         left = self.residual(found.solution, rounded_otherwise(self.network))
-        rounded = max_abs(self.solve(left, roughly=True)) / scale
+        rounded = max_abs(self.solve(left, ROUGHLY)) / scale
         lost = 8 * EPS + SMALLEST / scale
         return replace(found, error=times * found.error + ROUNDINGS * rounded + lost)
 
@@ -109,10 +108,8 @@ class _System:
 def refine_linear(network: Network, solver: Solver) -> Refined:
     """The linear equilibrium from the reference points: one inverse, and corrections.
 
-    Raises
-    ------
-    SolverError
-        If the network is a mechanism or unstable, or no trustworthy digits are left.
+    Raises `SolverError` if the network is a mechanism or unstable, or no trustworthy digits are
+    left.
     """
     prescribed = np.array(network.displacement)
     if network.held.all():
@@ -144,10 +141,8 @@ def refine_equilibrium(
 
     `found` is the inverse of the tangent there, where it is at hand; `solver` makes others.
 
-    Raises
-    ------
-    SolverError
-        If the network is a mechanism or unstable there, or no trustworthy digits are left.
+    Raises `SolverError` if the network is a mechanism or unstable there, or no trustworthy digits
+    are left.
     """
     title = "nonlinear equilibrium"
     u = np.where(network.held, network.displacement, displacement)
@@ -189,11 +184,11 @@ def error_of_displacement(
     force = np.where(network.held, 0.0, out_of_balance_force(network, displacement))
     if not size:
         return math.inf if force.any() else 0.0
-    at, solver = Configuration(network, displacement), Solver(network)
+    at, solver = Configuration(network, displacement), Solver(network, cycle=cycle)
     try:
         if not solver.is_direct:
             try:
-                return _error_by_multigrid(at, force, cycle) / size + 8 * EPS
+                return _error_by_multigrid(at, force, solver) / size + 8 * EPS
             except NotConvergedError as error:
                 solver.give_way(error)
         system = _System(network, solver.regular(at), linear=False)
@@ -204,14 +199,12 @@ def error_of_displacement(
     return (apart + moved.error * max_abs(moved.solution)) / size
 
 
-def _error_by_multigrid(at: Configuration, force: Array, cycle: Cycle | None) -> float:
+def _error_by_multigrid(at: Configuration, force: Array, solver: Solver) -> float:
     """Error (m) of a displacement that leaves a force (n, d) in N, by one correction."""
-    A, network = restrained_tangent(at), at.network
-    cycles = Cycles(A, at, cycle or make_cycle(A, at), cycle is None)
-    other = out_of_balance_force(rounded_otherwise(network), at.displacement) - force
-    step, rounded = (
-        max_abs(cycles.solve(each[~network.held], CYCLES_PART)) for each in (force, other)
-    )
+    K = at.tangent()
+    system = _System(at.network, Regular(at, solver.inverse(at, K), K.diagonal()), linear=False)
+    other = out_of_balance_force(rounded_otherwise(at.network), at.displacement) - force
+    step, rounded = (max_abs(system.solve(each, CYCLES_PART)) for each in (force, other))
     return 2 * step + ROUNDINGS * rounded
 
 

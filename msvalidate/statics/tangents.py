@@ -26,14 +26,8 @@ longer ones land on folded and inside-out equilibria."""
 class Tangent:
     """A tangent stiffness, and the inverse of its free part.
 
-    Parameters
-    ----------
-    free
-        (f,) numbers of the free components.
-    K
-        (n·d, n·d) in N/m.
-    found
-        Inverse of the free rows and columns, and their softest motion; None where nothing is free.
+    `free`: (f,) numbers of the free components. `K`: (n·d, n·d) in N/m. `found`: inverse of the
+    free rows and columns, and their softest motion; None where nothing is free.
     """
 
     free: Index
@@ -41,7 +35,12 @@ class Tangent:
     found: Regular | None
 
     @property
-    def is_positive_definite(self) -> bool:
+    def is_stable(self) -> bool:
+        """Whether it is positive definite: by the signs of pivots where these are no rounding."""
+        return self.found is None or negative_modes(self.found) == 0
+
+    @property
+    def no_pivot_negative(self) -> bool:
         """Whether no pivot is negative, or their signs may be rounding.
 
         Multigrid has no pivots: it does not solve with what it finds to be negative.
@@ -65,31 +64,11 @@ class Tangent:
 def tangent_at(at: Configuration, solver: Solver) -> Tangent:
     """The tangent there, and its inverse as a solver has it.
 
-    Raises
-    ------
-    SolverError
-        If some motion meets no stiffness.
+    Raises `SolverError` if some motion meets no stiffness.
     """
     free = np.flatnonzero(~at.network.held.ravel())
     K = at.tangent()
     return Tangent(free, K, solver.regular(at, K) if len(free) else None)
-
-
-def first_order_move(
-    at: Configuration, load: Array, held: Array, solver: Solver
-) -> tuple[Array, bool]:
-    """Move (n, d) in m that balances `load` (n, d) in N to first order; is K positive.
-
-    `held` is the move of the held components.
-
-    Raises
-    ------
-    SolverError
-        If some motion meets no stiffness.
-    """
-    found = tangent_at(at, solver)
-    positive = found.found is None or is_positive_definite(found.found)
-    return found.move(load, held), positive
 
 
 def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
@@ -103,14 +82,9 @@ def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
     if at.network.held.all():
         return True
     try:
-        return is_positive_definite(Solver(at.network, cycle=cycle).regular(at))
+        return negative_modes(Solver(at.network, cycle=cycle).regular(at)) == 0
     except SolverError:  # a mechanism, or nothing tells
         return False
-
-
-def is_positive_definite(found: Regular) -> bool:
-    """Whether a tangent is: by the signs of pivots where these are no rounding."""
-    return negative_modes(found) == 0
 
 
 def refuse_mechanism(network: Network) -> None:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from msvalidate.problem import Array, Index, Mask, SolverError
+from msvalidate.problem.records import dataclass
 
 CLOSED = 1e-10
 """Of the depth: gap or penetration that counts as none."""
@@ -22,6 +23,7 @@ APPLICATIONS = 2000
 """Of C; 30 to 60 are usual."""
 
 
+@dataclass(eq=False)
 class Unilateral:
     """The problem, and `depth` (m): the largest of an obstacle in the body without these forces.
 
@@ -38,32 +40,23 @@ class Unilateral:
         Force (N) of each obstacle, NaN where its depth is given.
     """
 
-    def __init__(
-        self,
-        *,
-        follow: Callable[[Array], Array],
-        gap: Array,
-        start: Array,
-        along: Array,
-        which: Index,
-        wanted: Array,
-    ) -> None:
-        self._follow, self._gap, self._start = follow, gap, start
-        self._along, self._which, self._wanted = along, which, wanted
-        self._pressed = np.flatnonzero(~np.isnan(wanted))
-        self.depth = 0.0
+    follow: Callable[[Array], Array]
+    gap: Array
+    start: Array
+    along: Array
+    which: Index
+    wanted: Array
+    depth: float = 0.0
 
     def solve(self, within: float) -> tuple[Array, Array]:
         """Forces (c,) in N, and how much deeper (m) each obstacle goes that is pressed.
 
         It stops at the part `within` of the first violation, or else where there is none.
 
-        Raises
-        ------
-        SolverError
-            If it does not get there, or an obstacle is pressed so hard that nothing bears it.
+        Raises `SolverError` if it does not get there, or an obstacle is pressed so hard that
+        nothing bears it.
         """
-        free = self._gap_at(np.zeros_like(self._start))
+        free = self._gap_at(np.zeros_like(self.start))
         force = self._begin(free)
         full, t, square, keep = self._gap_at(force), np.zeros_like(force), 1.0, False
         enough, closed, left = None, 0, np.inf
@@ -81,7 +74,7 @@ class Unilateral:
             t = gap + new / square * t if keep else gap
             t = np.where(on, t - self._deeper(self._mean(t, on)), 0.0)  # what is pressed stays so
             square = new
-            follows = self._follow(t)
+            follows = self.follow(t)
             step = float(gap @ t) / float(t @ follows)
             moved = force - step * t
             out, entering = moved < 0, (moved <= 0) & (gap < 0)
@@ -97,36 +90,36 @@ class Unilateral:
 
     def _gap_at(self, force: Array) -> Array:
         """Gaps (c,) in m under forces (c,) in N."""
-        change = force - self._start
-        return self._gap + (self._follow(change) if change.any() else 0.0)
+        change = force - self.start
+        return self.gap + (self.follow(change) if change.any() else 0.0)
 
     def _begin(self, free: Array) -> Array:
         """Forces (c,) to begin with: those there are, or the best in proportion to the depth."""
-        if self._start.any():
-            return self._scaled(self._start)
+        if self.start.any():
+            return self._scaled(self.start)
         deep = np.maximum(-free, 0.0)
-        guess = np.where(np.isnan(self._wanted)[self._which], deep, 1.0)
-        return self._scaled(guess * (guess @ deep / (guess @ self._follow(guess)) or 1.0))
+        guess = np.where(np.isnan(self.wanted)[self.which], deep, 1.0)
+        return self._scaled(guess * (guess @ deep / (guess @ self.follow(guess)) or 1.0))
 
     def _scaled(self, force: Array) -> Array:
         """Forces (c,) that have the force of each obstacle that is pressed."""
-        for k in self._pressed:
-            own = self._which == k
-            if not (total := float(force[own] @ self._along[own])) > 0:
-                force, total = np.where(own, 1.0, force), float(self._along[own].sum())
-            force = np.where(own, force * (self._wanted[k] / total), force)
+        for k in np.flatnonzero(~np.isnan(self.wanted)):
+            own = self.which == k
+            if not (total := float(force[own] @ self.along[own])) > 0:
+                force, total = np.where(own, 1.0, force), float(self.along[own].sum())
+            force = np.where(own, force * (self.wanted[k] / total), force)
         return force
 
     def _deeper(self, raised: Array) -> Array:
         """What obstacles that go deeper by so much (m) take from the gaps (c,)."""
-        return np.asarray(raised[self._which] * self._along)
+        return np.asarray(raised[self.which] * self.along)
 
     def _mean(self, values: Array, on: Mask) -> Array:
         """Mean of values (c,) where each obstacle touches, weighted by its way; 0 by depth."""
-        mean = np.zeros(len(self._wanted))
-        for k in self._pressed:
-            own = on & (self._which == k)
+        mean = np.zeros(len(self.wanted))
+        for k in np.flatnonzero(~np.isnan(self.wanted)):
+            own = on & (self.which == k)
             if not own.any():
                 raise SolverError("pressed so hard that nothing bears it; reduce the force")
-            mean[k] = float(self._along[own] @ values[own]) / float((self._along[own] ** 2).sum())
+            mean[k] = float(self.along[own] @ values[own]) / float((self.along[own] ** 2).sum())
         return mean

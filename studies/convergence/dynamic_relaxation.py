@@ -76,9 +76,8 @@ def steps_at_best_damping(scheme: Integrator, damping: float, run: Run) -> Itera
     yield from best.walk(run)
 
 
-METHOD = Method(
-    NAME, "dynamic relaxation", "Papadrakakis (1981)", partial(steps_at_best_damping, LEAPFROG, 1)
-)
+METHOD = Method(NAME, "dynamic relaxation", partial(steps_at_best_damping, LEAPFROG, 1))
+"""Source: [Papadrakakis1981]."""
 
 
 def run(candidate: Mapping[str, Method], setting: kit.Setting) -> kit.Evidence:

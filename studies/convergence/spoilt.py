@@ -17,7 +17,7 @@ from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.dynamics.viscous import viscous
-from msvalidate.network import spring_vectors, tangent
+from msvalidate.network import configuration_at, tangent
 
 from .dynamic_relaxation import METHOD, steps_at_best_damping
 
@@ -59,7 +59,7 @@ def _wrong_tangent(run: Run) -> Iterator[None]:
     run.moved()
     while True:
         yield
-        length = spring_vectors(network, run.position)[1]
+        length = configuration_at(network, run.position).length
         # Of springs that are at rest as they lie, the tangent is its elastic part alone.
         elastic = tangent(replace(network, rest_length=length), run.position)
         wrong = csc_array(2 * elastic - tangent(network, run.position))[free][:, free]

@@ -24,7 +24,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
 from msvalidate.lattice import square
-from msvalidate.network import spring_vectors
+from msvalidate.network import Configuration
 
 from . import bodies
 
@@ -101,7 +101,7 @@ def rows(network: kit.Network, seen: list[kit.Array]) -> list[dict[str, object]]
         gain: float | str = "none"
         if i > 1:
             gain = math.log(distance / left[i - 1]) / math.log(left[i - 1] / left[i - 2])
-        length = spring_vectors(network, network.points + seen[i])[1]
+        length = Configuration(network, seen[i]).length
         strain = float(np.abs(length / network.rest_length - 1).max())
         found.append({"steps": i, "distance": distance, "strain": strain, "gain": gain})
     return found

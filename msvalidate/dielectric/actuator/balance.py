@@ -12,7 +12,7 @@ from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
 from msvalidate.network import Configuration, tangent
-from msvalidate.network.residual import force_roundoff, force_scale, out_of_balance_force
+from msvalidate.network.residual import force_scale, out_of_balance_force
 from msvalidate.problem import Array
 from msvalidate.statics.tangents import LARGEST_TURN
 
@@ -81,7 +81,7 @@ def is_balanced(
     allowed, load = tolerance * met, float(np.abs(pull[free]).max(initial=0.0))
     if load:
         allowed = min(allowed, max(tolerance, BESIDE_LOADS) * load)
-    a_metre = 4 * (force_roundoff(network, 1.0) - force_roundoff(network, 0.0))
+    a_metre = 4 * (network.rounding(1.0) - network.rounding(0.0))
     rounding = a_metre * float(np.abs(displacement).max(initial=0.0))
     left = np.abs(residual_force(actuator, displacement, electric))
     return bool((left <= allowed + rounding)[free].all())

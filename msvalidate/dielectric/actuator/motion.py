@@ -22,9 +22,8 @@ from msvalidate.dielectric.actuator.equilibria import (
 from msvalidate.dielectric.actuator.models import Electric, charge_actuator
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
-from msvalidate.dynamics.monitor import DIVERGED
 from msvalidate.dynamics.relax import LOOSEST
-from msvalidate.dynamics.run import LOOK_EVERY, step_limit
+from msvalidate.dynamics.run import DIVERGED, LOOK_EVERY, step_limit
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.problem import Array, ProblemError, SolverError

@@ -24,6 +24,7 @@ ON_IT = 1e-12
 """Distance from a segment over its length below which a point lies on it."""
 
 
+@compiled()
 def means(start: Complex, along: Complex) -> Array:
     """Means of ln r between all segments (m, m), each with itself on the diagonal."""
     m = len(start)
@@ -35,9 +36,7 @@ def means(start: Complex, along: Complex) -> Array:
     return mean
 
 
-means = compiled(means)
-
-
+@compiled()
 def seen(points: Complex, start: Complex, along: Complex) -> Array:
     """Means of ln r over each segment as seen from points (k, m), on the segment too."""
     mean = np.empty((len(points), len(start)))
@@ -55,9 +54,7 @@ def seen(points: Complex, start: Complex, along: Complex) -> Array:
     return mean
 
 
-seen = compiled(seen)
-
-
+@compiled()
 def fields(points: Complex, start: Complex, along: Complex) -> Complex:
     """Means of 1/R over each segment as seen from points (k, m).
 
@@ -77,9 +74,7 @@ def fields(points: Complex, start: Complex, along: Complex) -> Complex:
     return mean
 
 
-fields = compiled(fields)
-
-
+@compiled()
 def turned(
     start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
 ) -> tuple[Complex, Complex, Complex]:
@@ -127,6 +122,3 @@ def turned(
             second[c, d] += second[d, c]
             second[d, c] = second[c, d]
     return seen, sent, second
-
-
-turned = compiled(turned)

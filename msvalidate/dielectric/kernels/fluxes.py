@@ -24,6 +24,7 @@ CHAIN = np.array([[1.0, -1, 0], [0, 1, 0], [-1, 0, -1], [0, 0, 1]])
 """Derivatives of Z, A and B in the four ends of a pair."""
 
 
+@compiled()
 def crossed(start: Complex, along: Complex) -> Complex:
     """G between all segments (m, m): through the first, of charge on the second. 0 by itself."""
     m = len(start)
@@ -36,17 +37,13 @@ def crossed(start: Complex, along: Complex) -> Complex:
     return part
 
 
-crossed = compiled(crossed)
-
-
+@compiled(inner=True)
 def _inverse(r: complex, nothing: float) -> complex:
     """1/R; at a corner where neighbours touch it only meets factors of 0, and 0 serves."""
     return 0j if abs(r) < nothing else 1 / r
 
 
-_inverse = compiled(_inverse, inner=True)
-
-
+@compiled()
 def twisted(
     start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
 ) -> tuple[Complex, Complex, Complex]:
@@ -88,6 +85,3 @@ def twisted(
                             turned = CHAIN[c, k] * bend[k, o] * CHAIN[d, o]
                             second[at[c], at[d]] += weight[i] * charge[j] * turned
     return -1j * through, -1j * sent, -1j * second
-
-
-twisted = compiled(twisted)

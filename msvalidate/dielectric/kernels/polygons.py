@@ -18,6 +18,7 @@ from msvalidate.kernels.compiling import compiled
 from msvalidate.problem import Array
 
 
+@compiled(inner=True)
 def edge(away: float, height: float, first: float, last: float) -> float:
     """What one edge adds. On its own line `away` is 0, and so is all that it adds."""
     square = away * away + height * height
@@ -32,9 +33,7 @@ def edge(away: float, height: float, first: float, last: float) -> float:
     return total
 
 
-edge = compiled(edge, inner=True)
-
-
+@compiled()
 def seen(points: Array, corners: Array) -> Array:
     """∫dA/r (k, n) over polygons (n, c, 3) parallel to z = 0, as seen from points (k, 3).
 
@@ -60,6 +59,3 @@ def seen(points: Array, corners: Array) -> Array:
                 height = abs(corners[j, c, 2] - points[i, 2])
                 total[i, j] += edge(away, height, first, first + length)
     return total
-
-
-seen = compiled(seen)

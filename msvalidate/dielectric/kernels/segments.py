@@ -52,14 +52,13 @@ SERIES = np.array(
 )
 
 
+@compiled(inner=True)
 def square_of(r: complex) -> float:
     """|R|², without a root."""
     return r.real * r.real + r.imag * r.imag
 
 
-square_of = compiled(square_of, inner=True)
-
-
+@compiled(inner=True)
 def terms_of(middle: complex, a: complex, b: complex) -> int:
     """How many terms serve segments that are far apart; 0 if they are near."""
     square = 0.5 * (square_of(a) + square_of(b)) / square_of(middle)
@@ -72,9 +71,7 @@ def terms_of(middle: complex, a: complex, b: complex) -> int:
     return count
 
 
-terms_of = compiled(terms_of, inner=True)
-
-
+@compiled(inner=True)
 def series(middle: complex, a: complex, b: complex, terms: int) -> complex:
     """The sum that Q lacks to log M."""
     one = 1 / middle
@@ -88,9 +85,7 @@ def series(middle: complex, a: complex, b: complex, terms: int) -> complex:
     return total
 
 
-series = compiled(series, inner=True)
-
-
+@compiled()
 def _far(middle: complex, a: complex, b: complex, terms: int) -> tuple[complex, ...]:
     """As `jet`, by the series. Each term is a power of A, B and M, and so are its derivatives."""
     one, one_a, one_b = 1 / middle, 1 / a, 1 / b
@@ -128,17 +123,13 @@ def _far(middle: complex, a: complex, b: complex, terms: int) -> tuple[complex, 
     )
 
 
-_far = compiled(_far)
-
-
+@compiled(inner=True)
 def log_of(r: complex) -> complex:
     """Of 0, the corner where neighbours touch, any number serves: it only meets factors of 0."""
     return 0j if r == 0 else np.log(r)
 
 
-log_of = compiled(log_of, inner=True)
-
-
+@compiled()
 def _near(z: complex, a: complex, b: complex) -> tuple[complex, ...]:
     """As `jet`, in closed form, in units of M."""
     middle = z + 0.5 * (a - b)
@@ -171,9 +162,7 @@ def _near(z: complex, a: complex, b: complex) -> tuple[complex, ...]:
     )
 
 
-_near = compiled(_near)
-
-
+@compiled()
 def _pieces(z: complex, a: complex, b: complex) -> tuple[complex, ...]:
     """As `jet`, for A the longer: it is cut until each piece is like B or far from it."""
     q = in_z = in_a = in_b = zz = za = zb = aa = ab = bb = 0j
@@ -202,9 +191,7 @@ def _pieces(z: complex, a: complex, b: complex) -> tuple[complex, ...]:
     return q, in_z, in_a, in_b, zz, za, zb, aa, ab, bb
 
 
-_pieces = compiled(_pieces)
-
-
+@compiled()
 def jet(z: complex, a: complex, b: complex) -> tuple[complex, ...]:
     """Q of two segments with its derivatives: in Z, A and B; in ZZ, ZA, ZB, AA, AB and BB.
 
@@ -220,9 +207,7 @@ def jet(z: complex, a: complex, b: complex) -> tuple[complex, ...]:
     return _pieces(z, a, b)
 
 
-jet = compiled(jet)
-
-
+@compiled()
 def mean_log(z: complex, a: complex, b: complex) -> float:
     """Mean of ln r between two segments, not the same one: the real part of Q."""
     middle = z + 0.5 * (a - b)
@@ -230,6 +215,3 @@ def mean_log(z: complex, a: complex, b: complex) -> float:
     if terms:
         return float(0.5 * np.log(square_of(middle)) - series(middle, a, b, terms).real)
     return float(jet(z, a, b)[0].real)
-
-
-mean_log = compiled(mean_log)

@@ -167,10 +167,7 @@ class Volumes:
 def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
     """Volumes (c,) in m³, in the plane areas in m², of cells as in `Volumes`.
 
-    Raises
-    ------
-    ProblemError
-        As for `Volumes`.
+    Raises `ProblemError` as for `Volumes`.
     """
     t = integers("cells", cells)
     return Volumes(finite_coordinates("points", points), t, np.zeros(t.shape[:1])).rest_volume
@@ -256,9 +253,7 @@ def force_magnitudes(volumes: Volumes, displacement: Array) -> Array:
     x = _displaced(volumes, displacement)
     slope, _ = _slopes(volumes, displacement)
     size = np.linalg.norm(slope[:, None, None] * _gradient(volumes, x, x), axis=2)
-    return np.asarray(
-        np.bincount(volumes.cells.ravel(), size.ravel(), len(volumes.points)), dtype=float
-    )
+    return _met_at_points(volumes, size)
 
 
 def stiffness_magnitudes(volumes: Volumes) -> Array:
@@ -266,23 +261,19 @@ def stiffness_magnitudes(volumes: Volumes) -> Array:
     g = _gradient(volumes, volumes.corners, volumes.corners)
     root = np.sqrt(np.abs(volumes.curvature)) / np.sqrt(volumes.rest_volume)
     own = ((root[:, None, None] * g) ** 2).sum(axis=2)
-    return np.asarray(
-        np.bincount(volumes.cells.ravel(), own.ravel(), len(volumes.points)), dtype=float
-    )
+    return _met_at_points(volumes, own)
 
 
 def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     """Sum (n,) of the forces (N) of a cell whose corners move by `reach` (m) and its own size.
 
-    An eps of it is the rounding of a force: see `residual.force_roundoff`.
+    An eps of it is the rounding of a force: see `Network.rounding`.
     """
     size = np.linalg.norm(_gradient(volumes, volumes.corners, volumes.corners), axis=2)
     V0 = volumes.rest_volume
     j = size.sum(axis=1) * (reach + V0 ** (1 / volumes.dim)) / V0
     met = (np.abs(volumes.curvature) * j + np.abs(volumes.slope))[:, None] * size
-    return np.asarray(
-        np.bincount(volumes.cells.ravel(), met.ravel(), len(volumes.points)), dtype=float
-    )
+    return _met_at_points(volumes, met)
 
 
 def tangent_entries(volumes: Volumes, displacement: Array) -> Callable[[int, int], Array]:
@@ -338,13 +329,16 @@ def _local_values(volumes: Volumes, values: Array, normal: float) -> Array:
     return padded
 
 
+def _met_at_points(volumes: Volumes, values: Array) -> Array:
+    """Sums (n,) of values (c, k) at the corners of cells."""
+    n = len(volumes.points)
+    return np.bincount(volumes.cells.ravel(), values.ravel(), n).astype(float, copy=False)
+
+
 def _summed(volumes: Volumes, pull: Array) -> Array:
     """Forces (n, d) of those at corners (c, k, d)."""
-    out = np.zeros(volumes.points.shape)
-    for axis in range(volumes.dim):
-        weights = pull[:, :, axis].ravel()
-        out[:, axis] = np.bincount(volumes.cells.ravel(), weights, len(out))
-    return out
+    axes = [_met_at_points(volumes, pull[:, :, axis]) for axis in range(volumes.dim)]
+    return np.stack(axes, axis=1)
 
 
 def _gradient(volumes: Volumes, x: Array, y: Array) -> Array:

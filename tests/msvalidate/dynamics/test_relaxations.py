@@ -9,7 +9,6 @@ import pytest
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import INTEGRATORS, LEAPFROG
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
 from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.spectrum import extreme_frequencies
@@ -338,9 +337,3 @@ def test_bad_options_are_refused(lattice_body, options, message):
     usual = {"method": RELAXATIONS["fire"]} | options
     with pytest.raises(ProblemError, match=message):
         relax(sheet(lattice_body, PUSH), **usual)
-
-
-def test_every_method_names_its_source():
-    for name, method in RELAXATIONS.items():
-        assert isinstance(method, Method)
-        assert len(method.source) > 20, name

@@ -11,7 +11,6 @@ import pytest
 from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.dynamics.relax import algorithm1
 from msvalidate.network import internal_force, spring_network
-from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -84,7 +83,7 @@ def test_what_it_returns_describes_where_it_is(lattice_body):
     np.testing.assert_array_equal(rest.position[network.held], network.start[network.held])
     balance = internal_force(network, rest.position) + network.force
     # Positions are rounded; reactions and residual are those of the displacement.
-    rounding = 4 * force_roundoff(network).max()
+    rounding = 4 * network.rounding(np.abs(network.points).max()).max()
     expected = np.where(network.held, -balance, 0.0)
     np.testing.assert_allclose(rest.reaction, expected, rtol=0, atol=rounding)
     assert rest.residual == pytest.approx(np.abs(balance[~network.held]).max(), abs=rounding)

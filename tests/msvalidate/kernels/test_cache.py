@@ -112,7 +112,7 @@ def home(tmp_path, monkeypatch):
 
 def hits(value):
     """Twice a value by a function compiled or loaded afresh, and how often it was loaded."""
-    machine = compiled(doubled)
+    machine = compiled()(doubled)
     return machine(value), sum(machine._cache_hits.values())
 
 
