@@ -189,12 +189,3 @@ def prism_layers(domain: Domain, spacing: float) -> int:
         if not (ends[0] | ends[1] | standing).all():
             return 0
     return layers
-
-
-def is_outside_solid(domain: Domain, points: Array) -> Mask:
-    """Mask (n,) of the points (n, d) outside a box or mesh by more than its tolerance."""
-    if isinstance(domain, Mesh):
-        return ~domain.contains(points)
-    low, high = np.array(domain.span).T
-    room = domain.tolerance
-    return np.asarray(((points < low - room) | (points > high + room)).any(axis=1))

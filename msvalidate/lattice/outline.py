@@ -134,13 +134,6 @@ def area_moments(body: shapely.Geometry, low: Array, side: float) -> Array:
     return np.asarray(found)
 
 
-def is_near_outline(body: shapely.Geometry, points: Array, room: float) -> Mask:
-    """Mask (n,) of the points (n, 2) within `room` (m) of a body's outline."""
-    edge = shapely.boundary(body)
-    shapely.prepare(edge)  # an index of its pieces: most points are far from all of them
-    return np.asarray(shapely.dwithin(edge, shapely.points(points), room))
-
-
 def is_outside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
     """Mask (n,) of the points (n, 2) outside a body by more than `tolerance` (m)."""
     return np.asarray(shapely.distance(body, shapely.points(points)) > tolerance)

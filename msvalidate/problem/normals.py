@@ -11,7 +11,7 @@ from msvalidate.problem.domain import Box, Domain, Polygon
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import Traction
 from msvalidate.problem.mesh import Mesh
-from msvalidate.problem.region import Boundary, Part, Region, Segment
+from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import FACETS, project_on_facets
 
 BENT, MANY, PART_BENT = (0.5, 40.0), 6, 0.1
@@ -110,12 +110,10 @@ def _is_ahead(ends: Array, box: Box) -> bool:
 
 def _polygon_edge(region: Part, domain: Polygon) -> Array:
     """The edge (2, 2) in m, with the body to its left, that a part of the outline lies on."""
-    corners = region.corners(domain.span)
-    for start, end in zip(domain.corners, np.roll(domain.corners, -1, axis=0), strict=True):
-        edge = Segment(tuple(start.tolist()), tuple(end.tolist()))
-        if edge.select(corners, domain.tolerance).all():
-            return np.array([start, end])
-    raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
+    edge = domain.edge_with(region.corners(domain.span))
+    if edge is None:
+        raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
+    return edge
 
 
 def _samples(places: Array) -> tuple[Array, Array]:
