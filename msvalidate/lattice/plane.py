@@ -8,7 +8,8 @@ import numpy as np
 
 from msvalidate.lattice import patterns
 from msvalidate.lattice.filled import Lattice, fill
-from msvalidate.problem import MOST_VERTICES, Array, Box, Index, Polygon, ProblemError, format_point
+from msvalidate.lattice.pattern import pattern_by_shells
+from msvalidate.problem import MOST_VERTICES, Array, Box, Polygon, ProblemError, format_point
 from msvalidate.problem.checks import cell_counts, format_value, length_in_metres, refuse_too_many
 
 SIN60 = math.sin(math.pi / 3)
@@ -51,35 +52,22 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     ProblemError
         As for `square`.
     """
-    nx, ny = cell_counts("cells", cells)
-    refuse_too_many(f"square lattice at 45° of {nx} x {ny} squares", (2 * nx + 1) * (ny + 1))
-    grid = square(box, (nx, ny))
-    corners = len(grid.points)
-    centre = corners + np.arange(nx * ny).reshape(ny, nx)
-    low_left, low_right, high_right, high_left = grid.cells.T
-    middle = centre.ravel()
-    sides = grid.springs[grid.kind == 0]
-    half_diagonals = [_pairs(corner, middle) for corner in grid.cells.T]
-    between = [_pairs(centre[:, :-1], centre[:, 1:]), _pairs(centre[:-1], centre[1:])]
-    springs = np.concatenate([*half_diagonals, sides, *between])
-    whole_cells = [np.full(4 * nx * ny, 2), grid.borders[grid.kind == 0]]
-    ring = (low_left, low_right, high_right, high_left)
-    quarters = [
-        np.column_stack([a, b, middle]) for a, b in zip(ring, (*ring[1:], ring[0]), strict=True)
-    ]
-    quarter_cells = np.concatenate(quarters)
+    side, rules = math.sqrt(2), patterns.square().rules
+    middles = [(0, 0), (side / 2, side / 2)]
+    whole = fill(pattern_by_shells("square", (side, side), middles, (1.0, side), rules), box, cells)
+    ring, middle = whole.cells.T, np.setdiff1d(np.arange(len(whole.points)), whole.cells)
+    quarters = [np.column_stack([ring[k - 1], ring[k], middle]) for k in range(4)]
     return Lattice(
         name="square at 45°",
         domain=box,
-        points=np.concatenate([grid.points, grid.points[grid.cells].mean(axis=1)]),
-        springs=springs,
-        kind=np.repeat([0, 1], [4 * nx * ny, len(springs) - 4 * nx * ny]),
-        cells=quarter_cells,
-        facets=grid.facets,
-        share=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]) / 2,
-        sharing=np.full(len(springs), 2),
-        # Inside, every point is alike: a corner of squares has eight quarters, a middle only four.
-        point_volume=_shares(quarter_cells, (0.25, 0.25, 0.5)) * (box.volume / len(quarter_cells)),
+        points=whole.points,
+        springs=whole.springs,
+        kind=whole.kind,
+        cells=np.concatenate(quarters),
+        facets=whole.facets,
+        share=whole.share,
+        sharing=np.full(len(whole.springs), 2),
+        point_volume=whole.point_volume,
     )
 
 
@@ -135,7 +123,7 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         facets=springs[borders == 1],
         share=borders / 2,
         sharing=np.full(len(springs), 2),
-        point_volume=_shares(cells, (1 / 3,) * 3) * (outline.volume / len(cells)),
+        point_volume=np.bincount(cells.ravel()) * float(outline.volume / len(cells) / 3),
     )
 
 
@@ -192,11 +180,6 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     return Polygon(((0.0, 0.0), (length, 0.0), (length - slant, height), (slant, height)))
 
 
-def _shares(cells: Index, parts: tuple[float, ...]) -> Array:
-    """Cells (n,) that each point has, when it takes such parts of those that it is a corner of."""
-    return np.asarray(np.bincount(cells.ravel(), np.tile(parts, len(cells))), dtype=float)
-
-
 def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
     """Whole triangles make up an outline whose edges run along rows from point to point.
 
@@ -220,7 +203,3 @@ def _pair(name: str, cells: tuple[int, int], both: str) -> tuple[int, int]:
         raise ProblemError(f"{name}: cells {format_value(cells)}; give two whole numbers, {both}")
     first, second = cell_counts("cells", cells)
     return first, second
-
-
-def _pairs(start: Index, end: Index) -> Index:
-    return np.column_stack([start.ravel(), end.ravel()])

@@ -53,20 +53,17 @@ def current_commit() -> str:
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return "unknown (not a checkout)"
+    describe = ["git", "-C", str(root), "describe", "--always", "--abbrev=12", "--exclude=*"]
     try:
-        ask = ["git", "-C", str(root)]
         done = subprocess.run(
-            [*ask, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True
-        )
-        changed = subprocess.run(
-            [*ask, "status", "--porcelain", "--untracked-files=no"],
+            [*describe, "--dirty= with uncommitted changes"],
             capture_output=True,
             text=True,
             check=True,
         )
     except (OSError, subprocess.CalledProcessError):
         return "unknown (git did not answer)"
-    return done.stdout.strip() + (" with uncommitted changes" if changed.stdout.strip() else "")
+    return done.stdout.strip()
 
 
 def processor_name() -> str:
