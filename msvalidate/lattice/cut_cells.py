@@ -32,18 +32,12 @@ rounding leaves."""
 class CutCells:
     """Cells with more than a sliver inside.
 
-    Parameters
-    ----------
-    index
-        (c, d) indices in the grid.
-    part
-        (c, 2^d) part of a whole cell that is each corner's, in VTK's order.
-    size
-        Area (m²) or volume (m³) of the body, as drawn.
-    drawing_error
-        Part of it that may lie between bent sides or facets and what they are drawn by.
-    encloses
-        Of a body cut by its surface which points (n, 3) of the grid, by indices, lie in it.
+    They have an `index` (c, d) in the grid, and `part` (c, 2^d) of a whole cell that is each
+    corner's, in VTK's order.
+
+    Beside them the `size` of the body as drawn, in m² or m³, and the part of it, `drawing_error`,
+    that may lie between bent sides or facets and what they are drawn by; and, of a body cut by its
+    surface, which points (n, 3) of the grid, by indices, it `encloses`.
     """
 
     index: Index

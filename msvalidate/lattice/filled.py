@@ -238,13 +238,8 @@ def _number_places(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Inde
 def number_springs(pattern: Pattern, number: Index) -> tuple[Index, Index]:
     """Springs (m, 2) between numbered places, the lower first, and their numbers in the pattern.
 
-    Parameters
-    ----------
-    pattern
-        What repeats.
-    number
-        (.., cells along y, cells along x, points a cell) numbers of the places, -1 where none is.
-        Springs that reach over more cells than there are have no room.
+    Places are numbered (.., cells along y, cells along x, points a cell), -1 where none is. Springs
+    that reach over more cells than there are have no room.
     """
     n = number.shape[-2::-1]
     pairs = []

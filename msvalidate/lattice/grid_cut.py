@@ -37,16 +37,9 @@ RULE = (
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Parts of triangles, each within one cell of the grid; lengths in cells.
+    """Parts of triangles, each within one cell of the grid: `corners` (p, 3, 3) in cells.
 
-    Parameters
-    ----------
-    corners
-        (p, 3, 3).
-    owner
-        (p,) number of the triangle.
-    cell
-        (p, 3) indices of the cell.
+    `owner` (p,) is the number of the triangle, `cell` (p, 3) the indices of the cell.
     """
 
     corners: Array
@@ -128,20 +121,13 @@ def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
 def cell_parts(
     corners: Array, count: Index, least: float
 ) -> tuple[Index, Array, float, tuple[float, float], Array]:
-    """Cells (c, 3) with more than `least` of them inside a closed surface, of a grid from 0.
+    """Cells (c, 3) of a grid with more than `least` of them inside a closed surface.
 
-    Parameters
-    ----------
-    corners
-        (t, 3, 3) triangles, counter-clockwise from outside, in cells.
-    count
-        (3,) cells of the grid along each axis.
-
-    Returns
-    -------
-    Indices (c, 3) of the cells; the part (c, 2, 2, 2) of a whole cell that is each corner's, by
-    steps along x, y and z; the volume inside in cells; the least and largest part of any cell, 0
-    and 1 but for rounding unless the surface crosses itself; and what `are_enclosed` goes by.
+    The grid has `count` (3,) cells from 0, the surface triangles (t, 3, 3) in cells,
+    counter-clockwise from outside. With the cells' indices come the part (c, 2, 2, 2) of a whole
+    cell that is each corner's, by steps along x, y and z; the volume inside in cells; the least and
+    largest part of any cell, 0 and 1 but for rounding unless the surface crosses itself; and what
+    `are_enclosed` goes by.
     """
     key, own, over, crossings = _surface_cells(corners, count)
     layer = int(count[1] * count[2])

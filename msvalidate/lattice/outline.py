@@ -108,15 +108,9 @@ def area_moments(body: shapely.Geometry, low: Array, side: float) -> Array:
     """Integrals (c, 2, 2) over the body's part of each square, relative to the square's area.
 
     Entry [i, j] is that of N_i(ξ) N_j(η), with N_0(s) = 1 - s and N_1(s) = s, and ξ and η from 0 to
-    1 along a square's sides: the area that belongs to each of its corners, 1/4 of a square inside.
-    Exact for a body with straight edges: by Green's theorem round the edges of what is cut out.
-
-    Parameters
-    ----------
-    low
-        (c, 2) corner (m) of each square where both coordinates are least.
-    side
-        Of the squares, m.
+    1 along a square's sides, from the corner `low` (c, 2) in m to `side` (m) further: the area that
+    belongs to each of its corners, 1/4 of a square inside. Exact for a body with straight edges: by
+    Green's theorem round the edges of what is cut out.
     """
     squares = shapely.box(*low.T, *(low + side).T)
     shapely.prepare(body)

@@ -18,17 +18,7 @@ SIN60 = math.sin(math.pi / 3)
 def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     """Square lattice with eight neighbours: axial springs (kind 0) and diagonals (kind 1).
 
-    Parameters
-    ----------
-    box
-        Box in the plane; its cells must come out square.
-    cells
-        Number of cells along x and y; one number serves both.
-
-    Raises
-    ------
-    ProblemError
-        As for `fill`.
+    Cells and errors are as for `fill`; in the plane, they must come out square.
     """
     return fill(patterns.square(), box, cells)
 
@@ -38,19 +28,8 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
 
     The box is divided into squares whose sides are *diagonal* springs, with a point in the middle
     of each: axial springs run along the squares' half diagonals. The cut halves the lattice's own
-    cells, and a half cell has lost one of its diagonals: it is no longer the material.
-
-    Parameters
-    ----------
-    box
-        Box in the plane; its squares must come out square.
-    cells
-        Number of squares along x and y; one number serves both.
-
-    Raises
-    ------
-    ProblemError
-        As for `square`.
+    cells, and a half cell has lost one of its diagonals: it is no longer the material. Squares and
+    errors are as the cells of `square`.
     """
     side, rules = math.sqrt(2), patterns.square().rules
     middles = [(0, 0), (side / 2, side / 2)]
@@ -72,15 +51,11 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
 
 
 def triangular(outline: Polygon, spacing: float) -> Lattice:
-    """Triangular lattice with six neighbours, all springs alike (kind 0).
+    """Triangular lattice with six neighbours, all springs alike (kind 0), of some spacing (m).
 
-    Parameters
-    ----------
-    outline
-        A union of whole equilateral triangles, such as `zigzag_block` or `trapezium` give. Its
-        first vertex is a point of the lattice, its first edge one of the lattice's directions.
-    spacing
-        Side (m) of the triangles.
+    The outline is a union of whole equilateral triangles, such as `zigzag_block` or `trapezium`
+    give. Its first vertex is a point of the lattice, its first edge one of the lattice's
+    directions.
 
     Raises
     ------
@@ -123,21 +98,17 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         facets=springs[borders == 1],
         share=borders / 2,
         sharing=np.full(len(springs), 2),
-        point_volume=np.bincount(cells.ravel()) * float(outline.volume / len(cells) / 3),
+        point_volume=np.bincount(cells.ravel()).astype(float) * outline.volume / (3 * len(cells)),
     )
 
 
 def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
     """Outline of a block of equilateral triangles: left and right straight, the others zigzag.
 
-    Parameters
-    ----------
-    height
-        Length (m) of the left side, along y.
-    cells
-        Number of strips of triangles along x, even so that both ends are of this height, and of
-        triangle sides along the height. Every second column of points is one point shorter, so the
-        block is symmetric about its middle line; it is cells[0]·√3/2·height/cells[1] wide.
+    The left side is `height` (m) long, along y. Cells are the number of strips of triangles along
+    x, even so that both ends are of this height, and of triangle sides along the height. Every
+    second column of points is one point shorter, so the block is symmetric about its middle line;
+    it is cells[0]·√3/2·height/cells[1] wide.
 
     Raises
     ------
@@ -160,12 +131,8 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
 def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     """Outline of a bar of equilateral triangles with straight sides all round, its ends at 60°.
 
-    Parameters
-    ----------
-    spacing
-        Side (m) of the triangles.
-    cells
-        Number of triangle sides along the top and of rows of triangles; the bottom has their sum.
+    Triangles have sides of `spacing` (m). Cells are the number of their sides along the top and of
+    their rows; the bottom has the sum.
 
     Raises
     ------

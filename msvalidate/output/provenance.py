@@ -23,16 +23,8 @@ def collect_provenance(
 ) -> dict[str, str]:
     """Label -> value, in the order in which a report shows them.
 
-    Parameters
-    ----------
-    command
-        What was run, in words.
-    seed
-        Where random numbers start.
-    started, seconds
-        When the study began, and how long it alone took (s).
-    form
-        Of the study, "quick" or "full".
+    Of a command in words, the seed of its random numbers, when the study began and how long it
+    alone took (s), and its form, "quick" or "full".
     """
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
