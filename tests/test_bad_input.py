@@ -164,7 +164,7 @@ BAD = [
     # lattices
     ("square of 2.5e11", lambda: square(Box((1.0, 1.0)), 500_000), ProblemError, "2.5e+11 points"),
     ("diagonal square of 5e11", lambda: diagonal_square(Box((1.0, 1.0)), 500_000), ProblemError,
-        "45° of 500000 x 500000 squares: 5e+11 points, and the most is 2e+07; take fewer"),
+        "square lattice of 500000 x 500000 cells: 5e+11 points, and the most is 2e+07; take fewer"),
     ("triangles of 1e-7", lambda: triangular(ZIGZAG, 1e-7 / 3), ProblemError, "most is 2e+07"),
     ("triangles of None", lambda: triangular(None, 0.1), ProblemError, "a None; give a Polygon"),
     ("strips of one number", lambda: zigzag_block(1.0, 6), ProblemError, "cells 6; give two whole"),

@@ -36,14 +36,12 @@ from msvalidate.bodies.cut_solid import points_held, traction_on_solid
 from msvalidate.bodies.lattice_network import nodal_force
 from msvalidate.constants.zones import OneOrEach, constants_by_zone
 from msvalidate.lattice.cut import CutLattice
-from msvalidate.lattice.drawn import is_outside_solid
-from msvalidate.lattice.outline import crossed_cells, is_outside, outline, straight_pieces
+from msvalidate.lattice.outline import crossed_cells, outline, straight_pieces
 from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import (
     Array,
     Boundary,
-    Domain,
     Mask,
     Part,
     PointForce,
@@ -161,7 +159,7 @@ def _on_lattice_line(support: Support, lattice: CutLattice, corners: Array, axis
     # point of the lattice there may be cut too.
     near = furthest < lattice.spacing - room
     beyond = (furthest <= lattice.spacing + room) & ~near & on
-    beyond[beyond] = is_outside(outline(lattice.domain), x[beyond, :2], room)
+    beyond[beyond] = ~lattice.domain.contains(x[beyond])
     return np.asarray(on & (near | beyond))
 
 
@@ -207,19 +205,12 @@ def _applied_force(load: PointForce | Traction, lattice: CutLattice) -> Array:
 
 def _nearest_in_body(load: PointForce, lattice: CutLattice) -> Array:
     """The place (1, d) in m of a point force: beyond the body a cell's motion means nothing."""
-    place, domain = np.array([load.at]), lattice.domain
-    if _is_outside(domain, place).any():
+    place = np.array([load.at])
+    if not lattice.domain.contains(place).all():
         raise ProblemError(
             f"point force at {load.region}: outside the body, as in a hole; choose a place in it"
         )
     return place
-
-
-def _is_outside(domain: Domain, places: Array) -> Mask:
-    """Mask (n,) of the places (n, d) outside a body by more than its tolerance."""
-    if domain.dim == 2:
-        return is_outside(outline(domain), places, domain.tolerance)
-    return is_outside_solid(domain, places)
 
 
 def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]:

@@ -16,12 +16,7 @@ import numpy as np
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.cut import CutLattice
-from msvalidate.lattice.drawn import (
-    draw_surface,
-    is_outside_solid,
-    triangle_areas,
-    true_areas,
-)
+from msvalidate.lattice.drawn import draw_surface, triangle_areas, true_areas
 from msvalidate.lattice.grid_cut import RULE, Pieces, cut_to_grid, sum_groups
 from msvalidate.problem import (
     Array,
@@ -185,7 +180,7 @@ def _beyond_rim(corners: Index, lattice: CutLattice, grid: _Grid, axis: int) -> 
     steps = np.array([s for s in np.ndindex(3, 3, 3) if s[axis] == 1]) - 1
     beside = grid.find(np.unique((corners[:, None] + steps).reshape(-1, 3), axis=0))
     beside = beside[beside >= 0]
-    return beside[is_outside_solid(lattice.domain, lattice.points[beside])]
+    return beside[~lattice.domain.contains(lattice.points[beside])]
 
 
 def _weights_in(

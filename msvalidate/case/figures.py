@@ -19,11 +19,10 @@ from msvalidate.output.body_drawing import (
     ARROW,
     MOST_ARROWS,
     SHOWN,
-    UPWARDS,
     body_axes,
     draw_held_and_loaded,
 )
-from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
+from msvalidate.output.figures import COLOURS, UPWARDS, add_shared_legend, new_figure
 from msvalidate.problem import (
     SHAPES,
     Array,

@@ -35,9 +35,9 @@ from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
+from msvalidate.lattice.corners import cell_shape
 from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.lattice.edges import EdgeLattice
-from msvalidate.lattice.parts import cell_shape
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
@@ -121,7 +121,9 @@ class SpringAnswer:
         lattice = self.lattice
         if isinstance(lattice, EdgeLattice):
             x, mesh = lattice.points[lattice.cells], lattice.domain
-            cell, weights = weights_at(cell_shape(lattice), x, places, mesh.tolerance)
+            cell, weights = weights_at(
+                cell_shape(lattice.cells, mesh.dim), x, places, mesh.tolerance
+            )
             if cell.min() < 0:
                 raise ProblemError(
                     f"springs on the mesh: place {format_point(places[cell.argmin()])} m is in "

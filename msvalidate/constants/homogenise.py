@@ -126,7 +126,7 @@ def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arr
     require_one_of("boundary weights", weights, WEIGHTS)
     if isinstance(lattice, PatternLattice):
         pattern = lattice.pattern
-        if WEIGHTS[weights].per_cell:  # every cell that a spring borders brings one of its own
+        if weights == "per_cell":  # every cell that a spring borders brings one of its own
             pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
         return homogenise(pattern, constants, lattice.spacing).tensor
     if not lattice.regular:
@@ -135,7 +135,7 @@ def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arr
             "homogenised of the pattern that it was made from, or of a periodic sample of its kind"
         )
     # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
-    inside = lattice.sharing if WEIGHTS[weights].per_cell else 1
+    inside = lattice.sharing if weights == "per_cell" else 1
     per_spring = k[lattice.kind] * lattice.factor * inside * boundary_weights(lattice, "shared")
     return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
 

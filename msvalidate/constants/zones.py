@@ -38,8 +38,9 @@ from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route, constants_of
 from msvalidate.constants.stiffness import shear_modulus
 from msvalidate.lattice import Constants, CutLattice, Lattice, Pattern
+from msvalidate.lattice.corners import cell_shape
 from msvalidate.lattice.outline import is_outside, outline
-from msvalidate.lattice.parts import cell_shape, point_parts, spring_parts
+from msvalidate.lattice.parts import point_parts, spring_parts
 from msvalidate.problem import (
     Array,
     CellSet,
@@ -226,7 +227,8 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
     ProblemError
         If a zone holds no part of a cell.
     """
-    shape, places = cell_shape(lattice), lattice.points[lattice.cells]
+    places = lattice.points[lattice.cells]
+    shape = cell_shape(lattice.cells, places.shape[2])
     count = len(problem.materials)
     cut = cut_cells(problem, places, shape)
     named = any(isinstance(zone.region, CellSet) for zone in problem.zones)

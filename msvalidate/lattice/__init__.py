@@ -3,8 +3,7 @@
 A lattice is a function that returns a `Pattern`, what repeats; `patterns` has one a lattice, and
 `voronoi` makes random ones. As a `Lattice`, a body: `fill` puts whole cells of any pattern in a
 box, `fill_rotated` cuts one at any angle, `cut_lattice` cuts one to an outline, `voronoi_box` fills
-one
-at random, `mesh_lattice` takes a mesh's edges.
+one at random, `mesh_lattice` takes a mesh's edges.
 """
 
 from msvalidate.lattice import patterns
@@ -13,7 +12,6 @@ from msvalidate.lattice.edges import EDGE_RULES, mesh_lattice
 from msvalidate.lattice.filled import WEIGHTS, Lattice, PatternLattice, boundary_weights, fill
 from msvalidate.lattice.pattern import Constants, Pattern, repeat_cell
 from msvalidate.lattice.plane import (
-    SIN60,
     diagonal_square,
     square,
     trapezium,
@@ -25,7 +23,6 @@ from msvalidate.lattice.voronoi import STIFFNESS_RULES, VoronoiLattice, voronoi,
 
 __all__ = [
     "EDGE_RULES",
-    "SIN60",
     "STIFFNESS_RULES",
     "WEIGHTS",
     "Constants",

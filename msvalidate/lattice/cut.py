@@ -23,13 +23,10 @@ from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.cut_cells import ROUNDING, CutCells, cut_cells
-from msvalidate.lattice.drawn import is_outside_solid
 from msvalidate.lattice.filled import PatternLattice
-from msvalidate.lattice.outline import is_near_outline, is_outside, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers
-from msvalidate.lattice.winding import is_enclosed
-from msvalidate.problem import Array, Box, Domain, Index, Mask, Mesh, ProblemError
+from msvalidate.problem import Array, Domain, Index, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
     finite_number,
@@ -43,8 +40,8 @@ SLIVER = 1e-2
 """Cells with less than this part of them inside are left out: the tangent is then as well
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
 BESIDE = 0.1
-"""Part of a cell from bent sides within which the body itself is asked whether it holds a point:
-far more than lies between a bent side and what it is drawn by."""
+"""Part of a cell from bent facets within which the body itself is asked whether it holds a point:
+far more than lies between a bent facet and what it is drawn by."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -184,7 +181,7 @@ def cut_lattice(
         corner_volume=corner_volume,
         inside=_inside(kept, domain, points, number_of, cells, h),
         drawing_error=kept.drawing_error,
-        by_surface=kept.surface is not None,
+        by_surface=kept.encloses is not None,
     )
 
 
@@ -196,20 +193,19 @@ def _inside(
     inside = np.bincount(whole.ravel(), minlength=len(points)) == cells.shape[1]
     (near,) = np.nonzero(~inside)
     x = points[near]
-    if isinstance(domain, Box):
-        inside[near] = ~is_outside_solid(domain, x)
-        return np.asarray(inside)
-    if kept.surface is None:
-        area = outline(domain)
-        inside[near] = ~is_outside(area, x[:, :2], domain.tolerance)
-        beside = is_near_outline(area, x[:, :2], BESIDE * h)
+    if not isinstance(domain, Mesh):
+        inside[near] = domain.contains(x)
+    elif kept.encloses is None:  # of a prism: as one point of a column is, all are
+        _, first, column = np.unique(
+            number_of[near, :2], axis=0, return_index=True, return_inverse=True
+        )
+        inside[near] = domain.contains(x[first])[column.ravel()]
     else:
-        low, surface = number_of.min(axis=0), domain.whole_surface  # type: ignore[union-attr]
-        on = surface.select(x, domain.tolerance)
-        inside[near] = is_enclosed(kept.surface - low, number_of[near] - low) | on
-        beside = surface.select(x, BESIDE * h) & ~on
-    if kept.drawing_error and isinstance(domain, Mesh):
-        inside[near[beside]] = domain.contains(x[beside])
+        on = domain.whole_surface.select(x, domain.tolerance)
+        inside[near] = kept.encloses(number_of[near]) | on
+        if kept.drawing_error:
+            beside = domain.whole_surface.select(x, BESIDE * h) & ~on
+            inside[near[beside]] = domain.contains(x[beside])
     return np.asarray(inside)
 
 

@@ -5,13 +5,15 @@ By the outline in the plane and in prisms along z, by the surface in any other s
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.drawn import draw_surface, prism_layers, solid_facets
-from msvalidate.lattice.grid_cut import cell_parts
+from msvalidate.lattice.grid_cut import are_enclosed, cell_parts
 from msvalidate.lattice.outline import area_moments, outline, outline_gap
-from msvalidate.problem import Array, Domain, Index, ProblemError
+from msvalidate.problem import Array, Domain, Index, Mask, ProblemError
 from msvalidate.problem.checks import refuse_too_many
 from msvalidate.problem.records import dataclass
 
@@ -30,25 +32,19 @@ rounding leaves."""
 class CutCells:
     """Cells with more than a sliver inside.
 
-    Parameters
-    ----------
-    index
-        (c, d) indices in the grid.
-    part
-        (c, 2^d) part of a whole cell that is each corner's, in VTK's order.
-    size
-        Area (m²) or volume (m³) of the body, as drawn.
-    drawing_error
-        Part of it that may lie between bent sides or facets and what they are drawn by.
-    surface
-        (t, 3, 3) corners of its triangles, in cells, if it was cut by its surface; else none.
+    They have an `index` (c, d) in the grid, and `part` (c, 2^d) of a whole cell that is each
+    corner's, in VTK's order.
+
+    Beside them the `size` of the body as drawn, in m² or m³, and the part of it, `drawing_error`,
+    that may lie between bent sides or facets and what they are drawn by; and, of a body cut by its
+    surface, which points (n, 3) of the grid, by indices, it `encloses`.
     """
 
     index: Index
     part: Array
     size: float
     drawing_error: float
-    surface: Array | None = None
+    encloses: Callable[[Index], Mask] | None = None
 
 
 def cut_cells(domain: Domain, h: float, base: Array, sliver: float) -> CutCells:
@@ -105,7 +101,7 @@ def _by_surface(domain: Domain, h: float, base: Array, sliver: float) -> CutCell
     bounds = np.stack([drawn.corners.min(axis=(0, 1)), drawn.corners.max(axis=(0, 1))])
     first, count = _cover(bounds, h, base, 1)
     inside = (drawn.corners - base) / h - first
-    index, part, size, (least, most) = cell_parts(inside, count, sliver + ROUNDING)
+    index, part, size, (least, most), crossings = cell_parts(inside, count, sliver + ROUNDING)
     if least < -CROSSED or most > 1 + CROSSED:
         raise ProblemError(
             f"cut lattice: {domain} has from {least:.3g} to {most:.3g} of a cell inside, where 0 "
@@ -113,7 +109,11 @@ def _by_surface(domain: Domain, h: float, base: Array, sliver: float) -> CutCell
         )
     by_corner = part[(slice(None), *corners_of_cell(3).T)]
     size *= h**3
-    return CutCells(index + first, by_corner, size, drawn.gap / size, inside + first)
+
+    def encloses(points: Index) -> Mask:
+        return are_enclosed(points - first, crossings, count)
+
+    return CutCells(index + first, by_corner, size, drawn.gap / size, encloses)
 
 
 def _cover(bounds: Array, h: float, base: Array, layers: int) -> tuple[Index, Index]:

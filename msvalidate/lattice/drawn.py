@@ -26,14 +26,9 @@ AT_ONCE = 50_000
 class DrawnSurface:
     """Flat triangles that stand for facets.
 
-    Parameters
-    ----------
-    corners
-        (t, 3, 3) in m, counter-clockwise as seen from outside.
-    facet
-        (t,) number of the facet that each is part of.
-    gap
-        Volume (m³) between the facets and the triangles, each side of a facet counted positive.
+    Their corners (t, 3, 3) in m run counter-clockwise as seen from outside; each is part of a
+    `facet` (t,). `gap` is the volume (m³) between the facets and the triangles, each side of a
+    facet counted positive.
     """
 
     corners: Array
@@ -46,12 +41,9 @@ def draw_surface(
 ) -> DrawnSurface:
     """Draw facets (f, k, 3) in m by flat triangles.
 
-    Parameters
-    ----------
-    tolerance
-        Distance (m) below which two places are one: facets as near to flat are.
-    gap, away
-        What may lie between at most: a volume (m³), and the distance (m) of edges' middles.
+    Facets off a plane and straight edges by no more than `tolerance` (m) count as flat. Between
+    others and their triangles lies no more than a volume `gap` (m³), and the middles of edges are
+    no further `away` (m).
 
     Raises
     ------
@@ -189,12 +181,3 @@ def prism_layers(domain: Domain, spacing: float) -> int:
         if not (ends[0] | ends[1] | standing).all():
             return 0
     return layers
-
-
-def is_outside_solid(domain: Domain, points: Array) -> Mask:
-    """Mask (n,) of the points (n, d) outside a box or mesh by more than its tolerance."""
-    if isinstance(domain, Mesh):
-        return ~domain.contains(points)
-    low, high = np.array(domain.span).T
-    room = domain.tolerance
-    return np.asarray(((points < low - room) | (points > high + room)).any(axis=1))

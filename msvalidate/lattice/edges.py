@@ -44,9 +44,9 @@ from itertools import combinations, product
 
 import numpy as np
 
-from msvalidate.lattice.corners import corner_volumes, corners_of_cell
+from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.filled import VTK_ORDER, Lattice
-from msvalidate.problem import Array, Index, Mesh, ProblemError, Shape
+from msvalidate.problem import SHAPES, Array, Index, Mesh, ProblemError, Shape
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import dataclass
 
@@ -158,10 +158,10 @@ def _edges(shape: str, corners: int, rule: str) -> tuple[Index, Array]:
     if shape not in EDGE_SHARES or rule == "cotangent":
         return pairs, np.ones(len(pairs))
     # Along an edge one coordinate of a cell changes, along a face's diagonal two.
-    at = corners_of_cell(int(math.log2(corners)))
+    at = SHAPES[shape].nodes
     changes = np.abs(at[pairs[:, 0]] - at[pairs[:, 1]]).sum(axis=1)
     inside = changes <= 2
-    return pairs[inside], np.array(EDGE_SHARES[shape])[changes[inside] - 1]
+    return pairs[inside], np.array(EDGE_SHARES[shape])[changes[inside].astype(int) - 1]
 
 
 def _edge_contributions(ends: Array, weights: Array, volume: Array, rule: str) -> Array:

@@ -113,28 +113,12 @@ class PatternLattice(Lattice):
     spacing: float
 
 
-@dataclass(frozen=True)
-class BoundaryRule:
-    """A rule for the weight of a spring, by the cells that it borders.
-
-    Parameters
-    ----------
-    weight
-        Lattice -> weight (m,) of each spring.
-    per_cell
-        Whether every cell brings springs of its own, so that weights differ from 1 inside too.
-    """
-
-    weight: Callable[[Lattice], Array]
-    per_cell: bool = False
-
-
-WEIGHTS: Mapping[str, BoundaryRule] = {
-    "shared": BoundaryRule(lambda lattice: lattice.share),
-    "equal": BoundaryRule(lambda lattice: np.ones(len(lattice.springs))),
-    "per_cell": BoundaryRule(lambda lattice: lattice.borders, per_cell=True),
+WEIGHTS: Mapping[str, Callable[[Lattice], Array]] = {
+    "shared": lambda lattice: lattice.share,
+    "equal": lambda lattice: np.ones(len(lattice.springs)),
+    "per_cell": lambda lattice: lattice.borders,
 }
-"""Rules for the weight of a spring on the boundary: see `boundary_weights`."""
+"""Rules for the weight (m,) of springs by the cells that they border: see `boundary_weights`."""
 
 
 def boundary_weights(lattice: Lattice, rule: str) -> Array:
@@ -153,7 +137,7 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     """
     require_type("lattice", lattice, Lattice)
     require_one_of("boundary weights", rule, WEIGHTS)
-    return WEIGHTS[rule].weight(lattice)
+    return WEIGHTS[rule](lattice)
 
 
 def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLattice:
@@ -254,13 +238,8 @@ def _number_places(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Inde
 def number_springs(pattern: Pattern, number: Index) -> tuple[Index, Index]:
     """Springs (m, 2) between numbered places, the lower first, and their numbers in the pattern.
 
-    Parameters
-    ----------
-    pattern
-        What repeats.
-    number
-        (.., cells along y, cells along x, points a cell) numbers of the places, -1 where none is.
-        Springs that reach over more cells than there are have no room.
+    Places are numbered (.., cells along y, cells along x, points a cell), -1 where none is. Springs
+    that reach over more cells than there are have no room.
     """
     n = number.shape[-2::-1]
     pairs = []

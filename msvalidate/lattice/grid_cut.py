@@ -20,6 +20,9 @@ from msvalidate.problem.records import dataclass
 
 PIECES = 60_000
 """Pieces that are looked into at once, about, but for those of one triangle: some 60 MB."""
+SHIFT = 1e-7 * np.array([0.7548776662466927, 0.5698402909980532])
+"""Part of a cell, along x and y, by which upright lines miss the points that they stand for: no
+edge of a triangle that follows the grid meets them."""
 SLAB = 500_000
 """Cells of the grid that are looked into at once: 100 MB."""
 
@@ -34,16 +37,9 @@ RULE = (
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Parts of triangles, each within one cell of the grid; lengths in cells.
+    """Parts of triangles, each within one cell of the grid: `corners` (p, 3, 3) in cells.
 
-    Parameters
-    ----------
-    corners
-        (p, 3, 3).
-    owner
-        (p,) number of the triangle.
-    cell
-        (p, 3) indices of the cell.
+    `owner` (p,) is the number of the triangle, `cell` (p, 3) the indices of the cell.
     """
 
     corners: Array
@@ -124,23 +120,16 @@ def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
 
 def cell_parts(
     corners: Array, count: Index, least: float
-) -> tuple[Index, Array, float, tuple[float, float]]:
-    """Cells (c, 3) with more than `least` of them inside a closed surface, of a grid from 0.
+) -> tuple[Index, Array, float, tuple[float, float], Array]:
+    """Cells (c, 3) of a grid with more than `least` of them inside a closed surface.
 
-    Parameters
-    ----------
-    corners
-        (t, 3, 3) triangles, counter-clockwise from outside, in cells.
-    count
-        (3,) cells of the grid along each axis.
-
-    Returns
-    -------
-    Indices (c, 3) of the cells; the part (c, 2, 2, 2) of a whole cell that is each corner's, by
-    steps along x, y and z; the volume inside in cells; and the least and largest part of any cell,
-    0 and 1 but for rounding unless the surface crosses itself.
+    The grid has `count` (3,) cells from 0, the surface triangles (t, 3, 3) in cells,
+    counter-clockwise from outside. With the cells' indices come the part (c, 2, 2, 2) of a whole
+    cell that is each corner's, by steps along x, y and z; the volume inside in cells; the least and
+    largest part of any cell, 0 and 1 but for rounding unless the surface crosses itself; and what
+    `are_enclosed` goes by.
     """
-    key, own, over = _surface_cells(corners, count)
+    key, own, over, crossings = _surface_cells(corners, count)
     layer = int(count[1] * count[2])
     step = max(SLAB // layer, 1)
     index, part, volume, extremes = [], [], 0.0, [0.0, 0.0]
@@ -156,7 +145,13 @@ def cell_parts(
         i, j, k = np.unravel_index(kept, shape)
         index.append(np.stack([i + start, j, k], axis=1))
         part.append(np.maximum(found[kept], 0.0))
-    return np.concatenate(index), np.concatenate(part), volume, (extremes[0], extremes[1])
+    return (
+        np.concatenate(index),
+        np.concatenate(part),
+        volume,
+        (extremes[0], extremes[1]),
+        crossings,
+    )
 
 
 def _fill_columns(key: Index, own: Array, over: Array, shape: tuple[int, int, int]) -> Array:
@@ -170,23 +165,26 @@ def _fill_columns(key: Index, own: Array, over: Array, shape: tuple[int, int, in
     return part
 
 
-def _surface_cells(corners: Array, count: Index) -> tuple[Index, Array, Array]:
+def _surface_cells(corners: Array, count: Index) -> tuple[Index, Array, Array, Array]:
     """Cells (s,) that pieces lie in, by number; ∫ (s, 2, 2, 2) under them in the cell, and above.
 
-    The last (s, 2, 2) are integrals of the weights along x and y alone, over the pieces' shadows.
+    The next (s, 2, 2) are integrals of the weights along x and y alone, over the pieces' shadows;
+    the last are the pieces' crossings.
     """
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lying: Mask = np.abs(normal[:, 2]) > 1e-15 * np.linalg.norm(normal, axis=1)
-    keys, sums = [np.empty(0, dtype=np.intp)], [np.empty((0, 12))]
+    keys, sums, crossings = [np.empty(0, dtype=np.intp)], [np.empty((0, 12))], []
     for pieces in cut_to_grid(corners[lying], count):
         key = np.ravel_multi_index(tuple(pieces.cell.T), tuple(count))
         one, which = np.unique(key, return_inverse=True)
         found = _integrals(pieces)
         keys.append(one)
         sums.append(sum_groups(which.ravel(), found, len(one)))
+        crossings.append(_crossings(pieces, count))
     key, which = np.unique(np.concatenate(keys), return_inverse=True)
     total = sum_groups(which.ravel(), np.concatenate(sums), len(key))
-    return key, total[:, :8].reshape(-1, 2, 2, 2), total[:, 8:].reshape(-1, 2, 2)
+    met = np.concatenate(crossings)
+    return key, total[:, :8].reshape(-1, 2, 2, 2), total[:, 8:].reshape(-1, 2, 2), met
 
 
 def sum_groups(which: Index, values: Array, count: int) -> Array:
@@ -205,3 +203,35 @@ def _integrals(pieces: Pieces) -> Array:
     up = (z - z**2 / 2, z**2 / 2)
     own = [(flat * height).sum(axis=1) for flat in along for height in up]
     return np.stack([*own, *(flat.sum(axis=1) for flat in along)], axis=1)
+
+
+def _crossings(pieces: Pieces, count: Index) -> Array:
+    """Where pieces meet the upright line beside the low corner of their column of cells.
+
+    Rows (m, 3): number of the column, height, and 1 where the line leaves the body, or -1.
+    """
+    flat = pieces.corners[..., :2] - pieces.cell[:, None, :2] - SHIFT
+    (ax, bx, cx), (ay, by, cy) = flat.transpose(2, 1, 0)
+    share = np.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx], axis=1)
+    turn = np.sign(share.sum(axis=1))
+    meets = (share * turn[:, None] > 0).all(axis=1)
+    share, turn, cell = share[meets], turn[meets], pieces.cell[meets]
+    z = (share * pieces.corners[meets, :, 2]).sum(axis=1) / share.sum(axis=1)
+    return np.column_stack([cell[:, 0] * (count[1] + 1) + cell[:, 1], z, turn])
+
+
+def are_enclosed(points: Index, crossings: Array, count: Index) -> Mask:
+    """Mask (n,) of the points (n, 3) of a grid, from 0 to `count` (3,), within a closed surface.
+
+    On a line upwards from a point inside, the surface is left once more than it is entered. Points
+    within a cell's 1e-7 of the surface may count as either.
+    """
+    line = points[:, 0] * (count[1] + 1) + points[:, 1]
+    column, z, sign = crossings.T
+    height = count[2] + 2.0  # of one line above the other
+    at = column * height + z
+    order = np.argsort(at, kind="stable")
+    before = np.concatenate([[0.0], np.cumsum(sign[order])])
+    ends = line * height + points[:, 2], (line + 1) * height - 0.5
+    first, last = (np.searchsorted(at[order], end) for end in ends)
+    return np.asarray(before[last] - before[first] > 0.5)

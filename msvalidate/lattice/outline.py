@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from msvalidate.problem import (
+    SHAPES,
     Array,
     Boundary,
     Box,
@@ -19,6 +20,7 @@ from msvalidate.problem import (
     corners_of,
 )
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.shapes import FACETS
 
 ARC = 32
 """Straight pieces that a bent side is drawn by: their area is off by some 1e-4 of what lies between
@@ -57,8 +59,7 @@ def _straight_lines(sides: Array) -> Array:
     if sides.shape[1] == 2:
         return sides[:, None]
     s = np.linspace(0, 1, ARC + 1)
-    values = np.stack([(2 * s - 1) * (s - 1), s * (2 * s - 1), 4 * s * (1 - s)], axis=1)
-    places = np.einsum("sk,fkd->fsd", values, sides)
+    places = SHAPES["line3"].values(s[:, None]) @ sides
     return np.stack([places[:, :-1], places[:, 1:]], axis=2)
 
 
@@ -86,19 +87,12 @@ def _rim(mesh: Mesh) -> Index:
     base = mesh.surface[(z <= mesh.span[2][0] + mesh.tolerance).all(axis=1)]
     if not len(base):
         raise ProblemError(f"outline: {mesh} has no flat base where z is least; give a prism")
-    ends = _ends(base.shape[1])
+    ends = FACETS[3, base.shape[1]].facets
     sides = base[:, ends].reshape(-1, ends.shape[1])
     _, first, times = np.unique(
         np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_counts=True
     )
     return np.asarray(sides[first[times == 1]])
-
-
-def _ends(nodes: int) -> Index:
-    """Nodes (sides, 2 or 3) of each side of a facet of so many: ends, and the middle if it has."""
-    k = 3 if nodes in {3, 6} else 4
-    ends = [[i, (i + 1) % k] + ([k + i] if nodes > k else []) for i in range(k)]
-    return np.array(ends)
 
 
 def _refuse_no_prism(mesh: Mesh, base: shapely.Geometry) -> None:
@@ -114,15 +108,9 @@ def area_moments(body: shapely.Geometry, low: Array, side: float) -> Array:
     """Integrals (c, 2, 2) over the body's part of each square, relative to the square's area.
 
     Entry [i, j] is that of N_i(ξ) N_j(η), with N_0(s) = 1 - s and N_1(s) = s, and ξ and η from 0 to
-    1 along a square's sides: the area that belongs to each of its corners, 1/4 of a square inside.
-    Exact for a body with straight edges: by Green's theorem round the edges of what is cut out.
-
-    Parameters
-    ----------
-    low
-        (c, 2) corner (m) of each square where both coordinates are least.
-    side
-        Of the squares, m.
+    1 along a square's sides, from the corner `low` (c, 2) in m to `side` (m) further: the area that
+    belongs to each of its corners, 1/4 of a square inside. Exact for a body with straight edges: by
+    Green's theorem round the edges of what is cut out.
     """
     squares = shapely.box(*low.T, *(low + side).T)
     shapely.prepare(body)
@@ -132,13 +120,6 @@ def area_moments(body: shapely.Geometry, low: Array, side: float) -> Array:
     if len(cut):
         found[cut] = _moments(shapely.intersection(body, squares[cut]), low[cut], side)
     return np.asarray(found)
-
-
-def is_near_outline(body: shapely.Geometry, points: Array, room: float) -> Mask:
-    """Mask (n,) of the points (n, 2) within `room` (m) of a body's outline."""
-    edge = shapely.boundary(body)
-    shapely.prepare(edge)  # an index of its pieces: most points are far from all of them
-    return np.asarray(shapely.dwithin(edge, shapely.points(points), room))
 
 
 def is_outside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
@@ -161,7 +142,7 @@ def straight_pieces(part: Part, domain: Domain) -> Array:
         if domain.dim == 3:  # of walls, the lines that they stand on and end at
             if (np.ptp(places[..., 2], axis=1) <= domain.tolerance).any():
                 raise ProblemError(f"{part}: some of its facets lie across z; give walls alone")
-            ends = _ends(places.shape[1])
+            ends = FACETS[3, places.shape[1]].facets
             places = places[:, ends].reshape(-1, ends.shape[1], 3)
         lines = _straight_lines(places[..., :2]).reshape(-1, 2, 2)
         long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > domain.tolerance

@@ -5,19 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from msvalidate.lattice.corners import corner_volumes
+from msvalidate.lattice.corners import cell_shape, corner_volumes
 from msvalidate.lattice.cut import CutLattice, cell_gifts
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.lattice.filled import Lattice
 from msvalidate.lattice.voronoi import VoronoiLattice
-from msvalidate.problem import SHAPES, Array, Index, ProblemError, Shape
+from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.shapes import incident_pairs
-
-
-def cell_shape(lattice: Lattice) -> Shape:
-    """The shape of a lattice's cells."""
-    d, corners = lattice.points.shape[1], lattice.cells.shape[1]
-    return next(s for s in SHAPES.values() if (s.dim, len(s.nodes)) == (d, corners))
 
 
 def spring_parts(lattice: Lattice) -> csr_array:
@@ -79,7 +73,8 @@ def _holding_cells(lattice: Lattice, places: Array) -> tuple[Index, Index]:
             "one that repeats, or a mesh's edges"
         )
     room = lattice.domain.tolerance
-    cell, place = incident_pairs(cell_shape(lattice), lattice.points[lattice.cells], places, room)
+    shape = cell_shape(lattice.cells, lattice.points.shape[1])
+    cell, place = incident_pairs(shape, lattice.points[lattice.cells], places, room)
     return place, cell
 
 

@@ -189,14 +189,9 @@ def pattern_by_shells(
     rules: Mapping[str, Constants],
     tensor: Callable[[Constants], Array] | None = None,
 ) -> Pattern:
-    """Pattern whose springs join all points at some distances, one kind of spring a distance.
+    """Pattern whose springs join all points at some distances in spacings, one kind each.
 
-    Parameters
-    ----------
-    name, size, points, rules, tensor
-        As in `Pattern`.
-    distances
-        Lengths of the springs in spacings.
+    All else is as in `Pattern`.
 
     Raises
     ------

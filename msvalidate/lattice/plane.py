@@ -8,7 +8,8 @@ import numpy as np
 
 from msvalidate.lattice import patterns
 from msvalidate.lattice.filled import Lattice, fill
-from msvalidate.problem import MOST_VERTICES, Array, Box, Index, Polygon, ProblemError, format_point
+from msvalidate.lattice.pattern import pattern_by_shells
+from msvalidate.problem import MOST_VERTICES, Array, Box, Polygon, ProblemError, format_point
 from msvalidate.problem.checks import cell_counts, format_value, length_in_metres, refuse_too_many
 
 SIN60 = math.sin(math.pi / 3)
@@ -17,17 +18,7 @@ SIN60 = math.sin(math.pi / 3)
 def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     """Square lattice with eight neighbours: axial springs (kind 0) and diagonals (kind 1).
 
-    Parameters
-    ----------
-    box
-        Box in the plane; its cells must come out square.
-    cells
-        Number of cells along x and y; one number serves both.
-
-    Raises
-    ------
-    ProblemError
-        As for `fill`.
+    Cells and errors are as for `fill`; in the plane, they must come out square.
     """
     return fill(patterns.square(), box, cells)
 
@@ -37,62 +28,34 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
 
     The box is divided into squares whose sides are *diagonal* springs, with a point in the middle
     of each: axial springs run along the squares' half diagonals. The cut halves the lattice's own
-    cells, and a half cell has lost one of its diagonals: it is no longer the material.
-
-    Parameters
-    ----------
-    box
-        Box in the plane; its squares must come out square.
-    cells
-        Number of squares along x and y; one number serves both.
-
-    Raises
-    ------
-    ProblemError
-        As for `square`.
+    cells, and a half cell has lost one of its diagonals: it is no longer the material. Squares and
+    errors are as the cells of `square`.
     """
-    nx, ny = cell_counts("cells", cells)
-    refuse_too_many(f"square lattice at 45° of {nx} x {ny} squares", (2 * nx + 1) * (ny + 1))
-    grid = square(box, (nx, ny))
-    corners = len(grid.points)
-    centre = corners + np.arange(nx * ny).reshape(ny, nx)
-    low_left, low_right, high_right, high_left = grid.cells.T
-    middle = centre.ravel()
-    sides = grid.springs[grid.kind == 0]
-    half_diagonals = [_pairs(corner, middle) for corner in grid.cells.T]
-    between = [_pairs(centre[:, :-1], centre[:, 1:]), _pairs(centre[:-1], centre[1:])]
-    springs = np.concatenate([*half_diagonals, sides, *between])
-    whole_cells = [np.full(4 * nx * ny, 2), grid.borders[grid.kind == 0]]
-    ring = (low_left, low_right, high_right, high_left)
-    quarters = [
-        np.column_stack([a, b, middle]) for a, b in zip(ring, (*ring[1:], ring[0]), strict=True)
-    ]
-    quarter_cells = np.concatenate(quarters)
+    side, rules = math.sqrt(2), patterns.square().rules
+    middles = [(0, 0), (side / 2, side / 2)]
+    whole = fill(pattern_by_shells("square", (side, side), middles, (1.0, side), rules), box, cells)
+    ring, middle = whole.cells.T, np.setdiff1d(np.arange(len(whole.points)), whole.cells)
+    quarters = [np.column_stack([ring[k - 1], ring[k], middle]) for k in range(4)]
     return Lattice(
         name="square at 45°",
         domain=box,
-        points=np.concatenate([grid.points, grid.points[grid.cells].mean(axis=1)]),
-        springs=springs,
-        kind=np.repeat([0, 1], [4 * nx * ny, len(springs) - 4 * nx * ny]),
-        cells=quarter_cells,
-        facets=grid.facets,
-        share=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]) / 2,
-        sharing=np.full(len(springs), 2),
-        # Inside, every point is alike: a corner of squares has eight quarters, a middle only four.
-        point_volume=_shares(quarter_cells, (0.25, 0.25, 0.5)) * (box.volume / len(quarter_cells)),
+        points=whole.points,
+        springs=whole.springs,
+        kind=whole.kind,
+        cells=np.concatenate(quarters),
+        facets=whole.facets,
+        share=whole.share,
+        sharing=np.full(len(whole.springs), 2),
+        point_volume=whole.point_volume,
     )
 
 
 def triangular(outline: Polygon, spacing: float) -> Lattice:
-    """Triangular lattice with six neighbours, all springs alike (kind 0).
+    """Triangular lattice with six neighbours, all springs alike (kind 0), of some spacing (m).
 
-    Parameters
-    ----------
-    outline
-        A union of whole equilateral triangles, such as `zigzag_block` or `trapezium` give. Its
-        first vertex is a point of the lattice, its first edge one of the lattice's directions.
-    spacing
-        Side (m) of the triangles.
+    The outline is a union of whole equilateral triangles, such as `zigzag_block` or `trapezium`
+    give. Its first vertex is a point of the lattice, its first edge one of the lattice's
+    directions.
 
     Raises
     ------
@@ -135,21 +98,17 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         facets=springs[borders == 1],
         share=borders / 2,
         sharing=np.full(len(springs), 2),
-        point_volume=_shares(cells, (1 / 3,) * 3) * (outline.volume / len(cells)),
+        point_volume=np.bincount(cells.ravel()).astype(float) * outline.volume / (3 * len(cells)),
     )
 
 
 def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
     """Outline of a block of equilateral triangles: left and right straight, the others zigzag.
 
-    Parameters
-    ----------
-    height
-        Length (m) of the left side, along y.
-    cells
-        Number of strips of triangles along x, even so that both ends are of this height, and of
-        triangle sides along the height. Every second column of points is one point shorter, so the
-        block is symmetric about its middle line; it is cells[0]·√3/2·height/cells[1] wide.
+    The left side is `height` (m) long, along y. Cells are the number of strips of triangles along
+    x, even so that both ends are of this height, and of triangle sides along the height. Every
+    second column of points is one point shorter, so the block is symmetric about its middle line;
+    it is cells[0]·√3/2·height/cells[1] wide.
 
     Raises
     ------
@@ -172,12 +131,8 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
 def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     """Outline of a bar of equilateral triangles with straight sides all round, its ends at 60°.
 
-    Parameters
-    ----------
-    spacing
-        Side (m) of the triangles.
-    cells
-        Number of triangle sides along the top and of rows of triangles; the bottom has their sum.
+    Triangles have sides of `spacing` (m). Cells are the number of their sides along the top and of
+    their rows; the bottom has the sum.
 
     Raises
     ------
@@ -190,11 +145,6 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     height, slant = rows * SIN60 * h, 0.5 * rows * h
     length = (sides + rows) * h
     return Polygon(((0.0, 0.0), (length, 0.0), (length - slant, height), (slant, height)))
-
-
-def _shares(cells: Index, parts: tuple[float, ...]) -> Array:
-    """Cells (n,) that each point has, when it takes such parts of those that it is a corner of."""
-    return np.asarray(np.bincount(cells.ravel(), np.tile(parts, len(cells))), dtype=float)
 
 
 def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
@@ -220,7 +170,3 @@ def _pair(name: str, cells: tuple[int, int], both: str) -> tuple[int, int]:
         raise ProblemError(f"{name}: cells {format_value(cells)}; give two whole numbers, {both}")
     first, second = cell_counts("cells", cells)
     return first, second
-
-
-def _pairs(start: Index, end: Index) -> Index:
-    return np.column_stack([start.ravel(), end.ravel()])

@@ -51,25 +51,11 @@ pairs, and two points that crowd nobody but each other are equally crowded, not 
 
 
 def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
-    """Points of a rectangular periodic cell.
+    """Points (count, d) in m of a rectangular periodic cell of some edges (m), each in [0, size).
+
+    The kind is one of `POINT_SETS`; distances of blue noise are those to the nearest image.
 
     Source: jittered points [Cook1986], blue noise [Yuksel2015].
-
-    Parameters
-    ----------
-    kind
-        One of `POINT_SETS`; distances of blue noise are those to the nearest image.
-    count
-        Number of points.
-    size
-        Edge lengths (m) of the cell, 2 or 3.
-    seed
-        Of the random numbers.
-
-    Returns
-    -------
-    Array
-        (count, d) coordinates (m) in [0, size).
 
     Raises
     ------
@@ -87,31 +73,17 @@ def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -
 
 
 def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
-    """Points that fill a closed box: its corners, points on its edges and sides, and inside.
+    """Points (n, d) in m that fill a closed box: corners first, then edges, sides and the inside.
 
-    Each edge, side and the inside has a random set of its own, no nearer than half a spacing to
-    what bounds it. An edge of length L has L/spacing - 1 points between its corners, and a side
-    and the inside the product of that: one point per spacing^d if a point on a side counts half,
-    on an edge a quarter and in a corner an eighth (in the plane, half and a quarter). Where the
-    box is less than one and a half spacings thick, no points lie between those sides.
+    `spacing` (m) is the mean distance of neighbours, the root of the volume that a point has. Each
+    edge, side and the inside has a random set of its own, no nearer than half a spacing to what
+    bounds it. An edge of length L has L/spacing - 1 points between its corners, and a side and the
+    inside the product of that: one point per spacing^d if a point on a side counts half, on an edge
+    a quarter and in a corner an eighth (in the plane, half and a quarter). Where the box is less
+    than one and a half spacings thick, no points lie between those sides. Blue noise keeps its
+    distance from the points on the boundary too.
 
     Source: jittered points [Cook1986], blue noise [Yuksel2015].
-
-    Parameters
-    ----------
-    kind
-        One of `POINT_SETS`; blue noise keeps its distance from the points on the boundary too.
-    box
-        The box.
-    spacing
-        Mean distance (m) of neighbours: the root of the volume that a point has.
-    seed
-        Of the random numbers.
-
-    Returns
-    -------
-    Array
-        (n, d) coordinates (m): corners first, then edges, sides and the inside.
 
     Raises
     ------

@@ -88,11 +88,8 @@ class Tessellation(ReadOnly):
 class BoundedTessellation(Tessellation):
     """Voronoi cells clipped to a box.
 
-    Parameters
-    ----------
-    side_area
-        (n, 2d) area of each cell on each side of the box, in the order of `SIDES`: low and high
-        end of x, of y, of z.
+    `side_area` (n, 2d) is the area of each cell on each side of the box, in the order of `SIDES`:
+    low and high end of x, of y, of z.
     """
 
     side_area: Array
@@ -107,12 +104,7 @@ class BoundedTessellation(Tessellation):
 def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellation:
     """Voronoi cells and springs of a rectangular periodic cell, each spring once.
 
-    Parameters
-    ----------
-    points
-        (n, d) positions (m), n at least 1; those outside the cell are wrapped into it.
-    size
-        Edge lengths (m) of the cell.
+    Points (n, d) in m outside the cell, whose edges have lengths `size` (m), are wrapped into it.
 
     Raises
     ------
@@ -135,16 +127,9 @@ def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellatio
 def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     """Voronoi cells clipped to a box, and the springs across their facets.
 
-    Points may lie inside or on the boundary. The facet between two points on one side is halved by
-    it, and between two on one edge of a box in space quartered, as their cells are.
-
-    Parameters
-    ----------
-    points
-        (n, d) positions (m), n at least 1; those within the box's tolerance of a side are put on
-        it.
-    box
-        The box.
+    Points (n, d) in m may lie inside or on the boundary; those within the box's tolerance of a side
+    are put on it. The facet between two points on one side is halved by it, and between two on one
+    edge of a box in space quartered, as their cells are.
 
     Raises
     ------
@@ -179,24 +164,12 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
 
 
 def delaunay_simplices(points: Array, box: Box) -> tuple[Index, Index]:
-    """Delaunay simplices that fill a box, and its boundary facets.
+    """Delaunay simplices (c, d+1) that fill a box, and its boundary facets (f, d), as corners.
+
+    All corners of the box are among the points (n, d) in m. Simplices are positively oriented;
+    facets run counter-clockwise seen from outside, in the plane with the box on the left.
 
     Source: [Delaunay1934].
-
-    Parameters
-    ----------
-    points
-        (n, d) positions (m) inside the box or on its boundary, all its corners among them.
-    box
-        The box.
-
-    Returns
-    -------
-    cells
-        (c, d+1) corners of each simplex, positively oriented.
-    facets
-        (f, d) corners of each facet on the boundary: counter-clockwise seen from outside; in the
-        plane with the box on the left.
 
     Raises
     ------

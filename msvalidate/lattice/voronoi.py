@@ -34,11 +34,8 @@ RULES: Mapping[str, Constants] = {"unit": (1.0,)}
 class VoronoiLattice(Lattice):
     """A random lattice in a box, whose sides are shared out among Voronoi cells.
 
-    Parameters
-    ----------
-    side_area
-        (n, 2d) part (m or m²) of each side of the box that is a point's own, in the order of
-        `SIDES`: its springs need just that of a traction, whatever the facets.
+    `side_area` (n, 2d) is the part (m or m²) of each side that is a point's own, in the order of
+    `SIDES`: its springs need just that of a traction, whatever the facets.
     """
 
     side_area: Array

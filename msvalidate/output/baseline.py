@@ -67,16 +67,8 @@ def reasons(
 ) -> tuple[Path, bytes]:
     """The file that says why a baseline was renewed, and its content with one more line.
 
-    Parameters
-    ----------
-    home
-        The folder of a baseline of the user's own; None for ours.
-    form
-        "quick" or "full".
-    reason
-        Why, in one line.
-    studies
-        Those whose baseline was renewed; none for all of them.
+    `home` is the folder of a baseline of the user's own, None for ours; the form "quick" or "full";
+    the reason is one line, of some studies or, where none are named, of all.
 
     Raises
     ------
@@ -99,14 +91,7 @@ def renew(
 ) -> Path:
     """Make what studies found the baseline of a form, and say why; the file that says so.
 
-    Parameters
-    ----------
-    home, form, reason
-        As for `reasons`.
-    found
-        Study -> what it found.
-    named
-        Whether the baselines of other studies stay, as these were named one by one.
+    All is as for `reasons`. The baselines of other studies stay if these were `named` one by one.
     """
     tables = {name: baseline_files(evidence) for name, evidence in found.items()}
     names = list(found) if named else []
@@ -135,12 +120,7 @@ def tables(study: str) -> set[str]:
 def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
     """Rows of a verdict, layer "baseline": one a table that is as it was, one a difference else.
 
-    Parameters
-    ----------
-    evidence
-        What a study found.
-    folder
-        The study's folder in the baseline; an empty list if there is none.
+    None if there is no folder of the study in the baseline.
     """
     kept = {path.stem: path for path in folder.glob("*.csv")}
     rows = []

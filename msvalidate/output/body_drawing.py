@@ -9,15 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from numpy.typing import ArrayLike
 
 from msvalidate.network import Network
 from msvalidate.output.figures import (
     COLOURS,
+    UPWARDS,
     add_shared_legend,
     figure_style,
+    fit_solid_axes,
     new_figure,
     solid_axes,
 )
@@ -30,8 +31,6 @@ SHOWN = 0.1
 ARROW = 0.12
 """Of the body's size, the longest arrow of a load."""
 MOST_ARROWS = 40
-UPWARDS = [0, 2, 1]
-"""Axes in the order in which they are drawn in space, the last upwards."""
 FLAT = 0.3
 """Of a body's longest side, the shortest below which it is seen from its flattest side."""
 FLATTEST = ({"elev": 20, "azim": -20}, {"elev": 20, "azim": -75}, {"elev": 60, "azim": -60})
@@ -104,16 +103,10 @@ def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
     """Figure and axes for a body with points (n, d) in m, in true proportions where they can be."""
     if points.shape[1] == 3:
         figure, axes = solid_axes(1, (6.6, 5.4))  # wide: a phone lets it scroll
-        low, high = points.min(axis=0) - room, points.max(axis=0) + room
-        axis = axes[0]
-        axis.set(xlim=(low[0], high[0]), ylim=(low[2], high[2]), zlim=(low[1], high[1]))
-        axis.set_box_aspect((high - low)[UPWARDS], zoom=0.9)
-        parts = (high - low)[UPWARDS] / (high - low).max()
+        parts = fit_solid_axes(axes[0], points, room)
         if parts.min() < FLAT:
-            axis.view_init(**FLATTEST[int(parts.argmin())])
-        for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), parts, strict=True):
-            scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
-        return figure, axis
+            axes[0].view_init(**FLATTEST[int(parts.argmin())])
+        return figure, axes[0]
     size = np.ptp(points, axis=0) + 2 * room
     height = float(np.clip(WIDE * size[1] / size[0], 1.6, TALLEST))
     figure, (axis,) = new_figure(size=(WIDE, height + 0.9))

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
@@ -77,7 +76,7 @@ def series(
     def draw(tables: Tables) -> Figure:
         shown = select(tables[table], rows)
         names = [name for name, _ in _groups(shown, by)]
-        figure, panels = _panels(shown, panel, words, across, size, labels, sharey=True)
+        figure, panels = _panels(shown, panel, words, across, size, labels)
         for axis, own in panels:
             axis.set(**{f"{way}scale": "log" for way in log})
             for name, one in _groups(own, by):
@@ -105,13 +104,9 @@ def field(
     at: tuple[str, str],
     value: str,
     label: str,
-    panel: str | Sequence[str] = (),
-    rows: Mapping[str, object] | None = None,
-    words: Words | None = None,
-    across: int = 3,
     size: tuple[float, float] = (3.4, 3.0),
 ) -> Draw:
-    """A function of tables that draws a value at points of bodies in the plane, one colour scale.
+    """A function of tables that draws a value at points of a body in the plane.
 
     Parameters
     ----------
@@ -119,18 +114,16 @@ def field(
         Columns of the coordinates (m), and of what colours the points.
     label
         Of the colours, with its unit.
-    table, title, panel, rows, words, across, size
+    table, title, size
         As for `series`.
     """
 
     def draw(tables: Tables) -> Figure:
-        shown = select(tables[table], rows)
-        figure, panels = _panels(shown, panel, words, across, size, ("x (m)", "y (m)"))
-        colours = Normalize(shown[value].min(), shown[value].max())
-        for axis, own in panels:
-            dots = axis.scatter(own[at[0]], own[at[1]], c=own[value], s=12, norm=colours)
-            axis.set_aspect("equal")
-        figure.colorbar(dots, ax=[axis for axis, _ in panels], label=label)
+        shown = tables[table]
+        figure, (axis,) = figures.new_figure(size=size)
+        dots = axis.scatter(shown[at[0]], shown[at[1]], c=shown[value], s=12)
+        axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+        figure.colorbar(dots, ax=axis, label=label)
         figure.suptitle(title)
         return figure
 
@@ -152,12 +145,11 @@ def _panels(
     across: int,
     size: tuple[float, float],
     labels: tuple[str, str],
-    **shared: bool,
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
     """Titled axes with their rows of a table; labels stand below and at the left."""
     groups = _groups(table, panel)
     wide = min(across, len(groups))
-    figure, places = figures.new_figure(wide, -(-len(groups) // wide), size=size, **shared)
+    figure, places = figures.new_figure(wide, -(-len(groups) // wide), size=size, sharey=True)
     for unused in places[len(groups) :]:
         figure.delaxes(unused)
     for place, (axis, (key, _)) in enumerate(zip(places, groups, strict=False)):

@@ -34,6 +34,8 @@ LOGARITHMIC = "log scale"
 """Said in the label of an axis that has one."""
 LONG_LABEL = 22
 """Letters of a label's last line after which more goes on a line of its own."""
+UPWARDS = [0, 2, 1]
+"""Axes in the order in which they are drawn in space, the last upwards."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
@@ -182,45 +184,44 @@ def solid_axes(count: int, size: tuple[float, float], rows: int = 1) -> tuple[Fi
 def draw_solid(axis: Any, points: Array, moved: Array, value: Array, norm: Any) -> Any:
     """Deformed surface of a box, its faces coloured by the mean of a value at their corners.
 
-    True proportions; the undeformed box stands in grey lines in front. Returned is what a colour
-    bar belongs to.
-
-    Parameters
-    ----------
-    axis
-        One of `solid_axes`.
-    points, moved, value
-        (n, 3) in m, the points of a grid's surface (others do no harm), where they are drawn, and
-        (n,).
-    norm
-        Colours of the values, as matplotlib's ``Normalize``.
+    True proportions; the undeformed box stands in grey lines in front. Points (n, 3) in m, those of
+    a grid's surface (others do no harm), are drawn where they have moved; `norm` is matplotlib's
+    ``Normalize`` of the values (n,). Returned is what a colour bar belongs to.
     """
-    upwards = [0, 2, 1]  # the library draws its third axis upwards
     faces = box_faces(points)
     surface = Poly3DCollection(
-        moved[faces][..., upwards], cmap="viridis", norm=norm, edgecolor="white", linewidth=0.25
+        moved[faces][..., UPWARDS], cmap="viridis", norm=norm, edgecolor="white", linewidth=0.25
     )
     surface.set_array(value[faces].mean(axis=1))
     low, high = points.min(axis=0), points.max(axis=0)
     corners = [np.array(corner) for corner in product(*zip(low, high, strict=True))]
     hidden = np.array([low[0], low[1], high[2]])  # the corner farthest from the viewer
     ends = [
-        np.array([a, b])[:, upwards]
+        np.array([a, b])[:, UPWARDS]
         for a, b in combinations(corners, 2)
         if (a != b).sum() == 1 and (a != hidden).any() and (b != hidden).any()
     ]
     axis.add_collection3d(surface)
     axis.add_collection3d(Line3DCollection(ends, colors="#666666", linewidths=0.9))
-    everything = np.vstack([points, moved])[:, upwards]
-    limits = np.column_stack([everything.min(axis=0), everything.max(axis=0)])
-    axis.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
-    size = np.ptp(limits, axis=1)
-    axis.set_box_aspect(size, zoom=0.9)  # leaves room for labels
-    for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), size / size.max(), strict=True):
-        scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
+    fit_solid_axes(axis, np.vstack([points, moved]))
+    for scale in (axis.xaxis, axis.yaxis, axis.zaxis):
         scale.set_tick_params(labelsize=8, pad=0)
         scale.labelpad = 3
     return surface
+
+
+def fit_solid_axes(axis: Any, points: Array, room: float = 0.0) -> Array:
+    """True proportions, and few ticks, round points (n, 3) in m and `room` (m) on all sides.
+
+    Returned are the lengths (3,) along the axes as drawn, over the longest.
+    """
+    low, high = points.min(axis=0)[UPWARDS] - room, points.max(axis=0)[UPWARDS] + room
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axis.set_box_aspect(high - low, zoom=0.9)  # leaves room for labels
+    parts = (high - low) / (high - low).max()
+    for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), parts, strict=True):
+        scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
+    return np.asarray(parts)
 
 
 def box_faces(points: Array) -> Index:

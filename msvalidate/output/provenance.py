@@ -23,16 +23,8 @@ def collect_provenance(
 ) -> dict[str, str]:
     """Label -> value, in the order in which a report shows them.
 
-    Parameters
-    ----------
-    command
-        What was run, in words.
-    seed
-        Where random numbers start.
-    started, seconds
-        When the study began, and how long it alone took (s).
-    form
-        Of the study, "quick" or "full".
+    Of a command in words, the seed of its random numbers, when the study began and how long it
+    alone took (s), and its form, "quick" or "full".
     """
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
@@ -53,20 +45,17 @@ def current_commit() -> str:
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return "unknown (not a checkout)"
+    describe = ["git", "-C", str(root), "describe", "--always", "--abbrev=12", "--exclude=*"]
     try:
-        ask = ["git", "-C", str(root)]
         done = subprocess.run(
-            [*ask, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True
-        )
-        changed = subprocess.run(
-            [*ask, "status", "--porcelain", "--untracked-files=no"],
+            [*describe, "--dirty= with uncommitted changes"],
             capture_output=True,
             text=True,
             check=True,
         )
     except (OSError, subprocess.CalledProcessError):
         return "unknown (git did not answer)"
-    return done.stdout.strip() + (" with uncommitted changes" if changed.stdout.strip() else "")
+    return done.stdout.strip()
 
 
 def processor_name() -> str:

@@ -36,12 +36,8 @@ PAGES = ("report.html", "verdict.json")
 def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     """Raise `ProblemError`, before any work is done, if results could not be written to `out`.
 
-    Parameters
-    ----------
-    out
-        The folder for results. It is made, and removed again if it was not there.
-    names
-        Studies whose folders will lie in it.
+    The folder is made, and removed again if it was not there. Folders of the named studies will lie
+    in it.
     """
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
@@ -106,19 +102,9 @@ def publish(
 ) -> list[Stored]:
     """Replace the results of some studies in `out`, and the pages over all that lie there.
 
-    Parameters
-    ----------
-    studies
-        Study -> its files. Results of other studies stay.
-    out
-        The folder for results.
-    unfinished
-        Study that did not finish -> function of its old folder that gives its files.
-
-    Returns
-    -------
-    list[Stored]
-        The studies given, as they are stored now, whatever another run does next.
+    The studies come with their files, and those that did not finish with a function of their old
+    folder that gives them; results of others stay. Returned are those given, as they are stored
+    now, whatever another run does next.
 
     Raises
     ------

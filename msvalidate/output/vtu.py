@@ -23,16 +23,9 @@ def vtu_bytes(
 ) -> bytes:
     """A .vtu file's content.
 
-    Parameters
-    ----------
-    points
-        (n, 2) or (n, 3) in m; plane ones lie at z = 0.
-    cells
-        meshio's name of a shape -> nodes (c, k).
-    fields
-        Name -> values (n,) or (n, d) at the points; vectors of two components get a third, 0.
-    by_cell
-        Name -> values (c,) of cells of one shape.
+    Points (n, 2) in m lie at z = 0, others are (n, 3). Cells are meshio's name of a shape -> nodes
+    (c, k). Fields are name -> values (n,) or (n, d) at the points, where vectors of two components
+    get a third, 0, and `by_cell` values (c,) of cells of one shape.
     """
     mesh = meshio.Mesh(
         _in_space(points),
@@ -51,18 +44,10 @@ FORMATS = {".msh": "gmsh22", ".inp": "abaqus"}
 
 
 def mesh_bytes(points: Array, shape: str, cells: Index, suffix: str, element: str = "") -> bytes:
-    """A mesh file's content: Gmsh's format 2.2, or an Abaqus deck of nodes and elements.
+    """A mesh file's content: Gmsh's format 2.2 (".msh"), or an Abaqus deck (".inp").
 
-    Parameters
-    ----------
-    points
-        (n, 2) or (n, 3) in m; plane ones lie at z = 0.
-    shape, cells
-        meshio's name of the shape, and nodes (c, k).
-    suffix
-        ".msh" or ".inp".
-    element
-        The element that an .inp file's cells are said to be, such as "C3D4". They are the set BODY.
+    Points, shape and cells are as in `vtu_bytes`. The element, such as "C3D4", is what an .inp
+    file's cells are said to be; they are the set BODY.
     """
     form = FORMATS[suffix]
     tags = np.ones(len(cells), dtype=np.int32)

@@ -10,7 +10,6 @@ the material; point forces are in N.
 from msvalidate.problem.arrays import (
     AXES,
     LONGEST,
-    MOST_POINTS,
     PLACEMENT,
     VOIGT,
     Array,
@@ -34,7 +33,6 @@ from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import (
     format_point,
-    free_motions,
     refuse_free_motions,
     rigid_motions,
 )
@@ -57,7 +55,6 @@ from msvalidate.problem.zones import (
 __all__ = [
     "AXES",
     "LONGEST",
-    "MOST_POINTS",
     "MOST_VERTICES",
     "OBSTACLES",
     "PLACEMENT",
@@ -100,7 +97,6 @@ __all__ = [
     "facet_areas",
     "facet_middles",
     "format_point",
-    "free_motions",
     "materials_at",
     "materials_of_cells",
     "measure_of",

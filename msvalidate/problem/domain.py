@@ -6,6 +6,8 @@ import math
 from functools import cached_property
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Mask, Span
 from msvalidate.problem.checks import (
@@ -19,7 +21,7 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.records import dataclass
-from msvalidate.problem.region import Boundary, Part, Region, Segment
+from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.zone import CellSet, Zone
 
 SIDES = {
@@ -32,7 +34,7 @@ SIDES = {
 }
 """Side name -> (axis normal to it, 0 for the low end or 1 for the high end)."""
 MOST_VERTICES = 10_000
-"""Corners of an outline: whether it crosses itself is looked up in a table of pairs of edges."""
+"""Corners of an outline: each part of a side is looked for along all of its edges."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,11 @@ class Box:
             for end in self.span[axis]
         )
 
+    def contains(self, points: Array) -> Mask:
+        """Mask (n,) of the points (n, d) in the body, its surface included."""
+        away = np.maximum(-points, points - np.array(self.size))
+        return np.asarray((away <= self.tolerance).all(axis=1))
+
 
 @dataclass(frozen=True)
 class Polygon:
@@ -144,9 +151,7 @@ class Polygon:
                 f"polygon: the outline does not turn at vertex {flat[0]}, "
                 f"{self.vertices[flat[0]]}, or turns back; leave it out"
             )
-        crossing = self._crossing()
-        if crossing:
-            raise ProblemError(f"polygon: edges {crossing[0]} and {crossing[1]} cross or touch")
+        self._refuse_crossing()
         if not self.volume > self.tolerance * max(high - low for low, high in self.span):
             raise ProblemError(
                 f"polygon: area {self.volume:g} m²; list the vertices counter-clockwise"
@@ -192,24 +197,28 @@ class Polygon:
 
     def on_boundary(self, places: Array) -> bool:
         """Whether all places (k, 2) in m lie on one edge."""
-        return any(bool(edge.select(places, self.tolerance).all()) for edge in self._edges)
+        return self.edge_with(places) is not None
+
+    def edge_with(self, places: Array) -> Array | None:
+        """Ends (2, 2) in m of the edge on which all places (k, 2) lie; None if there is none."""
+        near = shapely.dwithin(self._edges[:, None], shapely.points(places), self.tolerance)
+        on = near.all(axis=1)
+        return shapely.get_coordinates(self._edges[on.argmax()]) if on.any() else None
 
     def contains(self, points: Array) -> Mask:
-        """Mask (n,) of the points (n, 2) inside the outline; on the outline, either.
-
-        A ray from a point inside crosses the outline an odd number of times.
-        """
-        inside = np.zeros(len(points), dtype=bool)
-        for (x0, y0), (x1, y1) in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
-            spans = (y0 > points[:, 1]) != (y1 > points[:, 1])
-            height = points[spans, 1]
-            inside[spans] ^= points[spans, 0] < x0 + (x1 - x0) * (height - y0) / (y1 - y0)
-        return inside
+        """Mask (n,) of the points (n, 2) in the body, its outline included."""
+        body = shapely.Polygon(self.corners)
+        shapely.prepare(body)
+        inside = shapely.intersects_xy(body, *points.T)
+        beside = shapely.points(points[~inside])
+        inside[~inside] = shapely.dwithin(body, beside, self.tolerance)
+        return np.asarray(inside)
 
     @cached_property
-    def _edges(self) -> tuple[Segment, ...]:
-        following = (*self.vertices[1:], self.vertices[0])
-        return tuple(Segment(a, b) for a, b in zip(self.vertices, following, strict=True))
+    def _edges(self) -> NDArray[np.object_]:
+        """Each edge (n,) as a line, the body on its left."""
+        ends = np.stack([self.corners, np.roll(self.corners, -1, axis=0)], axis=1)
+        return np.asarray(shapely.linestrings(ends))
 
     @property
     def _turns(self) -> Array:
@@ -218,26 +227,14 @@ class Polygon:
         forward = np.arctan2(y, x)
         return np.asarray((np.roll(forward, -1) - forward + np.pi) % (2 * np.pi) - np.pi)
 
-    def _crossing(self) -> tuple[int, int] | None:
-        """Two edges that are not neighbours and share a point, if there are any."""
-        start = self.corners
-        end = np.roll(start, -1, axis=0)
-        n = len(start)
-
-        def side(a: Array, b: Array, c: Array) -> Array:
-            ab, ac = b - a, c - a
-            cross = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]
-            small = self.tolerance * np.linalg.norm(ab, axis=-1)
-            return np.asarray(np.where(np.abs(cross) <= small, 0.0, np.sign(cross)))
-
-        low, high = np.minimum(start, end), np.maximum(start, end) + self.tolerance
-        near = (low[:, None] <= high).all(axis=2)
-        i, j = np.nonzero(near & near.T)
-        gap = (j - i) % n
-        i, j = i[(gap > 1) & (gap < n - 1)], j[(gap > 1) & (gap < n - 1)]
-        a, b, c, d = start[i], end[i], start[j], end[j]
-        meets = (side(a, b, c) * side(a, b, d) <= 0) & (side(c, d, a) * side(c, d, b) <= 0)
-        return (int(i[meets][0]), int(j[meets][0])) if meets.any() else None
+    def _refuse_crossing(self) -> None:
+        """Raise `ProblemError` for two edges that are not neighbours and share a point."""
+        edges, n = self._edges, len(self.vertices)
+        pairs = shapely.STRtree(edges).query(edges, predicate="dwithin", distance=self.tolerance).T
+        gap = (pairs[:, 1] - pairs[:, 0]) % n
+        if crossing := sorted(pairs[(gap > 1) & (gap < n - 1)].tolist()):
+            i, j = crossing[0]
+            raise ProblemError(f"polygon: edges {i} and {j} cross or touch")
 
 
 Domain = Box | Polygon | Mesh

@@ -19,17 +19,9 @@ def refuse_free_motions(name: str, points: Array, held: Mask) -> None:
 
 
 def free_motions(points: Array, held: Mask) -> list[str]:
-    """Name the rigid motions that the held components do not prevent.
+    """Name the rigid motions u(x) = t + w × x that the held components do not prevent.
 
-    Parameters
-    ----------
-    points, held
-        Places (n, d) in m and the components held there (n, d).
-
-    Returns
-    -------
-    list of str
-        Empty when the body is held. A rigid motion is u(x) = t + w × x.
+    Held are components (n, d) at places (n, d) in m.
     """
     d = points.shape[1]
     middle = points.mean(axis=0) if len(points) else np.zeros(d)

@@ -11,8 +11,8 @@ from msvalidate.problem.domain import Box, Domain, Polygon
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import Traction
 from msvalidate.problem.mesh import Mesh
-from msvalidate.problem.region import Boundary, Part, Region, Segment
-from msvalidate.problem.shapes import FACETS, project_on_facets
+from msvalidate.problem.region import Boundary, Part, Region
+from msvalidate.problem.shapes import FACETS, map_facets, project_on_facets
 
 BENT, MANY, PART_BENT = (0.5, 40.0), 6, 0.1
 """Angles (degrees) between facets that stand for a curve; how many, and what part of all."""
@@ -43,8 +43,7 @@ def is_faceted(mesh: Mesh) -> bool:
     """Whether straight facets seem to stand for a curved side: many meet at small angles."""
     if mesh.kind.degree > 1:
         return False
-    _, normals = _samples(mesh.points[mesh.surface])
-    normal = normals.mean(axis=1)
+    normal = _normals(mesh.points[mesh.surface]).mean(axis=1)
     ridges = _ridges(mesh.surface, mesh.dim)
     cosine = np.clip(np.einsum("rd,rd->r", normal[ridges[:, 0]], normal[ridges[:, 1]]), -1, 1)
     angle = np.degrees(np.arccos(cosine))
@@ -80,7 +79,7 @@ def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
     """Nodes (f, k, d) in m of the facets of a part, and their unit normals outwards (m, d)."""
     if isinstance(domain, Mesh):
         part = region if isinstance(region, Boundary) else domain.part(region)
-        return part.places, _samples(part.places)[1].reshape(-1, domain.dim)
+        return part.places, _normals(part.places).reshape(-1, domain.dim)
     if isinstance(domain, Polygon):
         ends = _polygon_edge(region, domain)
     elif isinstance(region, Region) and region.is_facet:
@@ -110,34 +109,22 @@ def _is_ahead(ends: Array, box: Box) -> bool:
 
 def _polygon_edge(region: Part, domain: Polygon) -> Array:
     """The edge (2, 2) in m, with the body to its left, that a part of the outline lies on."""
-    corners = region.corners(domain.span)
-    for start, end in zip(domain.corners, np.roll(domain.corners, -1, axis=0), strict=True):
-        edge = Segment(tuple(start.tolist()), tuple(end.tolist()))
-        if edge.select(corners, domain.tolerance).all():
-            return np.array([start, end])
-    raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
+    edge = domain.edge_with(region.corners(domain.span))
+    if edge is None:
+        raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
+    return edge
 
 
-def _samples(places: Array) -> tuple[Array, Array]:
-    """Places (f, q, d) on facets (f, k, d), and unit normals (f, q, d) there."""
+def _normals(places: Array) -> Array:
+    """Unit normals (f, q, d) of facets (f, k, d) at Gauss's places and in the middle."""
     shape = FACETS[places.shape[2], places.shape[1]]
-    at = np.vstack([shape.quadrature[0], shape.middle[None]])
-    return _map_with_normals(places, np.broadcast_to(at, (len(places), *at.shape)))
+    return _unit_normals(places, np.vstack([shape.quadrature[0], shape.middle[None]]))
 
 
-def _map_with_normals(places: Array, at: Array) -> tuple[Array, Array]:
-    """Where places (f, q, e) of the unit facet are mapped (f, q, d), and unit normals there."""
-    shape = FACETS[places.shape[2], places.shape[1]]
-    flat = at.reshape(-1, at.shape[2])
-    values = shape.values(flat).reshape(*at.shape[:2], -1)
-    slopes = shape.slopes(flat).reshape(*at.shape[:2], -1, at.shape[2])
-    x = np.einsum("fqk,fkd->fqd", values, places)
-    along = np.einsum("fqke,fkd->efqd", slopes, places)
-    if len(along) == 1:
-        normal = np.stack([along[0, ..., 1], -along[0, ..., 0]], axis=-1)
-    else:
-        normal = np.cross(along[0], along[1])
-    return x, np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
+def _unit_normals(places: Array, at: Array) -> Array:
+    """Unit normals (f, q, d) outwards of facets (f, k, d), at places as of `map_facets`."""
+    normal = map_facets(places, at)[1]
+    return np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
 
 
 def _normal_field(places: Array, factor: float) -> Field:
@@ -168,6 +155,6 @@ def _nearest_facet(
         better = distance < least
         if better.any():
             there = places[facet[better]]
-            normal[better] = _map_with_normals(there, at[better][:, None])[1][:, 0]
+            normal[better] = _unit_normals(there, at[better][:, None])[:, 0]
             least[better], best[better] = distance[better], facet[better]
     return best, least, normal

@@ -172,17 +172,10 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The points of some facets of a mesh: a part of its surface that has a name.
+    """The points of some facets of a mesh: a part of its surface that has a name for messages.
 
-    `Mesh.side` makes it.
-
-    Parameters
-    ----------
-    name
-        What messages call it.
-    places
-        Nodes (f, k, d) in m of each facet: corners, mid-sides, middle. They run counter-clockwise
-        as seen from outside, in the plane round the body.
+    `Mesh.side` makes it. `places` (f, k, d) in m are the nodes of each facet: corners, mid-sides,
+    middle. They run counter-clockwise as seen from outside, in the plane round the body.
     """
 
     name: str

@@ -243,20 +243,28 @@ FACETS = {(shape.dim + 1, len(shape.nodes)): shape for shape in SHAPES.values() 
 """The shape of a facet by the body's number of axes and the facet's number of nodes."""
 
 
+def map_facets(places: Array, at: Array) -> tuple[Array, Array]:
+    """Where places of the unit facet are mapped (f, q, d) in m, and area vectors outwards there.
+
+    The places are (q, e), or (f, q, e) for each of the facets (f, k, d) in m, whose nodes run
+    counter-clockwise as seen from outside, in the plane round the body. Vectors are in m or m².
+    """
+    shape, flat = FACETS[places.shape[2], places.shape[1]], at.reshape(-1, at.shape[-1])
+    values = shape.values(flat).reshape(*at.shape[:-1], -1)
+    slopes = shape.slopes(flat).reshape(*values.shape, shape.dim)
+    along = [slopes[..., axis] @ places for axis in range(shape.dim)]
+    if shape.dim == 1:
+        return values @ places, np.stack([along[0][..., 1], -along[0][..., 0]], axis=-1)
+    return values @ places, np.cross(along[0], along[1])
+
+
 def area_vectors(places: Array) -> tuple[Array, Array]:
     """Gauss points (f, q, d) in m of facets with nodes (f, k, d), and area vectors outwards there.
 
-    The vectors (f, q, d), in m or m², hold the weights: they sum to integrals. The nodes run
-    counter-clockwise as seen from outside, in the plane round the body.
+    The vectors (f, q, d), in m or m², hold the weights: they sum to integrals.
     """
-    shape = FACETS[places.shape[2], places.shape[1]]
-    at, weights = shape.quadrature
-    x = np.einsum("qk,fkd->fqd", shape.values(at), places)
-    along = np.einsum("qke,fkd->efqd", shape.slopes(at), places)
-    if shape.dim == 1:
-        normal = np.stack([along[0, ..., 1], -along[0, ..., 0]], axis=-1)
-    else:
-        normal = np.cross(along[0], along[1])
+    at, weights = FACETS[places.shape[2], places.shape[1]].quadrature
+    x, normal = map_facets(places, at)
     return x, normal * weights[:, None]
 
 
@@ -276,7 +284,7 @@ def facet_areas(places: Array) -> Array:
 def facet_middles(places: Array) -> Array:
     """The place (f, d) in m that the middle of the unit facet is mapped to, of facets (f, k, d)."""
     shape = FACETS[places.shape[2], places.shape[1]]
-    return np.asarray(np.einsum("qk,fkd->fd", shape.values(shape.middle[None]), places))
+    return np.asarray((shape.values(shape.middle[None]) @ places)[:, 0])
 
 
 def incident_pairs(

@@ -265,8 +265,7 @@ def _refuse_centre_inside(contact: Contact, domain: Domain) -> None:
         return
     centre = contact.obstacle.centre(contact.depth)
     low, high = np.array(domain.span).T
-    inside = ((centre > low) & (centre < high)).all()
-    if inside and (isinstance(domain, Box) or domain.contains(centre).all()):
+    if ((centre > low) & (centre < high)).all() and domain.contains(centre).all():
         raise ProblemError(
             f"contact on {contact.region}: the centre of the {contact.obstacle.shape}, "
             f"{format_point(centre[0])} m, is in the body; lower it less, or place it outside"

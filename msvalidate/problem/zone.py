@@ -75,16 +75,8 @@ class Ball:
 class CellSet:
     """The points of some cells of a mesh that have a name; `Mesh.zone` makes it.
 
-    Parameters
-    ----------
-    name
-        What messages call it.
-    shape
-        Of the cells, a name in `SHAPES`.
-    places
-        (c, k, d) nodes (m) of the cells.
-    rim
-        (f, k, d) nodes (m) of the facets that are the side of one of these cells alone.
+    Messages call it by the name. The cells have a `shape` of `SHAPES` and nodes `places` (c, k, d)
+    in m; `rim` (f, k, d) are those of the facets that are the side of one of these cells alone.
     """
 
     name: str

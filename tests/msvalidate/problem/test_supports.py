@@ -13,11 +13,11 @@ from msvalidate.problem import (
     Problem,
     Region,
     Support,
-    free_motions,
     prescribed_displacements,
     rigid_motions,
     vectors_at,
 )
+from msvalidate.problem.motions import free_motions
 from tests.table import refused, table
 
 NAN = float("nan")
