@@ -49,29 +49,6 @@ def voigt(name):
 # --- patch ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("element", PLANE)
-@pytest.mark.parametrize("name", MATERIALS)
-def test_uniform_stress_from_tractions(name, element):
-    # Any stress, put on all four sides as tractions, must give the strain that it belongs to.
-    sxx, syy, sxy = stress = np.array([0.7, -0.4, 0.3])
-    loads = (
-        Traction(BOX.side("left"), (-sxx, -sxy)),
-        Traction(BOX.side("right"), (sxx, sxy)),
-        Traction(BOX.side("bottom"), (-sxy, -syy)),
-        Traction(BOX.side("top"), (sxy, syy)),
-    )
-    supports = (
-        Support(Region((0.0, 0.0)), (0.0, 0.0)),
-        Support(Region((BOX.size[0], 0.0)), (None, 0.0)),
-    )
-    body = reference_fem.box_discretisation(BOX, (3, 4), element)
-    found = reference_fem.solve_problem(Problem(BOX, MATERIALS[name], supports, loads), body)
-    exx, eyy, exy = np.linalg.solve(voigt(name), stress)
-    x, y = body.points.T
-    exact = np.column_stack([exx * x + exy * y, eyy * y])  # turned so that the bottom stays level
-    assert np.abs(found.displacement - exact).max() <= 1e-12 * np.abs(exact).max()
-
-
 # --- manufactured solution ------------------------------------------------------------------------
 
 WAVES = np.array([[2.1, -1.3], [1.1, 1.9]])
@@ -145,19 +122,6 @@ def errors(body, displacement):
         np.sqrt((weights @ ((found - wanted) ** 2).reshape(len(places), -1)).sum())
         for found, wanted in ((u, exact(places)), (g, gradient(places)))
     )
-
-
-@pytest.mark.parametrize("name", MATERIALS)
-def test_manufactured_forces_are_right(name):
-    # Central differences: an error of h² = 1e-10 and rounding of 1e-16/h = 1e-11.
-    C, h = voigt(name), 1e-5
-    x = np.random.default_rng(1).random((50, 2)) * BOX.size
-    step = h * np.eye(2)
-    g = np.stack([(exact(x + s) - exact(x - s)) / (2 * h) for s in step], axis=2)
-    assert gradient(x) == pytest.approx(g, abs=1e-8)
-    by_x, by_y = ((stress(C, x + s) - stress(C, x - s)) / (2 * h) for s in step)
-    balance = np.stack([by_x[:, 0] + by_y[:, 2], by_x[:, 2] + by_y[:, 1]], axis=1)
-    assert body_force(C, x) == pytest.approx(-balance, abs=1e-8)
 
 
 def convergence(problem, element, material=None):
@@ -264,19 +228,6 @@ def test_traction_that_ends_inside_an_edge_is_refused(element, cells):
         ProblemError, match=r"traction on \(0.4 <= x <= 0.6.*covers no whole number"
     ):
         forces(Traction(part, (0.0, 1.0)), element, cells)
-
-
-@pytest.mark.parametrize("element", PLANE)
-def test_body_force_has_its_resultant_and_moment(element):
-    points, force = forces(BodyForce((1.0, -9.81)), element, grading=1.5)
-    X, H = BOX.size
-    total = THICKNESS * X * H * np.array([1.0, -9.81])
-    assert force.sum(axis=0) == pytest.approx(total, rel=1e-13)
-    centre = np.array([[X / 2, H / 2]])
-    assert moment(points, force) == pytest.approx(moment(centre, total[None]), rel=1e-13)
-    load = BodyForce(lambda x: np.stack([x[:, 0] * x[:, 1], x[:, 0] ** 2], axis=1))
-    wanted = THICKNESS * np.array([X**2 * H**2 / 4, X**3 * H / 3])
-    assert forces(load, element)[1].sum(axis=0) == pytest.approx(wanted, rel=1e-13)
 
 
 def test_point_force_off_the_mesh_is_refused():

@@ -115,42 +115,6 @@ def test_patch(name, mesh):
     assert u @ force.T.ravel() / 2 == pytest.approx(strain_energy(name, volume), rel=ROUNDING)
 
 
-def test_patch_needs_the_stress_that_macneal_and_harder_state():
-    # Under this displacement with E = 1e6 and nu = 1/4: 2000 along each axis, 400 in each shear.
-    points, cells = SEVEN
-    u = 1e-3 * points @ (np.ones((3, 3)) + np.eye(3)) / 2
-    K = stiffness(make_discretisation(points, cells, "H1"), Isotropic(1e6, 0.25, "solid"))
-    force = (K @ u.T.ravel()).reshape(3, -1).T
-    for axis in range(3):
-        total = force[points[:, axis] == 1].sum(axis=0)
-        assert total == pytest.approx(400 + 1600 * np.eye(3)[axis], rel=1e-12)
-
-
-@solids
-@materials
-def test_uniform_stress_from_tractions(name, element):
-    # Any stress, put on all six sides as tractions, must give the strain that it belongs to.
-    stress = np.array([0.7, -0.4, 0.2, 0.15, -0.25, 0.3])
-    matrix = np.einsum("I,Iij->ij", stress, UNIT)
-    loads = tuple(
-        Traction(BOX.side(side), tuple((2 * end - 1) * matrix[axis]))
-        for side, (axis, end) in SIDES.items()
-    )
-    X, Y, _ = BOX.size
-    supports = (
-        Support(Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)),
-        Support(Region((X, 0.0, 0.0)), (None, 0.0, 0.0)),
-        Support(Region((0.0, Y, 0.0)), (None, None, 0.0)),
-    )
-    body = reference_fem.box_discretisation(BOX, (3, 4, 2), element, 1.5)
-    found = reference_fem.solve_problem(Problem(BOX, MATERIALS[name], supports, loads), body)
-    strain = np.linalg.solve(TENSORS[name], stress) * [1, 1, 1, 0.5, 0.5, 0.5]
-    e = np.einsum("I,Iij->ij", strain, UNIT)
-    gradient = np.triu(e) + np.triu(e, 1)  # turned so that the supports stay where they are
-    exact = body.points @ gradient.T
-    assert np.abs(found.displacement - exact).max() <= ROUNDING * np.abs(exact).max()
-
-
 # --- stiffness and materials ----------------------------------------------------------------------
 
 
@@ -199,18 +163,6 @@ def stress(name, x):
 def body_force(name, x):
     """-div σ, (n, 3): each component differentiates to minus two wave numbers times itself."""
     return exact(x) @ np.einsum("ijkl,kj,kl->ik", tensor(name), WAVES, WAVES).T
-
-
-@materials
-def test_manufactured_force_is_right(name):
-    # Central differences: an error of h² = 1e-10 and rounding of 1e-16/h = 1e-11.
-    h, x = 1e-5, np.random.default_rng(1).random((50, 3)) * BOX.size
-    steps = h * np.eye(3)
-    slopes = np.stack([(exact(x + s) - exact(x - s)) / (2 * h) for s in steps], axis=2)
-    assert gradient(x) == pytest.approx(slopes, abs=1e-8)
-    by = [(stress(name, x + s) - stress(name, x - s)) / (2 * h) for s in steps]
-    balance = sum(by[axis][:, :, axis] for axis in range(3))
-    assert body_force(name, x) == pytest.approx(-balance, abs=1e-8)
 
 
 def manufactured(name, loaded, fault=0.0):
@@ -315,23 +267,6 @@ def test_traction_has_its_resultant_and_moment(side, element):
     assert moment(points, force) == pytest.approx(np.cross(centre, total), rel=1e-13)
 
 
-@solids
-def test_linear_traction_has_its_resultant_and_moment(element):
-    # p = (y, z, 1) on the right: ∫ y = Y²Z/2, ∫ y² = Y³Z/3, ∫ yz = Y²Z²/4, ...
-    points, force = forces(
-        Traction(BOX.side("right"), lambda x: np.column_stack([x[:, 1:], 0 * x[:, 0] + 1])), element
-    )
-    X, Y, Z = BOX.size
-    total = np.array([Y**2 * Z / 2, Y * Z**2 / 2, Y * Z])
-    assert force.sum(axis=0) == pytest.approx(total, rel=1e-13)
-    turning = [
-        Y**2 * Z / 2 - Y * Z**3 / 3,  # ∫ y·1 - z·z
-        Y**2 * Z**2 / 4 - X * total[2],  # ∫ z·y - X·1
-        X * total[1] - Y**3 * Z / 3,  # ∫ X·z - y·y
-    ]
-    assert moment(points, force) == pytest.approx(turning, rel=1e-13)
-
-
 @pytest.mark.parametrize("grading", [1.0, 3.0, 6.0])
 def test_traction_on_part_of_a_face_that_the_lines_end_at(grading):
     # Cells graded as far as this are smaller than the library can look for points in.
@@ -357,20 +292,6 @@ def test_traction_that_ends_inside_a_face_is_refused(element):
     part = Region(((0.3, 0.7), BOX.size[1], None))
     with pytest.raises(ProblemError, match="covers no whole number of mesh faces; choose cells"):
         forces(Traction(part, (0.0, 1.0, 0.0)), element)
-
-
-@solids
-def test_body_force_has_its_resultant_and_moment(element):
-    X, Y, Z = BOX.size
-    points, force = forces(BodyForce((1.0, -9.81, 0.5)), element)
-    total = BOX.volume * np.array([1.0, -9.81, 0.5])
-    assert force.sum(axis=0) == pytest.approx(total, rel=1e-13)
-    assert moment(points, force) == pytest.approx(
-        np.cross(np.array(BOX.size) / 2, total), rel=1e-13
-    )
-    load = BodyForce(lambda x: np.column_stack([x[:, 0] * x[:, 1], x[:, 2], x[:, 0] ** 2]))
-    wanted = BOX.volume * np.array([X * Y / 4, Z / 2, X**2 / 3])
-    assert forces(load, element)[1].sum(axis=0) == pytest.approx(wanted, rel=1e-13)
 
 
 # --- meshes ---------------------------------------------------------------------------------------
@@ -497,8 +418,3 @@ def test_an_incompressible_solid_is_refused(element):
     problem = Problem(BOX, Isotropic(1.0, 0.5, "solid"), HELD)
     with pytest.raises(ProblemError, match="take nu < 1/2"):
         reference_fem.solve_problem(problem, reference_fem.box_discretisation(BOX, 2, element))
-
-
-def test_a_plane_material_in_a_solid_is_refused():
-    with pytest.raises(ProblemError, match="material: 2D, the body 3D"):
-        reference_fem.solve(CUBES, TWO, "H1", Isotropic(1.0, 0.3), CLAMP, [])

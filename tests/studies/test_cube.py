@@ -4,7 +4,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from msvalidate.studies.poisson import controls, cube, cube_block, cube_layers
 
 import reference_fem
@@ -191,12 +190,3 @@ def test_faces_of_a_grid_of_points():
     edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     np.testing.assert_array_equal(edges, 1.0)  # round each face, none crossed
     assert len(np.unique(np.sort(faces, axis=1), axis=0)) == len(faces)
-
-
-def test_drawings_show_what_the_tables_hold():
-    drawn = cube.cube_drawing.shape(solve_springs, 2)
-    assert len(drawn) == 26
-    figure = cube.cube_drawing.deformed({"cube_shape": drawn})
-    assert isinstance(figure, Figure)
-    solid = figure.axes[0].collections[0]
-    assert len(solid.get_array()) == 6 * 4

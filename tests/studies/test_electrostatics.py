@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from msvalidate.studies.electrostatics import (
     common,
@@ -13,11 +12,7 @@ from msvalidate.studies.electrostatics import (
     in_air,
     models,
     nodes,
-    plates,
-    scaling,
     shortcuts,
-    strips,
-    virtual_work,
 )
 from msvalidate.studies.electrostatics.common import MOMENTS
 
@@ -37,33 +32,6 @@ QUICK = Setting(quick=True)
 @pytest.fixture(scope="module")
 def tables(small_tables):
     return small_tables("electrostatics")
-
-
-@pytest.fixture(scope="module")
-def evidence(small_form):
-    return small_form("electrostatics")
-
-
-def test_full_form_is_what_it_should_show():
-    assert {1.0, 6.0, 10.0} <= set(strips.RATIOS)
-    assert {1.0, 3.0, 10.0} == set(in_air.RATIOS)
-    assert {1.0, 6.0, 24.0} == set(models.DEPTHS)
-    assert min(strips.DRAWN) == 0.1
-    assert max(strips.DRAWN) == 50
-    for full, quick in (
-        (strips.SEGMENTS, strips.QUICK_SEGMENTS),
-        (edge.SEGMENTS, edge.QUICK_SEGMENTS),
-        (virtual_work.SEGMENTS, virtual_work.QUICK_SEGMENTS),
-        (scaling.SEGMENTS, scaling.QUICK_SEGMENTS),
-    ):
-        assert max(full) > max(quick)
-
-
-@pytest.mark.slow
-def test_numbers_but_times_are_the_same_again(evidence):
-    again = electrostatics.run(setting=QUICK, questions=("strips", "models"))
-    for name, table in again.tables.items():
-        pd.testing.assert_frame_equal(table, evidence.tables[name], check_exact=True)
 
 
 # --- the study's own formulas ---------------------------------------------------------------------
@@ -121,13 +89,6 @@ def test_fitted_exponent_is_that_of_given_charges():
         assert edge.fitted_exponent(start, end, charge) == pytest.approx(power, abs=1e-4)
 
 
-def test_pair_is_what_it_says():
-    flat, wavy = common.pair("flat", 4.0, 8), common.pair("wavy", 4.0, 8)
-    assert np.ptp(flat.points[:9, 1]) == 0
-    assert np.ptp(wavy.points[:9, 1]) > 0.2
-    assert flat.count == wavy.count == 2
-
-
 def test_expected_growth_of_both_faces_by_another_route(tables):
     """K² from the charge near the edge of a fine strip, Q(s) = 2K·√s."""
     electrodes = facing_strips(shortcuts.RATIO, 1.0, 400)
@@ -166,20 +127,6 @@ def test_squeeze_counts_half_of_the_border():
     even = models.Upper(1.0, np.column_stack([x, 0 * x]), np.column_stack([x, -0.1 + 0 * x]))
     assert models.squeeze(even, 1.0) == pytest.approx(1.0)
     assert models.squeeze(even, 0.5, margin=True) == pytest.approx(0.5)
-
-
-def test_plates_by_their_own_size():
-    square, disc = (plates.BODIES[name][0](n) for name, n in (("square plate", 4), ("disc", 6)))
-    assert square.area.sum() == pytest.approx(plates.SIDE**2)
-    assert disc.area.sum() == pytest.approx(np.pi * plates.RADIUS**2)
-
-
-def test_charges_on_nodes_are_as_many_as_points():
-    electrodes = common.pair("flat", 6.0, 10, grading="uniform")
-    assert len(nodes.charge_nodes(MOMENTS, "nodes", electrodes).charge) == len(electrodes.points)
-    assert len(nodes.charge_nodes(MOMENTS, "springs", electrodes).charge) == len(
-        electrodes.segments
-    )
 
 
 # --- controls -------------------------------------------------------------------------------------

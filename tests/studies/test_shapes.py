@@ -186,8 +186,3 @@ def test_findings_follow_the_table(evidence):
     assert '"sine-like: half a wave" does not hold' in bent
     reversed_shear = shapes.run(*asked(springs=-1.0)).findings[2]
     assert '"upper edge is compressed" holds of homogenised body and target only' in reversed_shear
-
-
-def test_figures_draw(evidence):
-    for draw in evidence.figures.values():
-        assert len(draw({**evidence.tables, **evidence.drawn}).axes) in {2, 4}
