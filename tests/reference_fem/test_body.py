@@ -1,4 +1,4 @@
-"""From a `Problem` to finite elements: patch, manufactured solutions, loads, the cantilever."""
+"""From a `Problem` to finite elements: manufactured solutions, loads, the cantilever."""
 
 from __future__ import annotations
 
@@ -44,9 +44,6 @@ def voigt(name):
         return SKEW
     S, plane = compliance(2.0, 0.3), np.ix_([0, 1, 5], [0, 1, 5])
     return np.linalg.inv(S[plane]) if name == "plane_stress" else np.linalg.inv(S)[plane]
-
-
-# --- patch ----------------------------------------------------------------------------------------
 
 
 # --- manufactured solution ------------------------------------------------------------------------

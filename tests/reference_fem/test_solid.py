@@ -389,7 +389,6 @@ def test_a_cell_folded_between_its_corners_is_refused():
 
 # --- bodies that the residual alone would pass ----------------------------------------------------
 
-CLAMP = [(node, axis, 0.0) for node in range(4) for axis in range(3)]
 LAW = Isotropic(1.0, 0.3, "solid")
 
 

@@ -1,4 +1,4 @@
-"""Strain and stress at points: exact fields, orders, means where cells meet, a NAFEMS benchmark."""
+"""Strain and stress at points: exact fields, orders, bad questions."""
 
 from __future__ import annotations
 
@@ -125,6 +125,3 @@ def test_bad_questions_are_named():
         Solution(body, u, Isotropic(1.0, 0.3)).strain([0.5, 0.5])
     with pytest.raises(ProblemError, match=r"pressure: shape \(3,\); give \(9,\)"):
         Solution(body, u, Isotropic(1.0, 0.3), np.zeros(3))
-
-
-# --- NAFEMS LE1 -----------------------------------------------------------------------------------

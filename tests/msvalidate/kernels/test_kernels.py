@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,20 +10,15 @@ from hypothesis import strategies as st
 from msvalidate import kernels
 from msvalidate.kernels.cells import push
 from msvalidate.network import (
-    configuration_at,
-    energy,
-    internal_force,
     spring_network,
     tangent,
 )
 from msvalidate.network.laws.volumes import Volumes, dilatation, force, force_magnitudes
 from msvalidate.network.laws.volumes import energy as volume_energy
-from msvalidate.network.residual import force_scale
 
 examples = settings(max_examples=25, deadline=None)
 
 
-ROOT = Path(__file__).parents[3]
 AROUND = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 CELLS = {
     (2, 3): AROUND[[0, 1, 3]],
@@ -37,18 +27,6 @@ CELLS = {
     (3, 8): np.column_stack([np.tile(AROUND, (2, 1)), np.repeat([0.0, 1.0], 4)]),
 }
 """(axes, corners) -> a cell at rest, corners in VTK order."""
-
-
-@examples
-@given(data=st.data())
-def test_force_and_energy_are_those_of_the_plain_form(networks, data):
-    network, position = data.draw(networks(stressed=True))
-    force = np.full(position.shape, np.nan)  # what was there before must not matter
-    stored = kernels.Motion(network).force_and_energy(position - network.points, force)
-    # Only the order of summation differs, a hundred terms at most.
-    scale = force_scale(configuration_at(network, position))
-    np.testing.assert_allclose(force, internal_force(network, position), atol=1e-13 * scale)
-    assert stored == pytest.approx(energy(network, position), rel=1e-13)
 
 
 @examples
@@ -78,23 +56,6 @@ def test_a_peak_of_the_kinetic_energy_ends_the_steps(networks, data):
     assert fell == (history[-1] < history[-2])
     assert fell or done == 5000
     np.testing.assert_array_equal(u, singly)
-
-
-def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):
-    """A second process finds what the first one left, and leaves nothing more."""
-    script = (
-        "import numpy as np; from msvalidate import kernels; "
-        "from msvalidate.network import spring_network as s; "
-        "n = s([[0, 0], [1, 0]], [[0, 1]], 1.0); "
-        "u = np.zeros((2, 2)); kernels.Motion(n).advance(u, u.copy(), u[0] + 1, u[0] + 1, 0.1, 1)"
-    )
-    kept = []
-    for _ in range(2):
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-        subprocess.run([sys.executable, "-c", script], env=environment, check=True, cwd=ROOT)
-        kept.append(sorted(p.name for p in tmp_path.rglob("*.kernel")))
-    assert kept[0] == kept[1]
-    assert kept[0]
 
 
 def several_cells(kind, count, seed):
@@ -146,18 +107,6 @@ def test_cells_push_as_in_the_plain_form(kind, count, seed):
     np.testing.assert_allclose(found.sum(axis=0), 0, atol=1e-13 * scale * count)
     moment = x.T @ found
     np.testing.assert_allclose(moment, moment.T, atol=1e-13 * scale * count * np.abs(x).max())
-
-
-@pytest.mark.parametrize("kind", CELLS, ids=str)
-def test_cells_add_to_what_is_there_whatever_their_groups(kind):
-    """A cell's force does not depend on the cells beside it: to the bit, in any run of cells."""
-    volumes, u = several_cells(kind, 11, 3)
-    at_once, stored = pushed(volumes, u, 0, 11)
-    for cut in range(12):
-        first, one = pushed(volumes, u, 0, cut)
-        second, other = pushed(volumes, u, cut, 11)
-        np.testing.assert_array_equal(first + second, at_once)
-        assert one + other == pytest.approx(stored, rel=0, abs=1e-13 * 11 * 5 * 8)
 
 
 @pytest.mark.parametrize("kind", CELLS, ids=str)

@@ -9,7 +9,6 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import fill, mesh_lattice, patterns, trapezium, triangular
 from msvalidate.lattice.corners import corner_volumes
-from msvalidate.network import internal_force
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -113,17 +112,6 @@ def test_stress_times_volume_sums_to_the_virial_of_the_forces_from_outside(name,
     scale = found.residual * np.abs(place).sum() + 1e-13 * np.abs(outside).max()
     np.testing.assert_allclose(outside, outside.T, rtol=0, atol=scale)
     np.testing.assert_allclose(total, outside[first, second], rtol=0, atol=scale)
-
-
-def test_the_virial_of_a_spring_is_its_pull_times_its_vector():
-    lattice, constants, _ = LATTICES["square"]
-    network = clamped(lattice, constants)
-    rng = np.random.default_rng(5)
-    found = moved(network, rng.uniform(-0.02, 0.02, network.points.shape))
-    virial = spring_virial(network, found, "nonlinear").sum(axis=0)
-    # Σ f d⊗d/|d| = -Σ F⊗x of the forces F that springs exert on points.
-    other = -internal_force(network, found.position).T @ found.position
-    np.testing.assert_allclose(virial, other, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", ["square", "cubic 18"])
