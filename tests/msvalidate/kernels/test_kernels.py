@@ -10,11 +10,15 @@ from hypothesis import strategies as st
 from msvalidate import kernels
 from msvalidate.kernels.cells import push
 from msvalidate.network import (
+    configuration_at,
+    energy,
+    internal_force,
     spring_network,
     tangent,
 )
 from msvalidate.network.laws.volumes import Volumes, dilatation, force, force_magnitudes
 from msvalidate.network.laws.volumes import energy as volume_energy
+from msvalidate.network.residual import force_scale
 
 examples = settings(max_examples=25, deadline=None)
 
@@ -27,6 +31,18 @@ CELLS = {
     (3, 8): np.column_stack([np.tile(AROUND, (2, 1)), np.repeat([0.0, 1.0], 4)]),
 }
 """(axes, corners) -> a cell at rest, corners in VTK order."""
+
+
+@examples
+@given(data=st.data())
+def test_force_and_energy_are_those_of_the_plain_form(networks, data):
+    network, position = data.draw(networks(stressed=True))
+    force = np.full(position.shape, np.nan)  # what was there before must not matter
+    stored = kernels.Motion(network).force_and_energy(position - network.points, force)
+    # Only the order of summation differs, a hundred terms at most.
+    scale = force_scale(configuration_at(network, position))
+    np.testing.assert_allclose(force, internal_force(network, position), atol=1e-13 * scale)
+    assert stored == pytest.approx(energy(network, position), rel=1e-13)
 
 
 @examples
@@ -107,6 +123,18 @@ def test_cells_push_as_in_the_plain_form(kind, count, seed):
     np.testing.assert_allclose(found.sum(axis=0), 0, atol=1e-13 * scale * count)
     moment = x.T @ found
     np.testing.assert_allclose(moment, moment.T, atol=1e-13 * scale * count * np.abs(x).max())
+
+
+@pytest.mark.parametrize("kind", CELLS, ids=str)
+def test_cells_add_to_what_is_there_whatever_their_groups(kind):
+    """A cell's force does not depend on the cells beside it: to the bit, in any run of cells."""
+    volumes, u = several_cells(kind, 11, 3)
+    at_once, stored = pushed(volumes, u, 0, 11)
+    for cut in range(12):
+        first, one = pushed(volumes, u, 0, cut)
+        second, other = pushed(volumes, u, cut, 11)
+        np.testing.assert_array_equal(first + second, at_once)
+        assert one + other == pytest.approx(stored, rel=0, abs=1e-13 * 11 * 5 * 8)
 
 
 @pytest.mark.parametrize("kind", CELLS, ids=str)
