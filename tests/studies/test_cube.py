@@ -13,7 +13,6 @@ from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import faults
 from msvalidate.output import figures
-from msvalidate.problem import ProblemError
 from msvalidate.studies import poisson
 from reference_fem.closing_in import extrapolate
 
@@ -98,11 +97,6 @@ def test_work_of_layers_by_summing_over_springs():
     scale = 3 * 4 / 3 * (1 + 4 / 3 / m) * E  # spacing · N (N + 1) · (k2 + 4/3 k3/m) E
     seen = cube_layers.layers_work((1.0, 1.0, 1.0), 3, network.points, move)
     assert seen == pytest.approx(work / scale, rel=1e-9)
-
-
-def test_loadings_that_are_none():
-    with pytest.raises(ProblemError, match="loading 'bend': choose from slide"):
-        cube_block.loaded_cube("bend", np.eye(6))
 
 
 @pytest.mark.parametrize("loading", ["slide", "traction"])
