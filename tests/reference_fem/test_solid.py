@@ -13,7 +13,6 @@ from msvalidate.problem import (
     SIDES,
     VOIGT,
     Anisotropic,
-    BodyForce,
     Box,
     Isotropic,
     Problem,
@@ -27,7 +26,13 @@ from reference_fem.body import nodal_forces
 from reference_fem.elasticity import full_tensor, stiffness
 from reference_fem.mesh import ELEMENTS, make_discretisation
 from reference_fem.mesh.elements import CUBE, of_dimension
-from tests.reference_fem.by_hand import compliance, moment
+from tests.reference_fem.by_hand import (
+    compliance,
+    convergence,
+    indexed,
+    manufactured,
+    moment,
+)
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -44,15 +49,6 @@ MATERIALS = {"isotropic": Isotropic(2.0, 0.3, "solid"), "anisotropic": Anisotrop
 
 
 TENSORS = {"isotropic": np.linalg.inv(compliance(2.0, 0.3)), "anisotropic": SKEW}
-# σ = Σ σ_I UNIT[I], and engineering strains are ε : UNIT[I].
-UNIT = np.zeros((6, 3, 3))
-for number, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]):
-    UNIT[number, i, j] = UNIT[number, j, i] = 1
-
-
-def tensor(name):
-    """C_ijkl of a material, by another route than the code."""
-    return np.einsum("IJ,Iij,Jkl->ijkl", TENSORS[name], UNIT, UNIT)
 
 
 def distorted(element, seed=0, n=3, box=BOX):
@@ -92,7 +88,7 @@ GRADIENT = 1e-3 * np.array([[1.0, 0.5, 0.3], [-0.2, -0.7, 0.4], [0.1, 0.8, 0.6]]
 
 
 def strain_energy(name, volume):
-    C = tensor(name)
+    C = indexed(TENSORS[name], 3)
     return volume * np.einsum("ij,ijkl,kl", GRADIENT, C, GRADIENT) / 2
 
 
@@ -136,68 +132,10 @@ def test_stiffness_is_symmetric_and_only_rigid_motions_are_free(name, mesh):
 
 def test_full_tensor_follows_the_stated_order():
     assert VOIGT[3] == ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-    np.testing.assert_allclose(full_tensor(SKEW), tensor("anisotropic"), rtol=1e-15)
+    np.testing.assert_allclose(full_tensor(SKEW), indexed(SKEW, 3), rtol=1e-15)
 
 
 # --- manufactured solution ------------------------------------------------------------------------
-
-WAVES = np.array([[2.1, -1.3, 0.8], [1.1, 1.9, -0.7], [-0.9, 0.6, 1.7]])
-"""One wave vector (1/m) for each displacement component."""
-PHASES = np.array([0.4, -0.7, 0.2])
-
-
-def exact(x):
-    """Displacement (n, 3)."""
-    return np.sin(x @ WAVES.T + PHASES)
-
-
-def gradient(x):
-    """∂u_k/∂x_l, (n, 3, 3)."""
-    return np.cos(x @ WAVES.T + PHASES)[:, :, None] * WAVES
-
-
-def stress(name, x):
-    return np.einsum("ijkl,nkl->nij", tensor(name), gradient(x))
-
-
-def body_force(name, x):
-    """-div σ, (n, 3): each component differentiates to minus two wave numbers times itself."""
-    return exact(x) @ np.einsum("ijkl,kj,kl->ik", tensor(name), WAVES, WAVES).T
-
-
-def manufactured(name, loaded, fault=0.0):
-    """Problem whose answer is `exact`, loaded on some sides and held on the others."""
-    fields = tuple((lambda x, axis=axis: exact(x)[:, axis]) for axis in range(3))
-    loads = [BodyForce(lambda x: (1 + fault) * body_force(name, x))]
-    for side in loaded:
-        axis, _ = SIDES[side]
-        loads.append(Traction(BOX.side(side), lambda x, axis=axis: stress(name, x)[:, :, axis]))
-    supports = tuple(Support(BOX.side(side), fields) for side in SIDES if side not in loaded)
-    return Problem(BOX, MATERIALS[name], supports, tuple(loads))
-
-
-def errors(body, displacement):
-    """Root mean square error of the displacement and of its gradient, by fine quadrature."""
-    fine = body.quadrature(5 if body.element.degree == 1 else 7)
-    x = np.asarray(fine.global_coordinates()).reshape(3, -1).T
-    fields = [fine.interpolate(displacement[body.node, axis]) for axis in range(3)]
-    u = np.stack([np.asarray(f).ravel() for f in fields], axis=1)
-    g = np.stack([f.grad.reshape(3, -1).T for f in fields], axis=1)
-    weights = fine.dx.ravel()
-    return tuple(
-        np.sqrt((weights @ ((found - wanted) ** 2).reshape(len(x), -1)).sum())
-        for found, wanted in ((u, exact(x)), (g, gradient(x)))
-    )
-
-
-def convergence(problem, element):
-    """Orders and levels (displacement, gradient); levels in units of the interpolant's error."""
-    found, interpolated = [], []
-    for n in (6, 12) if ELEMENTS[element].degree == 1 else (3, 6):
-        body = reference_fem.box_discretisation(BOX, n, element)
-        found.append(errors(body, reference_fem.solve_problem(problem, body).displacement))
-        interpolated.append(errors(body, exact(body.points)))
-    return np.log2(np.divide(*found)), np.divide(found[-1], interpolated[-1])
 
 
 def verdict(element, orders, levels, nearest, farthest):
@@ -212,6 +150,7 @@ def verdict(element, orders, levels, nearest, farthest):
     return [name for name, held in checks.items() if not held]
 
 
+CELLS = {1: 6, 2: 3}
 ALL_HELD = {"H1": (0.94, 0.955), "T1": (1.0, 1.04), "H2": (0.995, 1.01), "T2": (1, 1.025)}
 
 
@@ -232,14 +171,16 @@ ALL_HELD = {"H1": (0.94, 0.955), "T1": (1.0, 1.04), "H2": (0.995, 1.01), "T2": (
 )
 @materials
 def test_manufactured_solution(name, element, loaded, level):
-    orders, levels = convergence(manufactured(name, loaded), element)
+    problem = manufactured(BOX, MATERIALS[name], TENSORS[name], loaded)
+    orders, levels = convergence(problem, element, CELLS[ELEMENTS[element].degree])
     assert verdict(element, orders, levels, *level) == [], (orders, levels)
 
 
 @pytest.mark.parametrize("fault", [-0.02, 0.02])
 @solids
 def test_manufactured_solution_notices_a_body_force_a_fiftieth_off(element, fault):
-    orders, levels = convergence(manufactured("anisotropic", (), fault), element)
+    problem = manufactured(BOX, MATERIALS["anisotropic"], SKEW, (), fault)
+    orders, levels = convergence(problem, element, CELLS[ELEMENTS[element].degree])
     assert verdict(element, orders, levels, *ALL_HELD[element]) != []
 
 
