@@ -264,12 +264,6 @@ def quarter_ring():
 
 
 @pytest.fixture(scope="session")
-def on_rollers():
-    """Build a problem on a quarter of a body; see `_on_rollers`."""
-    return _on_rollers
-
-
-@pytest.fixture(scope="session")
 def pressed_ring():
     """Ring of radii 1 and 2 m under 1 Pa from inside, E = 1 Pa."""
     mesh = _quarter_ring((1.0, 1.0), (2.0, 2.0))

@@ -15,7 +15,7 @@ from msvalidate.studies.actuator import (
 )
 
 import reference_fem
-from msvalidate.judging.evidence import all_passed, judge
+from msvalidate.judging.evidence import judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Box, Isotropic, SolverError
 from msvalidate.studies import actuator
@@ -27,14 +27,6 @@ QUICK = Setting(quick=True)
 def solids():
     """Upper faces that finite elements put in the springs' place, on another mesh."""
     return profile.solve_faces(partial(bodies.elastic, 16), QUICK, ("partial",))
-
-
-def test_material_of_the_plane():
-    """C11 = k1 + k2 and C12 = C66 = k2 of squares: E = C11(1 - nu²), nu = C12/C11."""
-    found = bodies.plane_material()
-    assert found.nu == pytest.approx(1 / 3, abs=1e-12)
-    assert pytest.approx(1.5 * (1 - 1 / 9), abs=1e-12) == found.E
-    assert found.E / (2 * (1 + found.nu)) == pytest.approx(0.5, abs=1e-12), "isotropic: C66 = k2"
 
 
 def test_reference_in_the_candidates_place(solids):
@@ -133,23 +125,6 @@ def test_a_voltage_that_was_not_held_is_named():
         figure8_statements.last_two(run[:1])
 
 
-@pytest.mark.parametrize(
-    ("ways", "words"),
-    [
-        ((True, True, True, True), "physics"),
-        ((True, True, False, True), "physics, not shown by the report's way throughout"),
-        ((False, False, True, True), "made by the report's model"),
-        ((False, False, False, True), "made by the report's model on 5 layers"),
-        ((False, False, True, False), "made by the report's model on 10 layers"),
-        ((False, True, True, True), "open: springs and FEM do not agree"),
-        ((False, False, False, False), "holds in none of them"),
-        ((True, False, True, True), "open: springs and FEM do not agree"),
-    ],
-)
-def test_verdicts(ways, words):
-    assert figure8_statements.verdict(*ways) == words
-
-
 def walk(low, high, inner=0.4):
     return [seen(low, 0.5), seen(high, 1.5, inner), seen(lambda x: 2 * high(x), 2.0, inner)]
 
@@ -191,6 +166,7 @@ def test_every_statement_can_come_to_anything(statement, faces):
         ((True, True, True, True), "physics"),
         ((True, False, False, True), "physics, not shown by the report's way throughout"),
         ((False, True, True, False), "made by the report's model"),
+        ((False, True, False, False), "made by the report's model on 10 layers"),
         ((False, False, True, False), "made by the report's model on 5 layers"),
         ((False, False, False, False), "holds in none of them"),
         ((True, True, True, False), "open: springs and FEM do not agree"),
@@ -242,8 +218,3 @@ def test_every_film_is_at_rest_without_a_voltage():
     for film in prestretched.films((1.0, 2.0), 5):
         rest = bodies.springs(film.bonded(5), 0.0)
         assert np.abs(rest).max() < 1e-9 * film.height
-
-
-def test_a_fault_is_noticed_by_the_profile_alone():
-    fault = actuator.FAULTS["springs 2 % softer"]
-    assert not all_passed(judge(actuator.run(**fault, setting=QUICK)))

@@ -8,8 +8,6 @@ from msvalidate.studies.benchmarks import (
     cases,
     cook,
     models,
-    overview,
-    patch,
     patch_bodies,
 )
 from msvalidate.studies.benchmarks import three_point as beam
@@ -66,26 +64,6 @@ def test_a_limit_of_its_own_is_told_from_the_accepted_value():
     known = cases.Quantity("b", "q", "m", 2.0, "rounded", 0.3, limit=2.02, limit_uncertainty=1e-4)
     (row,) = cases.rows(known, "FEM Q2", (4,), (2.02,))
     assert (row["against_limit"], row["against_accepted"]) == (0.0, pytest.approx(0.01))
-
-
-def test_the_summary_holds_the_finest_meshes_of_tables_with_the_layout():
-    table = pd.DataFrame(
-        [*cases.rows(QUANTITY, "a", (4, 8), (2.1, 2.02)), *cases.rows(QUANTITY, "b", (5,), (2.2,))]
-    )
-    seen = cases.summary({"one": table, "points": pd.DataFrame({"x": [0.0]})})
-    assert seen["cells"].tolist() == [8, 5]
-
-
-def test_every_method_has_a_family_and_the_worst_quantity_counts():
-    assert overview.family("FEM Q2") == "FEM"
-    assert overview.family("springs, square") == "springs"
-    assert overview.family("springs + volume energy, square") == "springs + volume energy"
-    assert overview.family(patch.PER_EDGE) == overview.family(cook.EDGES) == "springs, edges"
-    other = cases.Quantity("a benchmark", "a stress", "Pa", 1.0, "by hand", 0.3)
-    table = pd.DataFrame(
-        [*cases.rows(QUANTITY, "FEM Q1", (4,), (2.1,)), *cases.rows(other, "FEM Q1", (4,), (0.9,))]
-    )
-    assert overview.worst_of(table)["against_limit"].tolist() == [pytest.approx(10.0)]
 
 
 # Closed forms -------------------------------------------------------------------------------------
@@ -155,14 +133,6 @@ def test_beam_theory_of_a_load_at_one_place_and_all_along(monkeypatch, kind, loa
 
 
 # Bodies -------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("dim", "nu", "want"),
-    [(2, 1 / 4, (4000 / 3, 400)), (2, 1 / 3, (1500, 375)), (3, 1 / 4, (2000, 400))],
-)
-def test_patches_have_their_known_stresses(dim, nu, want):
-    assert patch.stress(dim, nu) == pytest.approx(want, rel=1e-12)
 
 
 def test_one_of_the_published_hexahedra_is_folded():

@@ -4,7 +4,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from msvalidate.studies.poisson import controls, cube, cube_block, cube_layers
 
 import reference_fem
@@ -14,7 +13,6 @@ from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import faults
 from msvalidate.output import figures
-from msvalidate.problem import ProblemError
 from msvalidate.studies import poisson
 from reference_fem.closing_in import extrapolate
 
@@ -99,11 +97,6 @@ def test_work_of_layers_by_summing_over_springs():
     scale = 3 * 4 / 3 * (1 + 4 / 3 / m) * E  # spacing · N (N + 1) · (k2 + 4/3 k3/m) E
     seen = cube_layers.layers_work((1.0, 1.0, 1.0), 3, network.points, move)
     assert seen == pytest.approx(work / scale, rel=1e-9)
-
-
-def test_loadings_that_are_none():
-    with pytest.raises(ProblemError, match="loading 'bend': choose from slide"):
-        cube_block.loaded_cube("bend", np.eye(6))
 
 
 @pytest.mark.parametrize("loading", ["slide", "traction"])
@@ -191,12 +184,3 @@ def test_faces_of_a_grid_of_points():
     edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     np.testing.assert_array_equal(edges, 1.0)  # round each face, none crossed
     assert len(np.unique(np.sort(faces, axis=1), axis=0)) == len(faces)
-
-
-def test_drawings_show_what_the_tables_hold():
-    drawn = cube.cube_drawing.shape(solve_springs, 2)
-    assert len(drawn) == 26
-    figure = cube.cube_drawing.deformed({"cube_shape": drawn})
-    assert isinstance(figure, Figure)
-    solid = figure.axes[0].collections[0]
-    assert len(solid.get_array()) == 6 * 4

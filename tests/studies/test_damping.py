@@ -1,6 +1,5 @@
 """The study `damping`: its closed forms, its resolution."""
 
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -20,8 +19,7 @@ from msvalidate.studies.damping import (
 from scipy.linalg import eigh
 
 from msvalidate.dynamics.integrate import State, euler_cromer, motion
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
-from msvalidate.dynamics.step_limits import one_step_matrix
+from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import SolverError
 from msvalidate.statics.equilibrium import equilibrium
@@ -30,34 +28,8 @@ QUICK = Setting(quick=True)
 
 
 @pytest.fixture(scope="module")
-def tables(small_tables):
-    return small_tables("damping")
-
-
-@pytest.fixture(scope="module")
-def evidence(small_form):
-    return small_form("damping")
-
-
-@pytest.fixture(scope="module")
 def plate():
     return bodies.loaded("plate", (3, 3), "across")
-
-
-def test_full_range_of_dampings():
-    assert rest.RANGE == (0.05, 20.0)
-    assert rest.POINTS >= 17
-    assert len(rest.BODIES) == 6
-
-
-# --- closed forms ---------------------------------------------------------------------------------
-
-
-def test_one_step_is_the_schemes_own():
-    omegas, dt, c = np.array([0.3, 1.0, 2.5]), 0.3, 0.7
-    found = bodies.one_step(omegas, dt, c)
-    for matrix, omega in zip(found, omegas, strict=True):
-        assert matrix == pytest.approx(one_step_matrix(EULER_CROMER, omega, dt, c), abs=1e-14)
 
 
 # --- bodies ---------------------------------------------------------------------------------------
@@ -167,14 +139,6 @@ def test_a_rule_that_never_holds_is_refused():
     assert stop_rule.first(np.array([False, True, False])) == 1
     with pytest.raises(SolverError, match="does not hold"):
         stop_rule.first(np.array([False, False]))
-
-
-@pytest.mark.slow
-def test_findings_name_no_empty_part(evidence):
-    (said,) = [f for f in evidence.findings if "printed loop" in f]
-    assert "0 of them" not in said
-    worse = evidence.tables["stop_rule"].assign(residual_error_over_asked=2.0)
-    assert f"stops {len(worse)} runs with more" in stop_rule.finding(worse)
 
 
 def test_wrong_stops_are_counted_once_each():
@@ -301,10 +265,3 @@ def test_seed_changes_the_random_start_only():
     assert rows[0]["factor"] != rows[1]["factor"]
     for row in rows:
         assert row["factor"] == pytest.approx(row["factor_predicted"], rel=1e-7)
-
-
-def test_numbers_do_not_depend_on_workers():
-    with ProcessPoolExecutor(2) as pool:
-        apart = decay.run(euler_cromer, Setting(quick=True, executor=pool))
-    here = decay.run(euler_cromer, QUICK)
-    pd.testing.assert_frame_equal(apart.tables["decay"], here.tables["decay"], check_exact=True)

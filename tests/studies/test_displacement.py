@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from msvalidate.studies.displacement import budget, controls, load_cases, measuring, orders, target
-from msvalidate.studies.displacement.drawing import PARTS
 from msvalidate.studies.displacement.large import Large
 from msvalidate.studies.displacement.load_cases import CASES
 from msvalidate.studies.displacement.measuring import WEIGHTS, Block, Measurement
@@ -17,15 +16,7 @@ from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
-from msvalidate.studies import displacement
 
-PUBLIC = [
-    *("case", "lattice", "weights", "k1", "k2", "cells_x", "cells_y", "probe", "component"),
-    *("u_springs", "u_fem", "u_target", "rel_l2", "rel_max"),
-    *("at_rest", "linear_reference", "law", "large_spacing"),
-    *("boundary", "discretisation", "model_form"),
-    *("total", "reference", "reference_large", "verdict"),
-]
 QUICK = Setting(quick=True)
 BLOCK = Block("shear", ISOTROPIC, 5)
 SHIFTS = {
@@ -93,10 +84,6 @@ def test_budget_by_hand(rows, weights, component, along):
     assert row["verdict"] == "differs"
 
 
-def test_columns_are_the_public_format(rows):
-    assert list(rows) == PUBLIC
-
-
 @pytest.mark.parametrize("power", [0.7, 1.0, 2.0])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_order_of_a_power_law(power, sign):
@@ -113,13 +100,6 @@ def test_no_order_below_the_reference_s_own_error():
     assert orders.order(1.0, 0.25, 2, uncertainty=0.06) == pytest.approx(2)
     assert orders.order(1.0, 0.25, 2, uncertainty=0.07) == "not resolved"
     assert orders.order(1.0, -0.25, 2, uncertainty=0.07) == "not resolved"
-
-
-def test_finest_of_every_body():
-    table = pd.DataFrame(
-        {"case": ["a", "a", "b"], "lattice": "triangular", "cells_y": [10, 20, 12], "order": 1.0}
-    )
-    assert list(orders.finest(table)["cells_y"]) == [20, 12]
 
 
 @pytest.mark.parametrize(
@@ -141,12 +121,6 @@ def test_a_probe_that_meets_no_point_is_refused():
     shape = load_cases.body("square", "shear", 5)
     with pytest.raises(ProblemError, match=r"probe 'upper': the nearest point is 0.03 m away"):
         shape.at_probes(np.add(shape.grid().points, (0.03, 0.0)))
-
-
-@pytest.mark.parametrize("questions", [("bugdet",), (), "budget"])
-def test_questions_that_are_none(questions):
-    with pytest.raises(ProblemError, match="choose from budget, shapes"):
-        displacement.run(setting=QUICK, questions=questions)
 
 
 def test_no_resolution_where_a_fault_does_nothing():
@@ -181,19 +155,6 @@ def test_target_judges_by_an_independent_program():
     stiffer = controls.candidate_with("stiffness of every spring", 0.02)
     failed = judge(target.run(stiffer, QUICK)).query("verdict == 'fail'")["quantity"]
     assert "sheared square, k2 = 2 k1: an independent program, in its last digits" in set(failed)
-
-
-def test_parts_of_the_budget_are_its_columns():
-    start = PUBLIC.index("at_rest")
-    assert tuple(PUBLIC[start : start + len(PARTS)]) == PARTS
-
-
-def test_sizes_reach_81_points_and_are_fifths():
-    for lattice, fineness in measuring.SIZES.items():
-        assert max(fineness) == 80, lattice
-        assert all(n % 5 == 0 for n in fineness)
-    for lattice, quick in measuring.QUICK_SIZES.items():
-        assert set(quick) <= set(measuring.SIZES[lattice])
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -1,9 +1,6 @@
 """The study `electrostatics`: its own formulas, its resolution."""
 
-from dataclasses import replace
-
 import numpy as np
-import pandas as pd
 import pytest
 from msvalidate.studies.electrostatics import (
     common,
@@ -13,11 +10,7 @@ from msvalidate.studies.electrostatics import (
     in_air,
     models,
     nodes,
-    plates,
-    scaling,
     shortcuts,
-    strips,
-    virtual_work,
 )
 from msvalidate.studies.electrostatics.common import MOMENTS
 
@@ -27,7 +20,7 @@ from msvalidate.dielectric.charges import (
     facing_strips_capacitance,
     strip_points,
 )
-from msvalidate.judging.evidence import all_passed, judge
+from msvalidate.judging.evidence import judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.studies import electrostatics
 
@@ -37,33 +30,6 @@ QUICK = Setting(quick=True)
 @pytest.fixture(scope="module")
 def tables(small_tables):
     return small_tables("electrostatics")
-
-
-@pytest.fixture(scope="module")
-def evidence(small_form):
-    return small_form("electrostatics")
-
-
-def test_full_form_is_what_it_should_show():
-    assert {1.0, 6.0, 10.0} <= set(strips.RATIOS)
-    assert {1.0, 3.0, 10.0} == set(in_air.RATIOS)
-    assert {1.0, 6.0, 24.0} == set(models.DEPTHS)
-    assert min(strips.DRAWN) == 0.1
-    assert max(strips.DRAWN) == 50
-    for full, quick in (
-        (strips.SEGMENTS, strips.QUICK_SEGMENTS),
-        (edge.SEGMENTS, edge.QUICK_SEGMENTS),
-        (virtual_work.SEGMENTS, virtual_work.QUICK_SEGMENTS),
-        (scaling.SEGMENTS, scaling.QUICK_SEGMENTS),
-    ):
-        assert max(full) > max(quick)
-
-
-@pytest.mark.slow
-def test_numbers_but_times_are_the_same_again(evidence):
-    again = electrostatics.run(setting=QUICK, questions=("strips", "models"))
-    for name, table in again.tables.items():
-        pd.testing.assert_frame_equal(table, evidence.tables[name], check_exact=True)
 
 
 # --- the study's own formulas ---------------------------------------------------------------------
@@ -121,13 +87,6 @@ def test_fitted_exponent_is_that_of_given_charges():
         assert edge.fitted_exponent(start, end, charge) == pytest.approx(power, abs=1e-4)
 
 
-def test_pair_is_what_it_says():
-    flat, wavy = common.pair("flat", 4.0, 8), common.pair("wavy", 4.0, 8)
-    assert np.ptp(flat.points[:9, 1]) == 0
-    assert np.ptp(wavy.points[:9, 1]) > 0.2
-    assert flat.count == wavy.count == 2
-
-
 def test_expected_growth_of_both_faces_by_another_route(tables):
     """K² from the charge near the edge of a fine strip, Q(s) = 2K·√s."""
     electrodes = facing_strips(shortcuts.RATIO, 1.0, 400)
@@ -166,20 +125,6 @@ def test_squeeze_counts_half_of_the_border():
     even = models.Upper(1.0, np.column_stack([x, 0 * x]), np.column_stack([x, -0.1 + 0 * x]))
     assert models.squeeze(even, 1.0) == pytest.approx(1.0)
     assert models.squeeze(even, 0.5, margin=True) == pytest.approx(0.5)
-
-
-def test_plates_by_their_own_size():
-    square, disc = (plates.BODIES[name][0](n) for name, n in (("square plate", 4), ("disc", 6)))
-    assert square.area.sum() == pytest.approx(plates.SIDE**2)
-    assert disc.area.sum() == pytest.approx(np.pi * plates.RADIUS**2)
-
-
-def test_charges_on_nodes_are_as_many_as_points():
-    electrodes = common.pair("flat", 6.0, 10, grading="uniform")
-    assert len(nodes.charge_nodes(MOMENTS, "nodes", electrodes).charge) == len(electrodes.points)
-    assert len(nodes.charge_nodes(MOMENTS, "springs", electrodes).charge) == len(
-        electrodes.segments
-    )
 
 
 # --- controls -------------------------------------------------------------------------------------
@@ -251,14 +196,3 @@ def test_stated_resolution_is_the_real_one(kind):
     noticed = controls.smallest(kind)["smallest_noticed"]
     assert abs(error(faulty(1.3 * noticed))) > 1
     assert abs(error(faulty(0.7 * noticed))) < 1
-
-
-def test_a_users_own_solver_is_judged():
-    """One that gets the energy's scale wrong, and so its forces right relative to nothing."""
-
-    def doubled(*args, **options):
-        right = MOMENTS.charges(*args, **options)
-        return replace(right, charge=2 * right.charge)
-
-    found = electrostatics.run(MOMENTS._replace(charges=doubled), QUICK, ("strips",))
-    assert not all_passed(judge(found))

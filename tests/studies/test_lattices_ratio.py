@@ -1,7 +1,6 @@
 """Any ratio and rubber in the study `lattices`: known values, and who locks."""
 
 from functools import cache
-from math import sqrt
 
 import numpy as np
 import pytest
@@ -22,7 +21,7 @@ from msvalidate import kit
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.waves import highest_frequency
-from msvalidate.judging.evidence import all_passed, judge
+from msvalidate.judging.evidence import judge
 from msvalidate.lattice import patterns
 from msvalidate.network.faults import stiffen_all
 from msvalidate.studies import lattices
@@ -31,12 +30,6 @@ from msvalidate.studies import lattices
 @cache
 def found(question):
     return lattices.run(setting=kit.Setting(quick=True), questions=(question,))
-
-
-@pytest.mark.parametrize("question", ["any_ratio", "rubber"])
-def test_both_questions_hold(question):
-    verdict = judge(found(question))
-    assert all_passed(verdict), verdict[verdict["verdict"] == "fail"].to_string()
 
 
 @pytest.mark.parametrize("name", ["square", "triangular", "cubic18", "bcc"])
@@ -89,12 +82,6 @@ def test_halves_of_cells_keep_the_area_and_lock():
     assert max(split, q1) < 0.3 * whole
 
 
-def test_volumes_lose_little_where_elements_lock():
-    lost = found("rubber").tables["rubber_locking"].set_index(["state", "model"])["lost"]
-    assert lost["plane_strain", "Q1"] < -0.3 < -0.01 < lost["plane_strain", "square"] < 0
-    assert abs(lost["plane_stress", "Q1"]) < 0.01
-
-
 def rows_of_squares(difference):
     """Rows of the table `rubber` of the finest two sizes, with other differences."""
     table = found("rubber").tables["rubber"]
@@ -137,9 +124,3 @@ def test_the_clamped_ends_order_near_half():
         half = rubber.end_order("plane_strain", nu) / 2
         left = (3 - 4 * nu) * np.sin(half * np.pi / 2) ** 2
         assert left == pytest.approx(4 * (1 - nu) ** 2 - half**2, abs=1e-8)
-
-
-def test_steps_grow_with_the_root_of_the_bulk_modulus():
-    table = found("rubber").tables["rubber_rest"].set_index("nu_settled")
-    grown = table["steps_leapfrog"][0.495] / table["steps_leapfrog"][0.485]
-    assert grown == pytest.approx(sqrt(3), rel=0.02)

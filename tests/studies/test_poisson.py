@@ -25,13 +25,6 @@ from msvalidate.studies import poisson
 QUICK = Setting(quick=True)
 
 
-def test_full_form_has_every_ratio_and_angle():
-    assert finite_size.RATIOS == (0.25, 0.5, 1.0, 2.0)
-    full = poisson.direction.run().tables["direction"]
-    assert sorted(set(full["angle_deg"])) == list(range(0, 91, 5))
-    assert len(full) == 19 * 4
-
-
 def test_reference_in_the_candidates_place_has_no_error():
     found = finite_size.run(candidate=block.finite_elements, setting=QUICK)
     table = found.tables["finite_size"]

@@ -164,20 +164,6 @@ def test_outline_goes_round_once(evidence, case):
         assert ring[["ux", "uy"]].to_numpy() == pytest.approx(field(case, at), abs=1e-15)
 
 
-def test_particles_carry_the_load_case(evidence):
-    table = evidence.tables["deformed"]
-    for name, case in CASES.items():
-        rows = table[table["case"] == name]
-        total = np.sum(list(case.loads.values()), axis=0)
-        assert rows[["load_x", "load_y"]].sum().to_numpy() == pytest.approx(total, abs=1e-9)
-        pairs = evidence.tables["deformed_springs"].query("case == @name")
-        assert pairs[["start", "end"]].to_numpy().max() == len(rows) - 1
-    held_ones = table[table["held_components"] != "no"].groupby("case").size().to_dict()
-    assert held_ones == {"pressure": 6, "two-sided pressure": 2, "shear": 6, "bending": 12}
-    inner = table[(table["case"] == "two-sided pressure") & (table["held_components"] == "ux")]
-    assert inner[["x", "y"]].to_numpy() == pytest.approx(np.array([[0.4, 0.6]]))
-
-
 def test_findings_follow_the_table(evidence):
     pressed, _, sheared, bent = evidence.findings
     slightly = '"swells slightly: less than half of what it shrinks" holds'
@@ -186,8 +172,3 @@ def test_findings_follow_the_table(evidence):
     assert '"sine-like: half a wave" does not hold' in bent
     reversed_shear = shapes.run(*asked(springs=-1.0)).findings[2]
     assert '"upper edge is compressed" holds of homogenised body and target only' in reversed_shear
-
-
-def test_figures_draw(evidence):
-    for draw in evidence.figures.values():
-        assert len(draw({**evidence.tables, **evidence.drawn}).axes) in {2, 4}

@@ -1,10 +1,8 @@
 """The study `stability`: the search for limits, its controls."""
 
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from msvalidate.studies.stability import (
     bounded,
@@ -13,7 +11,6 @@ from msvalidate.studies.stability import (
     cost,
     drift,
     figure3,
-    limits,
     misprints,
     networks,
     order,
@@ -43,20 +40,6 @@ REPORTED = {name: INTEGRATORS[name] for name in common.REPORTED}
 @pytest.fixture(scope="module")
 def tables(small_tables):
     return small_tables("stability")
-
-
-@pytest.fixture(scope="module")
-def evidence(small_form):
-    return small_form("stability")
-
-
-def test_full_form_is_the_atlas():
-    assert set(limits.RATIOS) <= set(limits.ATLAS)
-    assert limits.ATLAS[0] == 0
-    assert limits.ATLAS[-1] == 3
-    assert {6, 40} <= set(limits.SIDES)
-    assert drift.PERIODS >= 10_000
-    assert len(order.STEPS) > len(order.QUICK_STEPS)
 
 
 def test_seed_changes_the_start_and_no_limit():
@@ -215,16 +198,6 @@ def test_findings_follow_the_tables(tables):
     assert "does not move" in other
 
 
-@pytest.mark.slow
-def test_figure_3_says_who_leaves(evidence):
-    table = evidence.tables["figure3"].set_index(["scheme", "step_over_limit"])
-    for name in common.REPORTED:
-        assert table.loc[(name, 1.05), "leaves_at_step"] != "stays"
-        stays = table.loc[(name, 0.5), "leaves_at_step"] == "stays"
-        assert stays == (name != "explicit_euler")
-    assert any("explicit Euler leaves the picture" in said for said in evidence.findings)
-
-
 def test_no_number_is_missing_where_schemes_leave():
     """With the report's "Euler-Cromer", which is explicit Euler, in the place of the true one."""
     printed = replace(INTEGRATORS["euler_cromer"], step=INTEGRATORS["euler_cromer_as_printed"].step)
@@ -267,12 +240,3 @@ def test_reference_of_figure_3_is_fine():
     time, x, _ = figure3.displacement(block, scheme, figure3.FINE)
     finer_time, finer, _ = figure3.displacement(block, scheme, figure3.FINE / 2)
     assert np.abs(x - np.interp(time, finer_time, finer)).max() < 2e-3 * np.ptp(x)
-
-
-def test_same_numbers_whatever_the_workers():
-    questions = ("limits", "passing")
-    here = stability.run(setting=QUICK, questions=questions)
-    with ProcessPoolExecutor(2) as workers:
-        there = stability.run(setting=Setting(quick=True, executor=workers), questions=questions)
-    for name, table in here.tables.items():
-        pd.testing.assert_frame_equal(table, there.tables[name], check_exact=True)

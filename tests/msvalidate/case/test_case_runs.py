@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from msvalidate.bodies.toughness import critical_stretch
-from msvalidate.case import figures, files
+from msvalidate.case import files
 from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
 from msvalidate.case.case import LAWS, Case
@@ -367,20 +367,6 @@ def test_a_name_that_is_too_long_is_no_fault_of_writing(tmp_path):
     assert done.returncode == 2
     assert "error: File name too long: " in done.stderr
     assert len(done.stderr) < 200
-
-
-def test_an_even_pressure_is_drawn_by_arrows_of_one_length():
-    case = beam(cells=4, accuracy=0.05, quantities=("displacement",))
-    loads = (
-        Traction(BEAM.side("top"), (0.0, -10.0)),
-        Traction(BEAM.side("right"), (-5.0, 0.0)),
-        Weight((0.0, -9.81)),
-    )
-    found = compare_case(replace(case, problem=replace(case.problem, loads=loads)))
-    at, arrow = figures._arrows(found)
-    size = np.linalg.norm(arrow, axis=1).round(12)
-    assert sorted(set(size)) == [0.5, 1.0]
-    assert (at[size == 0.5][:, 0] == 2.0).all()
 
 
 def test_folders_of_others_are_left(tmp_path):

@@ -17,7 +17,6 @@ from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import (
     cubic_part,
     shear_modulus,
-    spring_tensor,
     square_constants,
     square_tensor,
     triangular_constants,
@@ -83,15 +82,6 @@ def test_constants_that_are_not_known_must_be_given(name, material, message):
 
 
 # Homogenised tensors --------------------------------------------------------------------------
-
-
-def test_triangular_springs_sum_to_their_closed_form():
-    # Three springs a site of area √3/2.
-    for turn in (0.0, 0.3):
-        angle = turn + np.arange(3) * np.pi / 3
-        vectors = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        tensor = spring_tensor(vectors, np.full(3, 0.8), np.sqrt(3) / 2)
-        np.testing.assert_allclose(tensor, triangular_tensor(0.8), atol=EXACT)
 
 
 @pytest.mark.parametrize(

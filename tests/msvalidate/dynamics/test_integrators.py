@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from msvalidate.dynamics.integrators import INTEGRATORS, step_factors
 from msvalidate.dynamics.step_limits import one_step_matrix, stability_limit
@@ -16,7 +15,6 @@ true_schemes = pytest.mark.parametrize("name", TRUE)
 LIMITED = [name for name, scheme in INTEGRATORS.items() if scheme.limit(0.0) < np.inf]
 limited_schemes = pytest.mark.parametrize("name", LIMITED)
 unlimited_schemes = pytest.mark.parametrize("name", set(INTEGRATORS) - set(LIMITED))
-areas_kept = pytest.mark.parametrize("name", [n for n, one in TRUE.items() if one.symplectic])
 OMEGA = 2.0
 ZETAS = (0.0, 0.05, 0.3, 0.7, 1.0, 1.5, 2.0, 10.0)
 
@@ -45,14 +43,6 @@ def test_limits_are_where_the_matrix_says(name, zeta):
         assert growth_factor(scheme, OMEGA, part * limit, damping) <= 1 + 1e-12 if limit else True
     above = (1 + 1e-6) * limit or 1e-3
     assert growth_factor(scheme, OMEGA, above, damping) > 1 + 1e-9
-
-
-@pytest.mark.parametrize(
-    ("zeta", "limit"), [(0, 2), (0.05, 1.952), (0.3, 1.82), (1.0, 2.0), (2.0, 1.0)]
-)
-def test_velocity_verlet_under_damping(zeta, limit):
-    found = stability_limit(INTEGRATORS["velocity_verlet"], 1.0, 1.0, 2 * zeta)
-    assert found == pytest.approx(limit, abs=0.005)
 
 
 @unlimited_schemes
@@ -119,10 +109,6 @@ def test_symplectic_schemes_keep_areas(name, h):
     assert (abs(area - 1) < 1e-14) == scheme.symplectic
 
 
-def test_verlet_with_the_old_force_twice_is_never_stable_undamped():
-    assert stability_limit(INTEGRATORS["verlet_lagged"], 1.0, 1.0) == 0
-
-
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
@@ -135,64 +121,6 @@ def test_verlet_with_the_old_force_twice_is_never_stable_undamped():
 def test_limits_of_what_is_none(arguments, error, message):
     with pytest.raises(error, match=message):
         stability_limit(INTEGRATORS["leapfrog"], *arguments)
-
-
-def energies(scheme, steps, periods=3):
-    """Energy (J) of the undamped oscillator of unit mass, from (1, 0), at synchronised velocity."""
-    h = 2 * np.pi / OMEGA / steps
-    matrix = one_step_matrix(scheme, OMEGA, h)
-    state = np.array([1.0, 0.5 * h * OMEGA**2 if scheme.staggered else 0.0])
-    found = []
-    for _ in range(periods * steps):
-        x, v = state
-        v = v - 0.5 * h * OMEGA**2 * x if scheme.staggered else v
-        found.append(0.5 * v * v + 0.5 * OMEGA**2 * x * x)
-        state = matrix @ state
-    return np.array(found)
-
-
-@areas_kept
-def test_energy_fluctuates_with_a_power_of_the_step(name):
-    scheme = INTEGRATORS[name]
-    if scheme.keeps_energy:
-        assert np.ptp(energies(scheme, 50)) < 1e-13
-        return
-    steps = 50 * 2 ** np.arange(5)
-    spread = [np.ptp(energies(INTEGRATORS[name], n)) for n in steps]
-    orders = np.log2(np.array(spread[:-1]) / spread[1:])
-    assert np.abs(orders - scheme.order).max() < 0.1
-
-
-@areas_kept
-def test_energy_does_not_drift(name):
-    """The step that makes a period 63 of them, after which the state is back to rounding."""
-
-    def excess(h):  # of the angle that a step turns by
-        return np.trace(one_step_matrix(INTEGRATORS[name], 1.0, h)) / 2 - np.cos(2 * np.pi / 63)
-
-    h = brentq(excess, 0.05, 0.2, xtol=1e-16, rtol=1e-15) / OMEGA
-    matrix = one_step_matrix(INTEGRATORS[name], OMEGA, h)
-    after = np.linalg.matrix_power(matrix, 63)
-    np.testing.assert_allclose(after, np.eye(2), atol=3e-13)
-    # Ten thousand periods on, the rounding of 630 000 steps.
-    far = np.linalg.matrix_power(matrix, 63 * 10_000)
-    np.testing.assert_allclose(far, np.eye(2), atol=1e-9)
-
-
-@true_schemes
-@pytest.mark.parametrize("zeta", [0.01, 0.1])
-def test_under_viscosity_the_mean_energy_of_a_cycle_falls(name, zeta):
-    """Cycle after cycle, at the damped motion's own rate, while h·ω ≤ 0.1; a step may rise."""
-    scheme, per_cycle, cycles = INTEGRATORS[name], 100, 20
-    h, damping = 2 * np.pi / OMEGA / per_cycle, 2 * zeta * OMEGA
-    matrix = one_step_matrix(scheme, OMEGA, h, damping)
-    state, found = np.array([1.0, 0.0]), []
-    for _ in range(cycles * per_cycle):
-        state = matrix @ state
-        found.append(0.5 * state[1] ** 2 + 0.5 * (OMEGA * state[0]) ** 2)
-    means = np.array(found).reshape(cycles, per_cycle).mean(axis=1)
-    growing = name == "explicit_euler" and stability_limit(scheme, OMEGA, OMEGA, damping) < h
-    assert (np.diff(means) > 0).all() if growing else (np.diff(means) < 0).all()
 
 
 def test_a_scheme_is_asked_for_and_not_its_name():

@@ -101,51 +101,6 @@ def test_momentum_is_kept_without_supports(name, networks, data):
     assert (np.abs(moved) <= 1e-12 * scale).all()
 
 
-def angular_momentum(network, position, velocity):
-    """Σ m x × v, of the plane as a space with z = 0."""
-    in_space = [np.pad(values, ((0, 0), (0, 3 - network.dim))) for values in (position, velocity)]
-    return network.mass @ np.cross(*in_space)
-
-
-@pytest.mark.parametrize(
-    "name", [n for n, one in TRUE.items() if one.symplectic and not one.implicit]
-)
-@examples
-@given(data=st.data())
-def test_angular_momentum_is_kept_without_supports(name, networks, data):
-    """By the schemes that keep areas; explicit Euler adds v × a once in a step's square."""
-    network, position = data.draw(networks(stressed=True))
-    network = spring_network(network.points, network.springs, network.stiffness, mass=network.mass)
-    velocity = np.random.default_rng(len(position)).normal(size=position.shape)
-    end = motion(network, State(position, velocity), INTEGRATORS[name], 1e-3, 5)
-    before = angular_momentum(network, position, velocity)
-    after = angular_momentum(network, end.position, end.velocity)
-    scale = network.mass.sum() * np.abs(position).max() + network.stiffness.sum()
-    assert (np.abs(after - before) <= 1e-12 * scale).all()
-
-
-@pytest.mark.parametrize("name", ["velocity_verlet", "leapfrog"])
-@examples
-@given(data=st.data())
-def test_motion_runs_backwards(name, networks, data):
-    """Turned round, the undamped motion goes back where it came from."""
-    network, position = data.draw(networks(stressed=True))
-    scheme, dt = INTEGRATORS[name], 1e-3
-    start = State(position, np.zeros_like(position))
-    begin = stagger_velocity(network, start, dt) if scheme.staggered else start
-    forth = motion(network, begin, scheme, dt, 8)
-    turned = State(forth.position, -forth.velocity)
-    if (
-        scheme.staggered
-    ):  # after the turn, the velocity half a step on is the one half a step before
-        later = stagger_velocity(
-            network, State(forth.position, np.zeros_like(position)), 2 * dt
-        ).velocity
-        turned = State(forth.position, -(forth.velocity - later))
-    back = motion(network, turned, scheme, dt, 8)
-    np.testing.assert_allclose(back.position, position, atol=1e-12)
-
-
 def string(n=12):
     points = np.column_stack([np.arange(n), np.zeros(n)]).astype(float)
     held = np.ones((n, 2), dtype=bool)

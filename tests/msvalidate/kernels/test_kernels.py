@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -28,7 +23,6 @@ from msvalidate.network.residual import force_scale
 examples = settings(max_examples=25, deadline=None)
 
 
-ROOT = Path(__file__).parents[3]
 AROUND = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 CELLS = {
     (2, 3): AROUND[[0, 1, 3]],
@@ -78,23 +72,6 @@ def test_a_peak_of_the_kinetic_energy_ends_the_steps(networks, data):
     assert fell == (history[-1] < history[-2])
     assert fell or done == 5000
     np.testing.assert_array_equal(u, singly)
-
-
-def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):
-    """A second process finds what the first one left, and leaves nothing more."""
-    script = (
-        "import numpy as np; from msvalidate import kernels; "
-        "from msvalidate.network import spring_network as s; "
-        "n = s([[0, 0], [1, 0]], [[0, 1]], 1.0); "
-        "u = np.zeros((2, 2)); kernels.Motion(n).advance(u, u.copy(), u[0] + 1, u[0] + 1, 0.1, 1)"
-    )
-    kept = []
-    for _ in range(2):
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-        subprocess.run([sys.executable, "-c", script], env=environment, check=True, cwd=ROOT)
-        kept.append(sorted(p.name for p in tmp_path.rglob("*.kernel")))
-    assert kept[0] == kept[1]
-    assert kept[0]
 
 
 def several_cells(kind, count, seed):

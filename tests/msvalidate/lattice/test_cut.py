@@ -33,9 +33,6 @@ THIRD = Isotropic(E=3.0, nu=1 / 3, density=500.0, thickness=0.3)
 UNIT = Isotropic(E=1.0, nu=1 / 3)
 
 
-# What of a cell lies inside -----------------------------------------------------------------------
-
-
 # A lattice cut along its own lines is that lattice ------------------------------------------------
 
 

@@ -170,13 +170,6 @@ def stretched(mesh, rule="area"):
     return np.sqrt((error**2).sum(axis=1).mean()), 1 / along, -across / along
 
 
-@pytest.mark.parametrize("shape", ["quad", "hexahedron"])
-def test_the_patch_test_is_passed_by_squares_and_cubes(shape):
-    error, E, nu = stretched(grid(shape, 4))
-    assert error < 1e-13
-    assert (E, nu) == pytest.approx((1, 1 / 3 if shape == "quad" else 1 / 4), abs=1e-12)
-
-
 def test_irregular_meshes_fail_the_patch_test_and_refinement_does_not_mend_it():
     found = {n: stretched(grid("quad", n, jitter=0.2)) for n in (8, 16, 32)}
     for error, E, nu in found.values():
@@ -186,12 +179,6 @@ def test_irregular_meshes_fail_the_patch_test_and_refinement_does_not_mend_it():
         assert 0.36 < nu < 0.37
 
 
-def test_the_error_grows_as_the_square_of_the_irregularity():
-    low = [1 - stretched(grid("quad", 16, jitter))[1] for jitter in (0.05, 0.1, 0.2)]
-    assert 3.5 < low[1] / low[0] < 4.5
-    assert 3.5 < low[2] / low[1] < 4.5
-
-
 def test_right_triangles_are_another_material_and_tetrahedra_too():
     # Squares cut one way: no spring along the other diagonal; cubes cut round one of theirs.
     for shape, n, ratio in (("triangle", 4, 1 / 3), ("triangle", 8, 1 / 3), ("tetra", 4, 1 / 4)):
@@ -199,12 +186,6 @@ def test_right_triangles_are_another_material_and_tetrahedra_too():
         assert error > 0.05
         assert E > 1.05
         assert nu < ratio - 0.05
-
-
-@pytest.mark.parametrize("rule", ["area", "cotangent"])
-def test_delaunay_meshes_keep_an_error_of_some_percent(rule):
-    found = [stretched(delaunay(n), rule) for n in (8, 32)]
-    assert all(error > 0.02 for error, _, _ in found)
 
 
 def test_a_traction_on_oblique_faces_of_hexahedra_has_its_resultant():

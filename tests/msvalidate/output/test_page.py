@@ -7,7 +7,7 @@ from urllib.parse import unquote_to_bytes
 import pandas as pd
 import pytest
 
-from msvalidate.output import page, rendering
+from msvalidate.output import page
 from msvalidate.output.stored import NUMBERS, Stored
 
 VOID = {"meta", "link", "img", "br"}
@@ -178,37 +178,6 @@ def test_no_row_of_a_verdict_is_left_out():
     found = page.study_section(stored(rows=rows))
     assert [x.name for x in found.layers] == [*page.LAYERS, "something else"]
     assert (found.judged, found.missed) == (2, 1)
-
-
-# --- tables and numbers ---------------------------------------------------------------------------
-
-
-# --- words ----------------------------------------------------------------------------------------
-
-
-def test_docstring_becomes_paragraphs_and_lists():
-    text = "One\ntwo.\n\nBefore:\n- first,\n  goes on;\n\n- second.\n\nThe end - really."
-    assert rendering.paragraphs_and_lists(text) == (
-        rendering.Block(("One two.",), listed=False),
-        rendering.Block(("Before:",), listed=False),
-        rendering.Block(("first, goes on;", "second."), listed=True),
-        rendering.Block(("The end - really.",), listed=False),
-    )
-    assert rendering.paragraphs_and_lists("\n\n") == ()
-
-
-def test_backticks_become_code():
-    assert rendering.split_at_backticks("a `b` c") == [(False, "a "), (True, "b"), (False, " c")]
-    assert rendering.split_at_backticks("``x`` and `y`") == [
-        (True, "x"),
-        (False, " and "),
-        (True, "y"),
-    ]
-    assert rendering.split_at_backticks("a lone ` stays") == [(False, "a lone ` stays")]
-    assert rendering.split_at_backticks("") == []
-
-
-# --- provenance -----------------------------------------------------------------------------------
 
 
 # --- markup ---------------------------------------------------------------------------------------

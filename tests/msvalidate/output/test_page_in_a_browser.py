@@ -188,24 +188,6 @@ return [...faint];
 """
 
 
-def test_verdict_has_a_colour_beside_its_word(browser, tmp_path, real):
-    file = tmp_path / "report.html"
-    file.write_text(page.render_page([real, *ugly_results()]), encoding="utf-8")
-    open_page(browser, file.as_uri(), 1280)
-    seen = browser.execute_script(
-        """
-        return [...document.querySelectorAll(".badge")].map(b => {
-          const s = getComputedStyle(b);
-          return [b.textContent, `${s.color} on ${s.backgroundColor}, ${s.borderStyle}`];
-        });
-        """
-    )
-    looks = dict(seen)
-    assert {"pass", "FAIL", "not finished"} == set(looks)
-    assert len(set(looks.values())) == len(looks)
-    assert all(looks[word] == look for word, look in seen)
-
-
 def test_closed_tables_are_printed(browser, address):
     open_page(browser, address, 1280)
     closed = browser.execute_script(

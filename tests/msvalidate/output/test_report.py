@@ -296,11 +296,6 @@ def test_a_study_whose_list_of_files_is_damaged_is_not_replaced(tmp_path):
         report.refuse_unwritable(tmp_path / "r", ["poisson"])
 
 
-def test_no_results_to_report_on(tmp_path):
-    with pytest.raises(ProblemError, match="no results there; run a study first"):
-        report.rebuild(tmp_path)
-
-
 def test_unwritable_places(tmp_path):
     file = tmp_path / "file"
     file.touch()

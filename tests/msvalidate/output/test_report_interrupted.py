@@ -6,38 +6,19 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
-from msvalidate.output import report, stored
+from msvalidate.output import report
 from msvalidate_check import exchange
+from tests.msvalidate.output.test_report import content
+from tests.msvalidate.output.test_report import files as drawn_files
 
 ROOT = Path(__file__).parents[3]
-
-
-def evidence(gap):
-    return Evidence(
-        tables={"line": pd.DataFrame({"x": [i / 7 for i in range(50)]})},
-        observed={"gap": Observed(gap, 1.0)},
-        tolerances=(Tolerance("gap", 0.5, "m", "half a gap"),),
-        columns={"x": "place (m)"},
-    )
-
-
-def files(name="poisson", gap=2.0):
-    found = evidence(gap)
-    result = stored.Result(name, "How long?", found, judge(found))
-    return stored.result_files(result, {"seed": "0"}, plots=False)
-
-
-def content(folder):
-    return {
-        p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()
-    }
+files = partial(drawn_files, plots=False)
 
 
 def test_what_a_killed_run_left_is_cleared_away(tmp_path):
@@ -50,14 +31,14 @@ WRITER = """
 import sys
 import time
 from pathlib import Path
-sys.path[:0] = {paths!r}
-import test_report_interrupted
+sys.path[:0] = [{root!r}]
 from msvalidate.output import report
 from msvalidate_check import exchange
+from tests.msvalidate.output.test_report_interrupted import files
 gap = float(sys.argv[1])
 if sys.argv[3:] == ["apart"]:
     exchange.exchange_folders = lambda *_: False
-new = {{name: test_report_interrupted.files(name, gap) for name in ("poisson", "displacement")}}
+new = {{name: files(name, gap) for name in ("poisson", "displacement")}}
 print("ready", flush=True)
 while True:
     report.publish(new, Path(sys.argv[2]))
@@ -66,7 +47,7 @@ while True:
 
 
 def writer(gap, out, *how):
-    script = WRITER.format(paths=[str(Path(__file__).parent), str(ROOT)])
+    script = WRITER.format(root=str(ROOT))
     process = subprocess.Popen(
         [sys.executable, "-c", script, str(gap), str(out), *how],
         stdout=subprocess.PIPE,

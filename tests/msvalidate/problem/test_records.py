@@ -3,15 +3,13 @@
 import importlib
 import pkgutil
 
-import numpy as np
 import pandas as pd
 import pytest
 
 import msvalidate as ms
 import reference_fem
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.problem.records import LONGEST_REPR, dataclass, short_repr
-from tests.table import table
+from msvalidate.problem.records import LONGEST_REPR, short_repr
 
 ELSEWHERE = {"msvalidate.output.front", "msvalidate.output.page"}  # rows of pages: texts alone
 BOX = ms.Box((1.0, 1.0))
@@ -63,29 +61,3 @@ def test_a_print_says_what_is_in_a_record():
     assert "points=<36x2: 0 to 1>, springs=<110x2>, stiffness=<110: 1125 to 2250>" in repr(network)
     assert "material=Isotropic(...), supports=(Support(...),)" in repr(PROBLEM)
     assert "constants=(2250, 1125)" in repr(ms.calibrate(3e3, 1 / 3, ms.patterns.square()))
-
-
-@dataclass(frozen=True)
-class Held:
-    thing: object
-
-
-@table(
-    ("thing", "shown"),
-    [
-        (np.float64(0.1), "0.1"),
-        (np.array([0.5, 2.0]), "[0.5, 2. ]"),
-        (np.linspace(-1, 1, 30).reshape(15, 2), "<15x2: -1 to 1>"),
-        (np.array([0.0] * 20 + [np.nan]), "<21: nan to nan>"),
-        (np.zeros((0, 2)), "<0x2>"),
-        (pd.DataFrame({"x": range(9)}), "<9x1 DataFrame>"),
-        ((1.0,), "(1.0,)"),
-        ({"a": [1, None, ()]}, "{'a': [1, None, ()]}"),
-        ((0,) * 99, f"({'0, ' * 12}...)"),
-        ("w" * 500, f"'{'w' * 17}...{'w' * 18}'"),
-        ((PROBLEM, PROBLEM), "(Problem(...), Problem(...))"),
-        (table, "<table>"),
-    ],
-)
-def test_what_a_field_shows(thing, shown):
-    assert repr(Held(thing)) == f"Held(thing={shown})"

@@ -6,10 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.lattice import square
 from msvalidate.network import energy, spring_network
 from msvalidate.problem import Box, PointForce, Region, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
@@ -60,43 +57,6 @@ def test_an_affine_boundary_gives_an_affine_interior(lattice_body, cells, weight
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
-def in_uniform_stress(lattice_body, cells, stress, **rules):
-    """Displacement of a block under tractions of one stress, and of a body of the lattice's tensor.
-
-    The lower left corner is held and the lower right one slides along x, which fixes the affine
-    displacement: strain and the turn that leaves the lower edge level.
-    """
-    sxx, syy, sxy = stress
-    normals = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}
-    tractions = tuple(
-        Traction(SHEET.side(side), (sxx * nx + sxy * ny, sxy * nx + syy * ny))
-        for side, (nx, ny) in normals.items()
-    )
-    corners = (
-        Support(Region((0.0, 0.0)), (0.0, 0.0)),
-        Support(Region((2.0, 0.0)), (None, 0.0)),
-    )
-    network = lattice_body((2.0, 1.0), cells, supports=corners, loads=tractions, **rules)
-    tensor = interior_tensor(square(SHEET, cells), (0.75, 0.375), "shared")
-    xx, yy, xy = np.linalg.solve(tensor, stress)
-    expected = network.points @ np.array([[xx, xy], [0.0, yy]]).T
-    return equilibrium(network).displacement, expected
-
-
-@pytest.mark.parametrize("cells", SIZES)
-@pytest.mark.parametrize("stress", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)])
-def test_uniform_stress_gives_the_strain_of_the_tensor_at_any_size(lattice_body, cells, stress):
-    found, expected = in_uniform_stress(lattice_body, cells, stress)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("weights", ["equal", "per_cell"])
-def test_only_shared_weights_pass_that_test(lattice_body, weights):
-    stress = (1.0, 0.0, 0.0)
-    found, expected = in_uniform_stress(lattice_body, (4, 2), stress, weights=weights)
-    assert np.abs(found - expected).max() > 0.1 * np.abs(expected).max()
-
-
 # Linear and nonlinear -------------------------------------------------------------------------
 
 
@@ -123,22 +83,6 @@ def test_linear_response_is_proportional_and_reciprocal(lattice_body):
     np.testing.assert_allclose(both, 3 * u + v, atol=1e-12 * np.abs(both).max())
     # Betti: each force does the same work on the other's displacement.
     assert np.vdot(first.force, v) == pytest.approx(np.vdot(second.force, u), rel=1e-12)
-
-
-def test_a_shallow_truss_against_the_root_of_its_force():
-    # Two springs from (±1, 0) to an apex at 0.3 m, pressed to 0.8 of the load that snaps it.
-    length, load = np.hypot(1.0, 0.3), 0.00796
-    held = np.array([[True] * 2, [True] * 2, [False] * 2])
-    network = spring_network(
-        [[-1, 0], [1, 0], [0, 0.3]],
-        [[0, 2], [1, 2]],
-        1.0,
-        held=held,
-        force=[[0, 0], [0, 0], [0, -load]],
-    )
-    apex = brentq(lambda h: 2 * (length / np.hypot(1, h) - 1) * h - load, 0.2, 0.3, xtol=1e-15)
-    found = equilibrium(network, "nonlinear").position[2]
-    np.testing.assert_allclose(found, [0.0, apex], rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)

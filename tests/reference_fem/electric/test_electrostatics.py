@@ -109,27 +109,6 @@ def test_uniform_field_is_exact_and_pulls_no_inner_node(element):
     assert np.abs(found.charge[inner]).max() <= ROUNDING
 
 
-@pytest.mark.parametrize("element", ELEMENTS)
-def test_two_layers_between_plates(element):
-    # D is one and the same: charge, energy, pull on the plates and on the face between are known.
-    height, width, voltage, lower, upper = 2.0, 3.0, 5.0, 1.5, 4.0
-    body = box_discretisation(Box((width, height)), (6, 4), element)
-    y = body.points[:, 1]
-    middle = body.points[body.cells[:, :4]].mean(axis=1)[:, 1]
-    permittivity = np.where(middle < 1.0, lower, upper)
-    held = np.isin(y, (0.0, height))
-    found = Dielectric(body, permittivity, held).solve(np.where(y == height, voltage, 0.0))
-    D = voltage / (1.0 / lower + 1.0 / upper)
-    assert found.charge[y == height].sum() == pytest.approx(D * width, rel=ROUNDING)
-    assert found.charge[y == 0].sum() == pytest.approx(-D * width, rel=ROUNDING)
-    assert found.energy == pytest.approx(0.5 * D * width * voltage, rel=ROUNDING)
-    pull = {level: found.forces[np.isclose(y, level), 1].sum() for level in (0.0, 1.0, 2.0)}
-    assert pull[2.0] == pytest.approx(-(D**2) / (2 * upper) * width, rel=ROUNDING)
-    assert pull[0.0] == pytest.approx(D**2 / (2 * lower) * width, rel=ROUNDING)
-    # The layer of higher permittivity is drawn into the other.
-    assert pull[1.0] == pytest.approx(0.5 * D**2 * (1 / upper - 1 / lower) * width, rel=ROUNDING)
-
-
 def test_floating_conductor_takes_no_charge():
     # A bar from a quarter of the height up to three has the mean potential of the plates.
     body = box_discretisation(Box((1.0, 1.0)), 8, "Q2")

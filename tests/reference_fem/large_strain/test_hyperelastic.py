@@ -8,8 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import bisect
 
-from msvalidate.dielectric.actuator import slab
-from msvalidate.network import energy
 from msvalidate.problem import Anisotropic, Isotropic, ProblemError
 from reference_fem.elasticity import elastic_tensor, full_tensor
 from reference_fem.large_strain import (
@@ -169,21 +167,6 @@ def test_neo_hookean_energy_at_one_stretch():
 # --- fibres ---------------------------------------------------------------------------------------
 
 
-def test_square_fibres_have_the_moduli_of_the_lattice():
-    A = square_fibres(1.0, 0.5).tangent(np.eye(2)[None])[0]
-    found = {(a, b): A[a[0], a[1], b[0], b[1]] for a, b in [((0, 0), (0, 0)), ((1, 1), (1, 1))]}
-    assert found == pytest.approx({((0, 0), (0, 0)): 1.5, ((1, 1), (1, 1)): 1.5}, rel=1e-14)
-    assert A[0, 0, 1, 1] == pytest.approx(0.5, rel=1e-14)
-    assert [A[0, 1, 0, 1], A[0, 1, 1, 0]] == pytest.approx([0.5, 0.5], rel=1e-14)
-    assert np.abs([A[0, 0, 0, 1], A[1, 1, 0, 1]]).max() <= 1e-16  # it is no skew lattice
-
-
-def test_fibres_do_not_know_the_spacing_of_the_lattice():
-    fine, F = square_fibres(1.0, 0.5), strained(square_fibres(1.0, 0.5))
-    coarse = Fibres(3 * fine.vectors, fine.stiffness, 9 * fine.cell)
-    assert np.abs(coarse.tangent(F) - fine.tangent(F)).max() <= 1e-13
-
-
 def test_fibres_are_the_energy_of_springs():
     # One cell of the lattice, added up spring by spring.
     law, F = LAWS["fibres 3D"], strained(LAWS["fibres 3D"])[0]
@@ -192,21 +175,6 @@ def test_fibres_are_the_energy_of_springs():
         for r, k in zip(law.vectors, law.stiffness, strict=True)
     )
     assert law.energy(F[None])[0] == pytest.approx(total / law.cell, rel=1e-14)
-
-
-@pytest.mark.parametrize("ratio", [0.7, 1.2])
-def test_square_fibres_are_the_networks_lattice_in_bulk(ratio):
-    # The energy of N x N cells goes as aN² + bN, b of the faces whose springs are not shared: the
-    # second difference over N is 2a. Spacing 0.5.
-    F = np.array([[1.0, 0.2], [0.0, ratio]])
-
-    def stored(cells):
-        device = slab(0.5 * cells, 0.5 * cells, cells, axial=1.3, diagonal=0.4)
-        rest = device.network.points
-        return energy(device.network, rest @ F.T)
-
-    bulk = 0.5 * (stored(6) - 2 * stored(5) + stored(4)) / 0.5**2
-    assert square_fibres(1.3, 0.4).energy(F[None])[0] == pytest.approx(bulk, rel=1e-12)
 
 
 # --- bad input ------------------------------------------------------------------------------------

@@ -16,7 +16,6 @@ from tests.table import table
 pytestmark = pytest.mark.filterwarnings("error")
 
 QUADRATIC = [name for name, kind in ELEMENTS.items() if kind.degree == 2]
-PLANE = [name for name in QUADRATIC if ELEMENTS[name].dim == 2]
 # With a node amid all corners.
 CENTRED = [name for name in QUADRATIC if len(ELEMENTS[name].middles[-1]) == 2 ** ELEMENTS[name].dim]
 INNER, OUTER = 1.0, 2.0
@@ -88,22 +87,6 @@ def test_curved_cells_pass_the_patch_test(element):
 
 
 # --- integrals ------------------------------------------------------------------------------------
-
-
-def segment_area(start, end, middle):
-    """Area between a chord and the parabola through its ends and a middle: two thirds of a box."""
-    chord, off = end - start, middle - (start + end) / 2
-    return 2 / 3 * (chord[0] * off[1] - chord[1] * off[0])
-
-
-@pytest.mark.parametrize("element", PLANE)
-def test_area_is_that_of_the_polygon_and_of_the_segments_by_archimedes(element):
-    body = ring(element, 2)
-    edges = body.points[body.surface]
-    polygon = sum(a[0] * b[1] - a[1] * b[0] for a, b, _ in edges) / 2
-    segments = -sum(segment_area(*edge) for edge in edges)
-    assert abs(segments) > 1e-3
-    assert body.basis.dx.sum() == pytest.approx(polygon + segments, rel=ROUNDING)
 
 
 @pytest.mark.parametrize("element", QUADRATIC)

@@ -101,15 +101,6 @@ def test_each_part_is_graded_as_the_whole_would_be():
     assert found[1][4:] == pytest.approx(1 + 2 * (1 - np.linspace(1, 0, 9) ** 2), abs=1e-15)
 
 
-def test_a_traction_on_a_part_that_the_lines_end_at_has_its_resultant():
-    part = Region((1.2, (0.8 / 3, 0.55)))
-    body = reference_fem.box_discretisation(BOX, (3, 6), "Q2", 1.7, through=((), (0.8 / 3, 0.55)))
-    held = (Support(BOX.side("left"), (0.0, 0.0)),)
-    problem = Problem(BOX, Isotropic(1.0, 0.3), held, (Traction(part, (2.0, -1.0)),))
-    force = reference_fem.body.nodal_forces(problem, body)
-    np.testing.assert_allclose(force.sum(axis=0), (0.55 - 0.8 / 3) * np.array([2, -1]), rtol=1e-12)
-
-
 @table(("through", "message"), [
     # shapes and types
     ((), "mesh lines through (): give coordinates for each axis, as ((), (0.4, 0.6))"),

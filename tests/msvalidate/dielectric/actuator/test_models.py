@@ -69,15 +69,6 @@ def test_stiffness_of_the_report_s_model_is_the_symmetric_part():
     assert abs(K - 0.5 * (found + found.T)).max() <= 1e-7 * largest
 
 
-def test_equilibrium_is_a_minimum_of_the_energy(body):
-    held = at_voltage(body, 0.4)
-    least = potential_energy(body, held.position, 0.4)
-    rng = np.random.default_rng(7)
-    for _ in range(5):
-        away = 1e-3 * np.where(body.network.held, 0.0, rng.normal(size=held.position.shape))
-        assert potential_energy(body, held.position + away, 0.4) > least
-
-
 def test_air_of_the_same_permittivity_is_the_plane():
     plane = slab(4.0, 1.0, 4, covered=0.5, permittivity=1.3)
     air = replace(plane, model="in_air", permittivity_ratio=1.0)

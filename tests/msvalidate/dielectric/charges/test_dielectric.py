@@ -1,4 +1,4 @@
-"""A dielectric body in air against the plane model, finite elements, limits and its own energy."""
+"""A dielectric body in air against the plane model, limits and its own energy."""
 
 from __future__ import annotations
 
@@ -6,17 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementQuad0,
-    ElementQuad2,
-    Functional,
-    MeshQuad,
-    condense,
-    solve,
-)
-from skfem.helpers import dot, grad
 
 from msvalidate.dielectric.charges import (
     SlabInAir,
@@ -59,125 +48,6 @@ def capacitance_in_air(faces, ratio):
     return float(SlabInAir(faces, ratio=ratio).charges(VOLTS).totals[0])
 
 
-# --- finite elements, which share nothing with charges on a surface -------------------------------
-
-
-def growing(start, end, first=1e-2, growth=1.5):
-    """Places from start to end, the first step given, each of the next so much longer."""
-    steps = np.log1p(abs(end - start) * (growth - 1) / first) / np.log(growth)
-    reach = np.concatenate([[0], np.cumsum(growth ** np.arange(np.ceil(steps)))])
-    return start + (end - start) * reach / reach[-1]
-
-
-def both_ways(start, end):
-    middle = 0.5 * (start + end)
-    return [growing(start, middle), growing(end, middle)]
-
-
-@BilinearForm
-def stored(u, v, w):
-    return w.permittivity * dot(grad(u), grad(v))
-
-
-@Functional
-def stress_upon(w):
-    """-T:∇b, which is the virtual work of Maxwell's stress in a motion b·e_x, and in b·e_y."""
-    field, slope = -grad(w.u), w.slope
-    along = dot(field, slope)
-    return -w.permittivity * (field * along - 0.5 * dot(field, field) * slope)
-
-
-class FiniteElements:
-    """Half a slab at ±0.5 V and the air around it, permittivity 1 in the slab."""
-
-    def __init__(self, height, covered, ratio, far=400.0):
-        half, edge = 0.5 * LENGTH, 0.5 * LENGTH * covered
-        across = [growing(edge, 0.0), growing(half, far)]
-        if edge < half:
-            across += both_ways(edge, half)
-        up = [growing(0.0, -far), *both_ways(0.0, height), growing(height, height + far)]
-        x, y = (np.unique(np.round(np.concatenate(part), 10)) for part in (across, up))
-        mesh = MeshQuad.init_tensor(x, y)
-        middle = mesh.p[:, mesh.t].mean(axis=1)
-        inside = (middle[0] < half) & (middle[1] > 0) & (middle[1] < height)
-        self.basis = Basis(mesh, ElementQuad2(), intorder=5)
-        cells = self.basis.with_element(ElementQuad0())
-        of_cell = cells.zeros()
-        of_cell[cells.element_dofs[0]] = np.where(inside, 1.0, 1 / ratio)
-        self.permittivity = cells.interpolate(of_cell)
-        self.stiffness = stored.assemble(self.basis, permittivity=self.permittivity)
-        at = self.basis.doflocs
-        top = (np.abs(at[1] - height) < 1e-9) & (at[0] <= edge + 1e-9)
-        bottom = (np.abs(at[1]) < 1e-9) & (at[0] <= half + 1e-9)
-        given_at = np.where(top, 0.5, np.where(bottom, -0.5, 0.0))
-        self.potential = solve(
-            *condense(self.stiffness, x=given_at, D=np.flatnonzero(top | bottom))
-        )
-
-    def capacitance(self):
-        return 2 * self.potential @ (self.stiffness @ self.potential)
-
-    def force(self, slope):
-        """Work (2,) of the stress in a motion whose size has this slope, of points (2, ...)."""
-        given_fields = {
-            "u": self.basis.interpolate(self.potential),
-            "permittivity": self.permittivity,
-            "slope": slope(np.asarray(self.basis.global_coordinates())),
-        }
-        return stress_upon.elemental(self.basis, **given_fields).sum(axis=-1)
-
-
-@every_cover
-@pytest.mark.parametrize("ratio", [1.0, 3.0, 10.0])
-def test_capacitance_against_finite_elements(covered, ratio):
-    ours = capacitance_in_air(slab_faces(LENGTH, HEIGHT, 96, covered=covered), ratio=ratio)
-    # The air ends 400 m away, which leaves out 6e-4 of the energy and less.
-    assert ours == pytest.approx(FiniteElements(HEIGHT, covered, ratio).capacitance(), rel=1e-3)
-
-
-@every_cover
-def test_squeeze_is_the_slope_of_the_finite_elements_energy(covered):
-    """Work on a slab stretched upwards: dW/dh = Σ F·y/h, with W = ½CV² of another method."""
-    step = 0.2
-    higher, lower = (FiniteElements(HEIGHT + s, covered, 3.0).capacitance() for s in (step, -step))
-    expected = 0.5 * (higher - lower) / (2 * step)
-    faces = slab_faces(LENGTH, HEIGHT, 96, covered=covered)
-    force = forces_in_air(SlabInAir(faces, ratio=3.0).charges(VOLTS))
-    squeeze = (force[:, 1] * faces.points[:, 1]).sum() / HEIGHT
-    # (step/h)², 4e-4, from differences, and 6e-4 from the finite elements.
-    assert squeeze == pytest.approx(expected, rel=2e-3)
-
-
-INNER, OUTER = 2.0, 6.0
-
-
-def bump(points, edge):
-    """1 within 2 m of an electrode's edge, 0 beyond 6 m, and a half wave between."""
-    part = np.clip((np.hypot(*(points - edge).T) - INNER) / (OUTER - INNER), 0, 1)
-    return 0.5 * (1 + np.cos(np.pi * part))
-
-
-def slope_of_bump(at, edge):
-    away = at - edge.reshape(2, *[1] * (at.ndim - 1))
-    r = np.hypot(*away)
-    between = (r > INNER) & (r < OUTER)
-    size = -0.5 * np.pi / (OUTER - INNER) * np.sin(np.pi * (r - INNER) / (OUTER - INNER))
-    return np.where(between, size / r, 0.0) * away
-
-
-@every_cover
-@pytest.mark.parametrize("ratio", [1.0, 3.0, 10.0])
-def test_force_near_the_edge_of_an_electrode_against_finite_elements(covered, ratio):
-    """In the volume, where no singular stress is summed: it is even within 2 m of the edge."""
-    edge = np.array([0.5 * LENGTH * covered, HEIGHT])
-    faces = slab_faces(LENGTH, HEIGHT, 96, covered=covered)
-    force = forces_in_air(SlabInAir(faces, ratio=ratio).charges(VOLTS))
-    ours = bump(faces.points, edge) @ force
-    theirs = FiniteElements(HEIGHT, covered, ratio).force(lambda at: slope_of_bump(at, edge))
-    # Segments of 1 m take the bump's wave as straight lines: (π/4)²/12 of its rim, 5e-3 of all.
-    assert ours == pytest.approx(theirs, rel=5e-3)
-
-
 # --- limits and closed forms ----------------------------------------------------------------------
 
 
@@ -210,18 +80,6 @@ def test_of_great_permittivity_all_field_is_inside():
     mesh = excess[2]
     assert mesh < 1e-3
     assert (excess[0] - mesh) / (excess[1] - mesh) == pytest.approx(10, rel=0.05)
-
-
-@every_cover
-@pytest.mark.parametrize("ratio", [1.0, 3.0, 10.0])
-def test_graded_segments_converge_with_order_two(covered, ratio):
-    found = [
-        capacitance_in_air(slab_faces(LENGTH, HEIGHT, n, covered=covered), ratio=ratio)
-        for n in (18, 36, 72)
-    ]
-    order = np.log2((found[1] - found[0]) / (found[2] - found[1]))
-    # Numbers of segments on short sides are rounded, which disturbs it.
-    assert order == pytest.approx(2.0, abs=0.25)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 3.0, 10.0])

@@ -13,15 +13,6 @@ SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 COVERED = [1, -1, 0, -1]
 
 
-def test_faces_of_a_square():
-    faces = Faces(SQUARE, COVERED)
-    assert faces.count == 2
-    assert faces.bare.tolist() == [False, True, False, True]
-    assert faces.middle[0] == pytest.approx([0.5, 0.0])
-    assert faces.length == pytest.approx(np.ones(4))
-    assert not faces.points.flags.writeable
-
-
 @pytest.mark.parametrize("covered", [1.0, 0.4])
 @pytest.mark.parametrize("grading", ["uniform", "cosine"])
 def test_slab_is_covered_as_asked(covered, grading):

@@ -10,21 +10,16 @@ from hypothesis import strategies as st
 from msvalidate.dielectric.charges import (
     electrodes_of_chains,
     facing_strips,
-    facing_strips_capacitance,
     strip_points,
 )
 from msvalidate.dielectric.charges.moments import Moments
 from msvalidate.dielectric.charges.patches import (
     Patches,
-    conductors,
-    patch_capacitance,
     patch_charges,
-    plate,
 )
 from msvalidate.dielectric.charges.report_model import (
     KERNELS,
     PLACES,
-    ReportCharges,
     ReportModel,
     consistent_forces,
     report_forces,
@@ -83,17 +78,6 @@ def test_springs_are_rectangles_in_space(depth):
     assert measured == pytest.approx(expected, rel=EXACT)
 
 
-@pytest.mark.parametrize(("depth", "ratio"), [(1.0, 1.85), (6.0, 1.17), (24.0, 1.04)])
-def test_strips_of_finite_depth_hold_more_than_the_plane_says(depth, ratio):
-    """Plates resolved along their depth too; a rectangle a spring holds less than they do."""
-    plates = conductors(plate((6.0, depth), 16, height=1.0), plate((6.0, depth), 16))
-    plane = facing_strips_capacitance(6.0)
-    resolved = patch_capacitance(plates) / depth / plane
-    assert resolved == pytest.approx(ratio, rel=0.01)  # known to 0.005, from coarser patches
-    one = ReportModel(facing_strips(6.0, 1.0, 40), depth=depth).charges(VOLTS).totals[0] / plane
-    assert 1 < one < resolved
-
-
 def test_deep_strips_tend_to_the_plane():
     electrodes = facing_strips(6.0, 1.0, 20)
     plane = ReportModel(electrodes, kernel="plane").charges(VOLTS).totals[0]
@@ -104,27 +88,6 @@ def test_deep_strips_tend_to_the_plane():
     assert ratios[0] > ratios[1] > ratios[2] > 1
     # Ends of the strips lie (depth/2)² away in the dipole's potential: 4·(w² + d²)/depth² or so.
     assert ratios[2] == pytest.approx(1.0, abs=4 * 37 / 1e8)
-
-
-def test_a_spring_alone_has_the_potential_of_its_rectangle():
-    model = ReportModel(electrodes_of_chains([(0.0, 0.0), (0.6, 0.8)]), permittivity=2.0)
-    charge = model.charges((3.0,)).charge
-    # A square of 1 m at its centre: ∫dA/r = 4 ln(1 + √2).
-    assert charge == pytest.approx([3.0 * 8 * np.pi / (4 * np.log(1 + np.sqrt(2)))], rel=EXACT)
-
-
-@pytest.mark.parametrize("cells", [0.5, 1.0, 2.0])
-def test_plane_point_sums_err_by_a_hyperbolic_cotangent(cells):
-    """Cells across the gap: in the middle of a wide pair the rows are as good as endless."""
-    gap, width = 1.0, 80.0  # what lies beyond the ends goes like 1/width: 1.3e-3 of a sum
-    length = gap / cells
-    electrodes = facing_strips(width, gap, round(width / length), grading="uniform")
-    charges = ReportModel(electrodes, kernel="plane").charges(VOLTS)
-    middle = np.abs(electrodes.points[:, 0]) < 0.1 * width
-    top = middle & (electrodes.points[:, 1] > 0.5)
-    by_points = report_forces(charges)[top, 1].mean()
-    right = consistent_forces(charges)[top, 1].mean()
-    assert by_points / right == pytest.approx(1 / np.tanh(np.pi * gap / length), rel=2e-3)
 
 
 @every_kernel
@@ -165,20 +128,6 @@ def test_tangent_is_the_forces_derivative(kernel, charges_on, seed):
         assert measured[:, column] == pytest.approx(expected, abs=1e-6 * size)
 
 
-@pytest.mark.parametrize("depth", [0.5, 10.0])
-def test_the_reports_point_sums_grow_with_depth(depth):
-    """Even charge of one sign a row, endless to 1e-3: depth/(πh) times what it pulls with."""
-    gap, width, length = 1.0, 80.0, 0.25
-    electrodes = facing_strips(width, gap, round(width / length), grading="uniform")
-    model = ReportModel(electrodes, depth=depth)
-    even = np.where(electrodes.electrode == 0, length, -length)
-    force = report_forces(ReportCharges(model, np.array(VOLTS), even, 0.0))
-    top = (np.abs(electrodes.points[:, 0]) < 1) & (electrodes.points[:, 1] > 0.5)
-    # Density 1 in the field 1/(2ε) of the other row; sums over points are integrals to e^(-2πh/l).
-    expected = -0.5 * length * depth / (np.pi * gap)
-    assert force[top, 1] == pytest.approx(np.full(top.sum(), expected), rel=1e-3)
-
-
 @every_kernel
 @every_place
 @pytest.mark.parametrize("law", [report_forces, consistent_forces])
@@ -201,19 +150,6 @@ def test_point_forces_follow_coulomb(kernel):
     law = 1 / (2 * np.pi * 0.5 * 5) if kernel == "plane" else 2.0 / (4 * np.pi * 0.5 * 25)
     expected = one * other * law * np.array([-0.6, -0.8]) / 2
     assert report_forces(charges)[:2] == pytest.approx(np.array([expected, expected]), rel=EXACT)
-
-
-@every_place
-def test_both_places_of_charges_converge_to_the_closed_form(charges_on):
-    exact = facing_strips_capacitance(6.0)
-
-    def error(n):
-        model = ReportModel(facing_strips(6.0, 1.0, n), kernel="plane", charges_on=charges_on)
-        return abs(model.charges(VOLTS).totals[0] / exact - 1)
-
-    coarse, fine = error(40), error(80)
-    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.2)
-    assert fine < 1e-3
 
 
 def test_nodes_hold_lumps():
