@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.budget import COLUMNS, OWN, material_off
+from msvalidate.case.budget import material_off
 from msvalidate.case.case import MESH_EDGES, Case, spacing_of
 from msvalidate.case.comparison import (
     COARSE,
@@ -21,6 +21,7 @@ from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judgement
 from msvalidate.case.mesh_springs import locking
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, Row
+from msvalidate.judging.columns import read_columns
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.gaps import narrow_holes
@@ -108,10 +109,11 @@ def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, 
 
 def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
     """First rows of each table, as a CSV has them."""
-    texts = {name: table.map(_text) for name, table in tables.items()}
-    return tuple(
-        table_excerpt(name, table, COLUMNS | OWN.get(name, {})) for name, table in texts.items()
-    )
+    means, shown = read_columns(__file__), []
+    for name, table in tables.items():
+        said = {each: str(means.get(f"{name}.{each}", means[each])) for each in map(str, table)}
+        shown.append(table_excerpt(name, table.map(_text), said))
+    return tuple(shown)
 
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:

@@ -1,10 +1,15 @@
-"""A case file read: what is wrong with it is told by file, line, key and value, with the remedy."""
+"""A case file read: what is wrong with it is told by file, line, key and value, with the remedy.
+
+Neither the parser nor the checker of types tells lines: those of keys are looked for where it takes
+a message.
+"""
 
 from __future__ import annotations
 
 import difflib
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -12,12 +17,13 @@ from typing import Any, get_args, get_type_hints
 
 import msgspec
 
-from msvalidate.case.lines import Path, key_lines, line_of
 from msvalidate.case.schema import SCHEMA, CaseFile
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
 
+Path = tuple[str | int, ...]
+"""Keys, and places in lists from 0, from the top of the file."""
 LARGEST_FILE = 10_000_000
 """Bytes: a case file names its mesh, it does not hold it."""
 _AT = re.compile(r" - at `\$(.*)`$")
@@ -26,6 +32,8 @@ _UNKNOWN = re.compile(r"Object contains unknown field `(.*?)`")
 _MISSING = re.compile(r"Object missing required field `(.*?)`")
 _EXPECTED = re.compile(r"Expected `(.*?)`(?: of length .*?)?, got `(.*?)`")
 _WORD = re.compile(r"\w+")
+_ENDS = re.compile(r"""[]}"']\s*(#.*)?$""")
+"""Of a line with which lists and texts of several lines may end."""
 WORDS = {
     "float": "a number",
     "int": "a whole number",
@@ -41,24 +49,12 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Source:
-    """A case file's content, and where its keys stand.
-
-    Parameters
-    ----------
-    name
-        Of the file, as messages show it.
-    folder
-        Where the mesh is looked for.
-    data
-        What the file holds, of right types.
-    lines
-        Line of each key.
-    """
+    """A case file: its name in messages, where its mesh is looked for, content, of right types."""
 
     name: str
     folder: FilePath
     data: CaseFile
-    lines: dict[Path, int]
+    text: str
 
     @contextmanager
     def at(self, *path: str | int) -> Iterator[None]:
@@ -72,15 +68,7 @@ class Source:
 
     def error(self, path: Path, said: str) -> CaseError:
         """An error that names file, line and key: the one that the message is about, if it is."""
-        inner = self._key_meant(path, said)
-        line = line_of(self.lines, (*path, inner) if inner else path)
-        return CaseError(_message(self.name, line, path, said))
-
-    def _key_meant(self, path: Path, said: str) -> str:
-        """A key of the table at a path that a message begins with, or ""."""
-        words = set(_WORD.findall(said.partition(":")[0]))
-        keys = [each[-1] for each in self.lines if each[:-1] == path]
-        return next((str(key) for key in keys if key in words), "")
+        return _error(self.name, self.text, path, said)
 
 
 class CaseError(ProblemError):
@@ -122,13 +110,16 @@ def parse_source(
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise CaseError(f"case {name}: not TOML: {_one_line(error)}; mend that line") from error
     change(given)
-    lines = key_lines(text)
-    _check_version(name, given, lines)
+    version = given.get("schema")
+    if version is None:
+        raise CaseError(f"case {name}: no schema; begin the file with schema = {SCHEMA}")
+    if isinstance(version, bool) or not isinstance(version, int) or not 1 <= version <= SCHEMA:
+        said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
+        raise _error(name, text, ("schema",), said)
     try:
-        data = msgspec.convert(given, CaseFile)
+        return Source(name, folder, msgspec.convert(given, CaseFile), text)
     except (msgspec.ValidationError, RecursionError) as error:
-        raise _explained(name, given, lines, str(error)) from error
-    return Source(name, folder, data, lines)
+        raise _error(name, text, *_explained(given, str(error))) from error
 
 
 def _read_text(file: FilePath) -> str:
@@ -151,17 +142,8 @@ def _read_text(file: FilePath) -> str:
         ) from error
 
 
-def _check_version(name: str, given: dict[str, Any], lines: dict[Path, int]) -> None:
-    version = given.get("schema")
-    if version is None:
-        raise CaseError(f"case {name}: no schema; begin the file with schema = {SCHEMA}")
-    if isinstance(version, bool) or not isinstance(version, int) or not 1 <= version <= SCHEMA:
-        said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
-        raise CaseError(_message(name, line_of(lines, ("schema",)), ("schema",), said))
-
-
-def _explained(name: str, given: dict[str, Any], lines: dict[Path, int], said: str) -> CaseError:
-    """The checker's words made ours: what stands there, what should, and the nearest name."""
+def _explained(given: dict[str, Any], said: str) -> tuple[Path, str]:
+    """The checker's words made ours: where, what stands there, what should, the nearest name."""
     place = _AT.search(said)
     path = _path(place[1] if place else "")
     words = said[: place.start()] if place else said
@@ -184,12 +166,52 @@ def _explained(name: str, given: dict[str, Any], lines: dict[Path, int], said: s
         told = f"{format_value(_value(given, path))}; give {choices}"
     else:
         told = f"{format_value(_value(given, path))}; {words[0].lower()}{words[1:]}"
-    return CaseError(_message(name, line_of(lines, path), path, told))
+    return path, told
 
 
-def _message(name: str, line: int | None, path: Path, said: str) -> str:
+def _error(name: str, text: str, path: Path, said: str) -> CaseError:
+    """What is said of the value at a path of a file: at the line of its key that begins it, if any.
+
+    Else of its own key, or of the nearest table around; of tables of one name of the first.
+    """
+    lines, words = key_lines(text), set(_WORD.findall(said.partition(":")[0]))
+    meant = (each for each in lines if each[:-1] == path and each[-1] in words)
+    around = ((*path[:end], *first) for end in range(len(path), 0, -1) for first in ((), (0,)))
+    line = next((lines[each] for each in (*meant, *around) if each in lines), None)
     where = f"{name}, line {line}" if line else name
-    return f"case {where}: {_dotted(path)}{said}"
+    return CaseError(f"case {where}: {_dotted(path)}{said}")
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    """Line, from 1, of each table and key of a TOML text that is known to be right."""
+    found: dict[Path, int] = {}
+    count: Counter[Path] = Counter()
+    table: Path = ()
+    statement, began = "", 1
+    for number, line in enumerate(text.split("\n"), 1):
+        statement += f"{line}\n"
+        if number > began and not _ENDS.search(line):
+            continue
+        try:
+            given = tomllib.loads(statement)
+        except (tomllib.TOMLDecodeError, RecursionError):
+            continue  # it goes on in the next line
+        is_header = statement.lstrip().startswith("[")
+        for path, value in _entries(given, () if is_header else table):
+            if is_header:
+                table = (*path, count[path]) if isinstance(value, list) else path
+                count[path] += 1
+            found.setdefault(table if is_header else path, began)
+        statement, began = "", number + 1
+    return found
+
+
+def _entries(given: dict[str, Any], table: Path) -> Iterator[tuple[Path, Any]]:
+    """Keys of a table and of those in it, with their values."""
+    for key, value in given.items():
+        yield (*table, key), value
+        if isinstance(value, dict):
+            yield from _entries(value, (*table, key))
 
 
 def _dotted(path: Path) -> str:
