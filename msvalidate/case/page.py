@@ -28,10 +28,8 @@ from msvalidate.lattice.gaps import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.output.rendering import render_template
 from msvalidate.problem import BodyForce, Mesh, PointForce, Support, Traction, Weight
 from msvalidate.problem.normals import is_faceted
-from msvalidate.problem.records import dataclass
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.words import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED
 from reference_fem.converged import Reference
@@ -42,64 +40,20 @@ WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
 """Words of several quantities: the first that one of them has is the case's."""
 
 
-@dataclass(frozen=True)
-class ShownRow:
-    """A quantity as the page shows it."""
-
-    quantity: str
-    verdict: str
-    difference: str
-    uncertainty: str
-    candidate: str
-    elasticity: str
-    unit: str
-
-
-@dataclass(frozen=True)
-class Page:
-    """All that the page of a case says."""
-
-    name: str
-    verdict: str
-    sentence: str
-    sentences: tuple[str, ...]
-    springs: tuple[str, ...]
-    candidate: str
-    band: str
-    rows: tuple[ShownRow, ...]
-    notes: tuple[str, ...]
-    pictures: tuple[Picture, ...]
-    tables: tuple[Table, ...]
-    fields: tuple[str, ...]
-    asked: Mapping[str, str]
-    origin: Mapping[str, str]
-
-
-def render(page: Page) -> str:
-    """HTML of a page, complete in itself."""
-    return render_template("case.html", page=page)
-
-
 def overall(rows: Sequence[Row]) -> str:
     """The word of a case: the worst of its quantities'."""
     words = {row.verdict for row in rows}
     return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
 
 
-def shown_rows(rows: Sequence[Row]) -> tuple[ShownRow, ...]:
+def shown_rows(rows: Sequence[Row]) -> list[dict[str, str]]:
     """Quantities with few digits."""
-    return tuple(
-        ShownRow(
-            row.quantity,
-            row.verdict,
-            percent(row.difference),
-            percent(row.uncertainty),
-            _number(row.springs),
-            _number(row.elasticity),
-            row.unit,
-        )
+    return [
+        row.row()
+        | {"difference": percent(row.difference), "uncertainty": percent(row.uncertainty)}
+        | {"candidate": _number(row.springs), "elasticity": _number(row.elasticity)}
         for row in rows
-    )
+    ]
 
 
 def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, ...]:
