@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
 
 import pandas as pd
-from matplotlib.figure import Figure
 
 from msvalidate.case import budget, choice, comparison, files, judge, page
 from msvalidate.case.advice import advice_record
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
-from msvalidate.case.figures import figures, judged_figures
+from msvalidate.case.figures import Drawn, figures, judged_figures
 from msvalidate.case.network_files import network_files
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.output.rendering import render_template
 from reference_fem.converged import Reference
-
-Drawn = Mapping[str, tuple[str, Callable[[], Figure]]]
 
 
 def case_files(
