@@ -7,7 +7,9 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
+import shapely
 
+from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case
@@ -24,14 +26,16 @@ from msvalidate.case.springs import (
     limit_of,
     solve_finer,
 )
-from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.gaps import bridged_gaps
+from msvalidate.lattice.outline import outline
 from msvalidate.linear_algebra.norms import max_length
+from msvalidate.network import Network
 from msvalidate.problem import (
     Anisotropic,
     Array,
+    Box,
     Mesh,
     Problem,
     ProblemError,
@@ -45,6 +49,9 @@ from reference_fem.converged import Reference, converge
 
 COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
 """Why springs differ: their spacing, or what they are at any spacing, or either."""
+WITHIN = 1e-3
+"""Part of a point's distance by which a place nearest to it lies in the body: curves are drawn by
+straight lines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +68,7 @@ class Comparison:
         On the lattice asked for, then on finer ones.
     support
         (p, d) in m: what supports that no line of the lattice runs along add to the springs asked
-        for; 0 where there are none (`supports.held_as`).
+        for; 0 where there are none.
     limit
         What the springs close in on, without that.
     reference
@@ -170,13 +177,53 @@ def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> 
     for answer in answers:
         other, lattice = None, answer.lattice
         if isinstance(lattice, CutLattice):
-            other = held_as(case.problem, lattice, answer.network, body.finest.at, room)
+            other = _held_as(case.problem, lattice, answer.network, body.finest.at, room)
         if other is None:
             found.append(np.zeros(body.points.shape))
         else:
             less = replace(answer, rest=equilibrium(other, case.geometry)).at(body.points)
             found.append(answer.at(body.points) - less)
     return found
+
+
+def _held_as(
+    problem: Problem,
+    lattice: CutLattice,
+    network: Network,
+    motion: Callable[[Array], Array],
+    room: float,
+) -> Network | None:
+    """The network with supports off the lattice's lines held as a motion (n, d) -> (n, d) in m.
+
+    Such a support, as at a bolt's hole, holds all points of the cells that it runs through at its
+    own value: an error of first order in the spacing (`bodies.cut_network`). Beyond the outline the
+    motion is taken to go on evenly: at x = 2q - y, with q the outline's place nearest to x and y in
+    the body, it is 2 u(q) - u(y). None where that is nowhere other than it is by more than `room`
+    (m): of boxes, whose sides lie on lines, and of solids but for walls of prisms.
+    """
+    domain, x, off = problem.domain, lattice.points, np.zeros(len(lattice.points), dtype=bool)
+    if isinstance(domain, Box):
+        return None
+    for support in problem.supports:
+        off |= support_selector(lattice)(support) & ~support.region.select(x, domain.tolerance)
+    try:
+        side = shapely.boundary(outline(domain))
+    except ProblemError:  # of no prism
+        return None
+    step = np.zeros(x[off].shape)
+    nearest = shapely.shortest_line(shapely.points(x[off, :2]), side)
+    step[:, :2] = shapely.get_coordinates(nearest)[1::2] - x[off, :2]
+    inside = lattice.inside[off]
+    step[inside] = 0.0
+    near, far = x[off] + (1 + WITHIN) * step, x[off] + 2 * step
+    known = inside | (domain.contains(near) & domain.contains(far))
+    u = network.displacement[off]
+    at, beyond = motion(near[known]), motion(far[known])
+    u[known] = at + (1 + WITHIN) / (1 - WITHIN) * (at - beyond)  # on the line through both
+    moved = network.displacement.copy()
+    moved[off] = np.where(network.held[off], u, moved[off])
+    other = np.abs(moved - network.displacement).max() > room
+    return replace(network, displacement=moved) if other else None
 
 
 def _homogenised(

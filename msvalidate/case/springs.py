@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 
 import numpy as np
@@ -292,15 +293,20 @@ def _offer_cells(case: Case) -> str:
     """The number of cells nearest to what is asked with which a lattice can be laid, tried."""
     if case.lattice == MESH_EDGES:
         return ""
-    one, asked = spacing_by_cells(replace(case, cells=1, spacing=None)), spacing_of(case)
-    numbers = sorted(range(1, MOST_OFFERED + 1), key=lambda n: abs(math.log(n * asked / one)))
-    for many in numbers[:TRIED]:
-        other = replace(case, cells=many, spacing=None)
+    for other in at_other_cells(case, spacing_of(case)):
         spacing = spacing_of(other)
         with suppress(ProblemError):
             make_network(other, spacing)
-            return f"; cells = {many} (spacing {spacing:.6g} m) does"
+            return f"; cells = {other.cells} (spacing {spacing:.6g} m) does"
     return ""
+
+
+def at_other_cells(case: Case, wanted: float) -> Iterator[Case]:
+    """The case at numbers of cells, from the one that is nearest to a spacing (m) on."""
+    one = spacing_by_cells(replace(case, cells=1, spacing=None)) / wanted
+    numbers = sorted(range(1, MOST_OFFERED + 1), key=lambda n: abs(math.log(n / one)))
+    for cells in numbers[:TRIED]:
+        yield replace(case, cells=cells, spacing=None)
 
 
 def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
