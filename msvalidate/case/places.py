@@ -53,7 +53,7 @@ def region_by_coordinates(
 def _extent(entry: Interval | None, unit: float) -> float | tuple[float, float] | None:
     if entry is None:
         return None
-    if isinstance(entry, list):
+    if isinstance(entry, tuple):
         low, high = entry
         return (unit * low, unit * high)
     return unit * entry
