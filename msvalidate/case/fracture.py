@@ -109,14 +109,14 @@ def _middle(growth: Growth, spring: int) -> Array:
     return np.asarray(growth.network.points[growth.network.springs[spring]].mean(axis=0))
 
 
-def break_sentence(growth: Growth | None) -> tuple[str, ...]:
-    """What broke, and what of it is the lattice's."""
+def break_sentence(growth: Growth | None) -> str:
+    """What broke, and what of it is the lattice's; "" where nothing may."""
     if growth is None:
-        return ()
+        return ""
     stretch = float(growth.critical_stretch[0])
     raised = f"At {growth.load:.4g} times the loads, and a critical stretch of {stretch:.3g},"
     if not growth.breaks:
-        return (f"{raised} no spring has broken.",)
+        return f"{raised} no spring has broken."
     first = growth.breaks[0]
     at = ", ".join(f"{x:.3g}" for x in _middle(growth, first.springs[0]))
     ends = {
@@ -126,14 +126,13 @@ def break_sentence(growth: Growth | None) -> tuple[str, ...]:
     }  # fmt: skip
     large = "" if stretch <= SMALL else " Such a stretch is not small: all this is of first order."
     loose = f", {len(growth.loose)} points are loose" if len(growth.loose) else ""
-    said = (
+    return (
         f"{raised} {len(growth.broken)} springs have broken in {len(growth.breaks)} events, "
         f"the first at {first.load:.4g} times around ({at}) m{loose}. {growth.released:.3g} J "
         f"are released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
         f"{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
         f"spacing, and paths follow the lattice's rows (study fracture).{large}"
     )
-    return (said,)
 
 
 def draw_breaks(growth: Growth) -> Figure:
