@@ -41,16 +41,15 @@ def budget(found: Comparison) -> pd.DataFrame:
     """
     total = found.displacement - found.reference.displacement.value
     at = int(np.linalg.norm(total, axis=1).argmax())
-    size, length = found.size or 1.0, float(np.linalg.norm(total[at]))
-    along = total[at] / length if length else np.zeros(total.shape[1])
+    size, length = found.size, float(np.linalg.norm(total[at]))
+    along = total[at] / (length or 1.0)
 
     def part(field: Array) -> float:
         return float(field[at] @ along) / size + 0.0
 
     limit, large = found.limit.displacement, find_large(found)
     (change, springs, _), (linear_reference, law) = large, _large_rows(found, large, part)
-    target = found.first_order
-    own = target if found.homogenised is None else found.homogenised.displacement.value
+    target, own = found.first_order, found.own_material
     error, known = found.limit.uncertainty / size, found.reference.error
     nonlinear = found.case.geometry == "nonlinear"
     stays, full = "boundary", own
@@ -74,23 +73,20 @@ def budget(found: Comparison) -> pd.DataFrame:
         ("total", length / size, known, f"springs - elasticity, both {found.case.geometry}")
     )
     rows += [linear_reference] if nonlinear else [linear_reference, law]
-    rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
+    rest = found.springs[0].rest
+    moving = float(rest.error) * float(np.abs(rest.displacement).max()) / size
+    rows.append(("rest", 0.0, moving, "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
 
 
 def material_off(found: Comparison) -> float:
     """How far the springs' material may take a displacement off, over the largest; or infinite."""
-    case, wanted = found.case, found.first_order
+    case = found.case
     if case.at_rest_on_edges or (case.constants is not None and found.homogenised is None):
         return math.inf
-    own = wanted if found.homogenised is None else found.homogenised.displacement.value
-    return max_length(own - wanted) / (found.size or 1.0) + found.reference.error
-
-
-def _rest(found: Comparison) -> float:
-    rest = found.springs[0].rest
-    return float(rest.error) * float(np.abs(rest.displacement).max()) / (found.size or 1.0)
+    off = max_length(found.own_material - found.first_order)
+    return off / found.size + found.reference.error
 
 
 def find_large(found: Comparison) -> tuple[Change | None, Change | None, str]:
@@ -113,7 +109,7 @@ def _large_rows(
     part: Callable[[Array], float],
 ) -> list[Row]:
     """Rows "linear reference" and "law"."""
-    size, (*changes, why), law = found.size or 1.0, large, LAW_WORDS[found.case.law]
+    size, (*changes, why), law = found.size, large, LAW_WORDS[found.case.law]
     (target, off), (own, own_off) = (
         (math.nan, math.nan) if each is None else (part(each[0]), each[1] / size)
         for each in changes
@@ -178,7 +174,7 @@ def lattice_row(
         "spacing": answer.spacing,
         "points": len(answer.lattice.points),
         "springs": len(answer.lattice.springs),
-        "difference": max_length(away) / (found.size or 1.0),
+        "difference": max_length(away) / found.size,
         "seconds": answer.seconds,
     }
 
@@ -188,14 +184,14 @@ def _lattice_table(found: Comparison) -> pd.DataFrame:
     wanted = found.reference.displacement.value
     rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
     if math.isfinite(found.limit.uncertainty):
-        left = max_length(found.limit.displacement - wanted) / (found.size or 1.0)
+        left = max_length(found.limit.displacement - wanted) / found.size
         rows.append({"spacing": 0.0, "difference": left})
     return pd.DataFrame(rows)
 
 
 def mesh_rows(found: Comparison) -> list[dict[str, Any]]:
     """Meshes of elements from coarse to fine."""
-    wanted, size = found.reference.displacement.value, found.size or 1.0
+    wanted, size = found.reference.displacement.value, found.size
     reference = found.reference
     return [
         {

@@ -156,10 +156,10 @@ def _laid(found: Comparison, wanted: float) -> Case | None:
 
 def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Need:
     """The spacing that a target takes."""
-    wanted, size = found.reference.displacement.value, found.size or 1.0
+    wanted, size = found.reference.displacement.value, found.size
     left = max_length(found.limit.displacement - wanted) - found.limit.uncertainty
     if found.homogenised:
-        left = max(left, max_length(found.homogenised.displacement.value - wanted))
+        left = max(left, max_length(found.own_material - wanted))
     if left / size - found.reference.error > target:
         return Need(target, NONE)
     s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "difference"))

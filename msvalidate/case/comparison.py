@@ -109,6 +109,12 @@ class Comparison:
         return self.reference.displacement.value - (0.0 if large is None else large[0])
 
     @property
+    def own_material(self) -> Array:
+        """The same of the material that the springs are, if it is known; else of the one asked."""
+        own = self.homogenised
+        return self.first_order if own is None else own.displacement.value
+
+    @property
     def size(self) -> float:
         """Largest displacement (m) of elasticity at the points."""
         return max_length(self.reference.displacement.value)
@@ -117,7 +123,7 @@ class Comparison:
     def relative(self) -> Array:
         """Length (p,) of springs - elasticity over the largest displacement."""
         away = self.displacement - self.reference.displacement.value
-        return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
+        return np.asarray(np.linalg.norm(away, axis=1) / self.size)
 
     @cached_property
     def advice(self) -> tuple[Advice, ...]:
@@ -267,8 +273,6 @@ def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
     """Whether springs would agree on finer lattices, never, or one cannot tell."""
     wanted = reference.displacement.value
     size = max_length(wanted)
-    if not size:
-        return ""
     left = max_length(limit.displacement - wanted) / size
     uncertainty = limit.uncertainty / size + reference.error
     word = agreement(left, uncertainty, case.band) if math.isfinite(uncertainty) else ""

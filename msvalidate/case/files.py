@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -125,18 +125,8 @@ def material_numbers(problem: Problem, body: Discretisation) -> np.ndarray:
 
 def json_bytes(content: Any) -> bytes:
     """JSON with a line a key; numbers that are none become null."""
-    return (json.dumps(_plain(content), indent=2, ensure_ascii=False) + "\n").encode()
+    return msgspec.json.format(msgspec.json.encode(content, enc_hook=_plain)) + b"\n"
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    if isinstance(value, bool | int | str) or value is None:
-        return value
-    return format_value(value)
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else format_value(value)

@@ -236,13 +236,13 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
 
 
 def _kind_sentence(found: Comparison) -> str:
-    limit, size = found.limit, found.size or 1.0
+    limit, size = found.limit, found.size
     bridged = say_bridged(found.springs[0].lattice)
     if bridged:
         return bridged
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
-    order = f", order {limit.order:.1f}" if limit.status == "seen" else ""
+    order = f", order {limit.order:.1f}" if math.isfinite(limit.order) else ""
     away = max_length(limit.displacement - found.reference.displacement.value) / size
     rest = percent(away)
     uncertainty = percent(limit.uncertainty / size)

@@ -60,8 +60,6 @@ LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 """Orders that are believed: corners bring them below 1, what is smooth to 2."""
 UNEVEN = 1.5
 """Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
-ASSUMED_ORDER = 1.0
-"""Where there are two lattices alone."""
 TRIED, MOST_OFFERED = 30, 1000
 """Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10
@@ -183,15 +181,12 @@ class SpringLimit:
     uncertainty
         How far (m) any of them may be from there.
     order
-        Of the spacing; NaN where none is seen.
-    status
-        "seen" (three lattices), "assumed" (two), "exact" (rounding) or "none" (one, or no order).
+        Of the spacing, as three lattices show it; NaN where they show none.
     """
 
     displacement: Array
     uncertainty: float
-    order: float
-    status: str
+    order: float = math.nan
 
 
 def solve_springs(case: Case, spacing: float) -> SpringAnswer:
@@ -217,9 +212,8 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     if case.lattice == MESH_EDGES:
         spacing = mean_edge(problem.domain)  # type: ignore[arg-type]
     seconds = time.perf_counter() - began
-    made = (lattice, network, rest, calibration, seconds, case.geometry)
-    answer = SpringAnswer(problem, spacing, *made)
-    return replace(answer, contact=contact)
+    made = (lattice, network, rest, calibration, seconds, case.geometry, contact)
+    return SpringAnswer(problem, spacing, *made)
 
 
 def make_network(
@@ -337,23 +331,19 @@ def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLi
     """What springs close in on, from their displacement (p, d) in m on one to three lattices."""
     fine = values[-1]
     if len(values) == 1:
-        return SpringLimit(fine, math.inf, math.nan, "none")
+        return SpringLimit(fine, math.inf)
     last = fine - values[-2]
     size, change = float(np.abs(fine).max()), float(np.abs(last).max())
     if change <= ROUNDING * size:
-        return SpringLimit(fine, max(change, ROUNDING * size), math.nan, "exact")
-    if len(values) == 2:
-        left = last / (2**ASSUMED_ORDER - 1)
-        return SpringLimit(
-            fine + left, CAUTION * float(np.abs(left).max()), ASSUMED_ORDER, "assumed"
-        )
+        return SpringLimit(fine, max(change, ROUNDING * size))
+    if len(values) == 2:  # as if the order were 1
+        return SpringLimit(fine + last, CAUTION * change)
     first = values[1] - values[0]
     order = float(np.log2(np.linalg.norm(first) / np.linalg.norm(last)))
     if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
-        uncertainty = CAUTION * max(change, float(np.abs(first).max()))
-        return SpringLimit(fine, uncertainty, math.nan, "none")
+        return SpringLimit(fine, CAUTION * max(change, float(np.abs(first).max())))
     left = last / (2 ** min(order, 2.0) - 1)
     uncertainty = SAFETY * float(np.abs(left).max())
     if isinstance(answers[-1].lattice, CutLattice):  # its outline meets the cells anew each time
         uncertainty = max(uncertainty, UNEVEN * change)
-    return SpringLimit(fine + left, uncertainty, order, "seen")
+    return SpringLimit(fine + left, uncertainty, order)
