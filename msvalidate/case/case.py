@@ -291,12 +291,7 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
 
     A box whose sides, with what is held and loaded of them, are whole numbers of cells is filled;
     else the lattice is cut to the body's outline, its lines through the supports as far as one
-    origin allows that.
-
-    Raises
-    ------
-    ProblemError
-        If the lattice cannot be laid into the body.
+    origin allows that. Raises `ProblemError` if the lattice cannot be laid into the body.
     """
     domain, pattern = case.problem.domain, _pattern(case)
     cells = domain.volume / spacing**domain.dim

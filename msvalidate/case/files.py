@@ -36,10 +36,7 @@ def folder_name(stem: str) -> str:
 def refuse_foreign(folder: Path, whose: str) -> None:
     """Raise `ProblemError` where a folder holds what no case left there, or another one did.
 
-    Parameters
-    ----------
-    folder, whose
-        For results, and the name of the file or files that they are of.
+    `whose` results it is for: the name of their file, or files.
     """
     if folder.exists() and not folder.is_dir():
         raise ProblemError(f"folder {folder} is a file; name another folder")

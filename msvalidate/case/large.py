@@ -44,17 +44,8 @@ SAME_TENSOR = 1e-9
 def converge_case(case: Case, points: Array, first: Discretisation | None = None) -> Reference:
     """Elasticity of a case at points (p, d) in m, to first order or in full, as it asks.
 
-    Parameters
-    ----------
-    case, points
-        What is asked, and where.
-    first
-        The first mesh, if it is made already.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `converge` and, of a case that is nonlinear, `change_in_full`.
+    `first` is the first mesh, if it is made already. Raises what `converge` raises and, of a case
+    that is nonlinear, `change_in_full`.
     """
     if case.problem.contacts:
         return converge_contact(case.problem, points, case.accuracy)
@@ -68,12 +59,8 @@ def change_in_full(reference: Reference, law: LawOf) -> Change:
     """What displacements (p, d) in m at a reference's points change by, and how far it may be off.
 
     On the finest of its meshes, up to `LARGE_NODES`, that has an equilibrium: at corners that are
-    pressed a finer one may have none. It may be off by what the next coarser one has other.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `elements_in_full`, of the coarsest mesh.
+    pressed a finer one may have none. It may be off by what the next coarser one has other. Raises
+    what `elements_in_full` raises of the coarsest mesh.
     """
     meshes = [each for each in reference.solutions if len(each.body.points) <= LARGE_NODES]
     found: list[Array] = []
@@ -124,10 +111,7 @@ def elements_in_full(problem: Problem, linear: Solution, points: Array, law: Law
 def springs_law(case: Case, springs: SpringAnswer) -> LawOf:
     """The law that the springs of a case are at finite strain, of each of its materials.
 
-    Raises
-    ------
-    ProblemError
-        If it is not known for the lattice.
+    Raises `ProblemError` if it is not known for the lattice.
     """
     lattice, problem = springs.lattice, case.problem
     if case.route == "neo-Hookean":  # what the network itself is made of, per thickness

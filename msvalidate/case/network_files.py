@@ -102,11 +102,6 @@ def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:
 
     cells.csv is there where cells resist a change of volume, cells.vtu where they have a stress or
     resist. Nothing in them is NaN.
-
-    Parameters
-    ----------
-    answer, case
-        Springs at rest, and the case that they are of.
     """
     points, network = answer.lattice.points, answer.network
     tables = network_tables(answer)

@@ -48,10 +48,7 @@ def _least(mesh: Mesh) -> int:
 def straighten(problem: Problem, cuts: int) -> Problem:
     """A problem on its mesh with every cell cut in 2^d so many times, and sides made straight.
 
-    Raises
-    ------
-    ProblemError
-        If a straight cell would be none, or cells are too many.
+    Raises `ProblemError` if a straight cell would be none, or cells are too many.
     """
     mesh = problem.domain
     if not isinstance(mesh, Mesh):

@@ -98,12 +98,7 @@ def parse_source(
 ) -> Source:
     """The same of a case file's text: its name in messages, and where its mesh is looked for.
 
-    `change` sets other values in what it holds.
-
-    Raises
-    ------
-    ProblemError
-        As `read_source`.
+    `change` sets other values in what it holds. Errors are those of `read_source`.
     """
     try:
         given = tomllib.loads(text)

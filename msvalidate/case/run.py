@@ -30,10 +30,7 @@ def case_files(
 ) -> tuple[comparison.Comparison, dict[str, bytes]]:
     """What springs and elements say of a case, and the files that show it: name -> content.
 
-    Raises
-    ------
-    ProblemError, SolverError
-        As `compare_case`.
+    Errors are those of `compare_case`.
     """
     started = datetime.now(UTC)
     found = comparison.compare_case(case, progress)
@@ -74,10 +71,7 @@ def judged_files(
 ) -> tuple[judge.Judgement, dict[str, bytes]]:
     """What displacements from a file are beside a case's elasticity, and the files that show it.
 
-    Raises
-    ------
-    ProblemError, SolverError
-        As `judge_result`.
+    Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are.
     """
     started = datetime.now(UTC)
     found = judge.judge_result(

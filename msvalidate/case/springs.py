@@ -221,10 +221,7 @@ def make_network(
 ) -> tuple[Problem, Lattice, Network, Calibration | None]:
     """What springs of a spacing (m) solve, their lattice, network and its calibration.
 
-    Raises
-    ------
-    ProblemError
-        If the lattice is none for the body, material, supports or loads.
+    Raises `ProblemError` as `solve_springs`.
     """
     problem = laid_problem(case, spacing)
     edges = case.lattice == MESH_EDGES

@@ -103,10 +103,7 @@ def _stamp() -> str:
 def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
     """Keys and their values, of words as ``springs.cells=8,16``.
 
-    Raises
-    ------
-    ProblemError
-        If a word is none, or a key comes twice.
+    Raises `ProblemError` if a word is none, or a key comes twice.
     """
     found: dict[str, list[Any]] = {}
     for word in words:
@@ -127,10 +124,7 @@ def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
 def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> Iterator[Combination]:
     """Each file with each combination of values, the last key the fastest.
 
-    Raises
-    ------
-    ProblemError
-        If a file is no case, or a key none of its places.
+    Raises `ProblemError` if a file is no case, or a key none of its places.
     """
     for file in files:
         read_source(file)
