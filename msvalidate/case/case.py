@@ -59,8 +59,6 @@ LAWS = ("st-venant-kirchhoff", "neo-hookean")
 GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
 ACCURACY = 1e-3
-LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
-LEAST_MEMORY, MOST_MEMORY = 0.1, 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +202,8 @@ class Case:
                 "fracture: with an obstacle or geometry 'nonlinear'; springs break to first order "
                 "under loads that are raised together: leave one of them out"
             )
-        finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
-        finite_number("memory", self.memory, least=LEAST_MEMORY, most=MOST_MEMORY)
+        finite_number("accuracy", self.accuracy, least=1e-8, most=0.1)
+        finite_number("memory", self.memory, least=0.1, most=1000.0)
 
     @property
     def are_elements(self) -> bool:

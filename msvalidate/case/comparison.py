@@ -10,10 +10,11 @@ import numpy as np
 import shapely
 
 from msvalidate.bodies.cut_network import support_selector
+from msvalidate.bodies.toughness import critical_stretch
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case
-from msvalidate.case.fracture import break_springs
+from msvalidate.case.fracture import MOST_BREAKS, Fracture
 from msvalidate.case.large import converge_case
 from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
 from msvalidate.case.quantities import NotCompared, Row, compare_quantities
@@ -30,6 +31,7 @@ from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.gaps import bridged_gaps
 from msvalidate.lattice.outline import outline
+from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.network import Network
 from msvalidate.problem import (
@@ -43,6 +45,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.breaking import Growth, grow
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate_check.words import AGREES, DIFFERS, agreement
 from reference_fem.converged import Reference, converge
@@ -153,9 +156,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     answers = solve_finer(case)
     if case.fracture is not None:
         progress("springs that break")
-        one, constants = answers[0], answers[0].calibration or case.constants or ()
-        of = one.network, case.problem, str(case.lattice), constants, one.spacing
-        answers = (replace(one, growth=break_springs(case.fracture, *of)), *answers[1:])
+        growth = break_springs(case.fracture, case, answers[0])
+        answers = (replace(answers[0], growth=growth), *answers[1:])
     points = compared_points(case, answers[0].lattice)
     values = displacements_at(answers, points)
     answers = answers[: len(values)]
@@ -175,6 +177,28 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
     given = (answers, support[0], limit, reference, homogenised, rows, kind, remarks)
     return Comparison(case, points, *given, on_mesh)
+
+
+def break_springs(asked: Fracture, case: Case, springs: SpringAnswer) -> Growth:
+    """Springs of a case that break as its loads are raised.
+
+    Raises what `bodies.toughness.critical_stretch` and `statics.breaking.grow` raise, or
+    `ProblemError` if a fracture energy is given of anything but one lattice of one material.
+    """
+    stretch = asked.critical_stretch
+    if asked.G_c is not None:
+        make, problem = all_patterns().get(str(case.lattice)), case.problem
+        if make is None or problem.zones:
+            raise ProblemError(
+                f"fracture: G_c of {'several materials' if make else case.lattice}; it is for one "
+                "lattice of one material, so give critical_stretch"
+            )
+        stretch = critical_stretch(
+            make(), springs.calibration or case.constants or (), asked.G_c, spacing=springs.spacing,
+            thickness=problem.material.thickness, direction=asked.direction, rule=asked.rule,
+        ).critical_stretch  # fmt: skip
+    assert stretch is not None  # noqa: S101  one of the two is given
+    return grow(springs.network, stretch, asked.raised, most_breaks=MOST_BREAKS)
 
 
 def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:

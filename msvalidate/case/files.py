@@ -10,17 +10,15 @@ from typing import Any
 
 import msgspec
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judgement
-from msvalidate.output.stored import csv_bytes, draw_files
+from msvalidate.output.stored import draw_files
 from msvalidate.output.vtu import vtu_bytes
-from msvalidate.problem import SHAPES, Array, Problem, ProblemError, materials_of_cells
+from msvalidate.problem import SHAPES, Array, ProblemError, materials_of_cells
 from msvalidate.problem.checks import format_value
 from msvalidate_check import exchange
-from reference_fem.mesh.discretisation import Discretisation
 
 MARK = "case.json"
 """The file that tells a folder of results of a case from other people's."""
@@ -81,21 +79,17 @@ def picture_files(
     return files, shown
 
 
-def table_files(tables: Mapping[str, pd.DataFrame]) -> dict[str, bytes]:
-    """A CSV a table."""
-    return {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
-
-
 def field_files(found: Comparison) -> dict[str, bytes]:
     """elements.vtu, and compared.vtu: displacements at the compared points, and difference."""
     solution = found.reference.finest
     body = solution.body
+    places = body.points[body.cells]
     first_order = "" if found.reference.large is None else "_to_first_order"
     elements = vtu_bytes(
         body.points,
         {body.element.shape: body.cells},
         {f"displacement_elements{first_order}": solution.displacement},
-        {"material": material_numbers(found.case.problem, body)},
+        {"material": materials_of_cells(found.case.problem, places, SHAPES[body.element.shape])},
     )
     compared = compared_file(found.points, "springs", found.displacement, found)
     return {"elements.vtu": elements, "compared.vtu": compared}
@@ -111,13 +105,6 @@ def compared_file(
         "difference": found.relative,
     }
     return vtu_bytes(places, {"vertex": np.arange(len(places))[:, None]}, fields)
-
-
-def material_numbers(problem: Problem, body: Discretisation) -> np.ndarray:
-    """Number (c,) of each cell's material, from 0 of the body's own, then of its regions'."""
-    if not problem.zones:
-        return np.zeros(len(body.cells), dtype=int)
-    return materials_of_cells(problem, body.points[body.cells], SHAPES[body.element.shape])
 
 
 def json_bytes(content: Any) -> bytes:

@@ -7,17 +7,13 @@ import pandas as pd
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate.bodies.toughness import RULES, critical_stretch
-from msvalidate.constants.calibration import Calibration
-from msvalidate.lattice import Constants
-from msvalidate.lattice.patterns import all_patterns
-from msvalidate.network import Network
+from msvalidate.bodies.toughness import RULES
 from msvalidate.output.body_drawing import body_axes
 from msvalidate.output.figures import COLOURS
-from msvalidate.problem import AXES, Array, Problem, ProblemError
+from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.problem.checks import positive_number, require_one_of
 from msvalidate.problem.records import dataclass
-from msvalidate.statics.breaking import Growth, grow
+from msvalidate.statics.breaking import Growth
 
 SMALL = 0.05
 """Stretch up to which small displacements are said to do."""
@@ -54,38 +50,6 @@ class Fracture:
             positive_number("G_c", self.G_c or 0.0, "J/m²")
         require_one_of("rule", self.rule, RULES)
         positive_number("raised", self.raised)
-
-
-def break_springs(
-    asked: Fracture,
-    network: Network,
-    problem: Problem,
-    lattice: str,
-    constants: Constants | Calibration,
-    spacing: float,
-) -> Growth:
-    """Springs of a problem's lattice that break as its loads are raised.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `bodies.toughness.critical_stretch` and `statics.breaking.grow`, or if a fracture energy
-        is given of anything but one lattice of one material.
-    """
-    stretch = asked.critical_stretch
-    if asked.G_c is not None:
-        make = all_patterns().get(lattice)
-        if make is None or problem.zones:
-            raise ProblemError(
-                f"fracture: G_c of {'several materials' if make else lattice}; it is for one "
-                "lattice of one material, so give critical_stretch"
-            )
-        stretch = critical_stretch(
-            make(), constants, asked.G_c, spacing=spacing, thickness=problem.material.thickness,
-            direction=asked.direction, rule=asked.rule,
-        ).critical_stretch  # fmt: skip
-    assert stretch is not None  # noqa: S101  one of the two is given
-    return grow(network, stretch, asked.raised, most_breaks=MOST_BREAKS)
 
 
 def break_table(growth: Growth | None) -> dict[str, pd.DataFrame]:

@@ -71,11 +71,6 @@ class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
     cells: CellLists | None = None
 
 
-def network_schema() -> dict[str, Any]:
-    """JSON schema of network.json."""
-    return msgspec.json.schema(NetworkFile)
-
-
 def network_json(answer: SpringAnswer, case: Case) -> bytes:
     """A case's springs at rest as `NetworkFile` has them."""
     network, tables = answer.network, network_tables(answer)

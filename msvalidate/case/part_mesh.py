@@ -31,18 +31,14 @@ def cuts_for(mesh: Mesh, spacing: float) -> int:
 
     Once at least where cells have mid-sides, so that every node of the file is a point.
     """
-    return max(_least(mesh), round(math.log2(mean_edge(mesh) / spacing)))
+    return max(int(mesh.kind.degree > 1), round(math.log2(mean_edge(mesh) / spacing)))
 
 
 def spacing_of_points(mesh: Mesh, count: int) -> float:
     """Mean edge (m) of the mesh, its cells cut, whose points are nearest to a number of them."""
     corners = len(np.unique(mesh.cells[:, : mesh.kind.corners]))
-    cuts = max(_least(mesh), round(math.log2(count / corners) / mesh.dim))
+    cuts = max(int(mesh.kind.degree > 1), round(math.log2(count / corners) / mesh.dim))
     return float(mean_edge(mesh) / 2**cuts)
-
-
-def _least(mesh: Mesh) -> int:
-    return 0 if mesh.kind.degree == 1 else 1
 
 
 def straighten(problem: Problem, cuts: int) -> Problem:

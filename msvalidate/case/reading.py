@@ -103,7 +103,8 @@ def parse_source(
     try:
         given = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise CaseError(f"case {name}: not TOML: {_one_line(error)}; mend that line") from error
+        said = " ".join(str(error).split())
+        raise CaseError(f"case {name}: not TOML: {said}; mend that line") from error
     change(given)
     version = given.get("schema")
     if version is None:
@@ -141,7 +142,7 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Path, str]:
     """The checker's words made ours: where, what stands there, what should, the nearest name."""
     place = _AT.search(said)
     path = _path(place[1] if place else "")
-    words = said[: place.start()] if place else said
+    words, value = said[: place.start()] if place else said, _value(given, path)
     unknown, missing = _UNKNOWN.match(words), _MISSING.match(words)
     expected = _EXPECTED.match(words)
     if unknown:
@@ -153,14 +154,14 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Path, str]:
     elif missing:
         path = (*path, missing[1])
         told = "missing; give it"
-    elif expected and expected[1] == "array" and isinstance(_value(given, path), dict):
+    elif expected and expected[1] == "array" and isinstance(value, dict):
         told = f"one table; write [[{path[-1]}]], of which there may be several"
     elif expected:
         wanted = [WORDS.get(kind.strip(), kind.strip()) for kind in expected[1].split("|")]
         choices = " or ".join(dict.fromkeys(word for word in wanted if word != "nothing"))
-        told = f"{format_value(_value(given, path))}; give {choices}"
+        told = f"{format_value(value)}; give {choices}"
     else:
-        told = f"{format_value(_value(given, path))}; {words[0].lower()}{words[1:]}"
+        told = f"{format_value(value)}; {words[0].lower()}{words[1:]}"
     return path, told
 
 
@@ -259,7 +260,3 @@ def _struct_in(hint: Any) -> Any:
         if found is not None:
             return found
     return None
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())

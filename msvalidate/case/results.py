@@ -104,7 +104,7 @@ def read_result(path: str | Path, dim: int, field: str | None = None) -> Result:
     try:
         given = readers[file.suffix.lower()](file, field)
         return _result(file.name, given, dim)
-    except ProblemError as error:
+    except (ProblemError, CheckError) as error:
         text = str(error)
         raise ProblemError(text if text.startswith("result ") else f"{said}: {text}") from error
 
@@ -229,10 +229,7 @@ def _table_numbers(table: pd.DataFrame, columns: Sequence[Any]) -> Array:
 
 def _read_npz(file: Path, field: str | None) -> dict[str, Any]:
     wanted = {"displacement": (field,) if field else MOVES} | PLACES_OF_ARRAYS
-    try:
-        arrays, there = read_arrays(file, wanted, MOST_POINTS)
-    except CheckError as error:
-        raise ProblemError(str(error)) from error
+    arrays, there = read_arrays(file, wanted, MOST_POINTS)
     if "displacement" not in arrays:
         known, names = ", ".join(map(format_value, there)) or "nothing", wanted["displacement"]
         choice = " or ".join(names[:2])

@@ -18,6 +18,7 @@ from msvalidate.case.network_files import network_files
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.output.rendering import render_template
+from msvalidate.output.stored import csv_bytes
 from reference_fem.converged import Reference
 
 
@@ -94,9 +95,7 @@ def judged_files(
         "precision": result.accuracy,
         "points": {
             "compared": len(given.places),
-            "outside": len(given.outside),
-            "doubled": len(given.doubled),
-            "missing": len(given.missing),
+            **{name: len(getattr(given, name)) for name in ("outside", "doubled", "missing")},
         },
         "notes": given.notes,
     }
@@ -141,7 +140,7 @@ def _laid_out(
         "origin": origin,
     }
     html = render_template("case.html", page=shown)
-    content |= files.table_files(tables) | fields
+    content |= {f"{name}.csv": csv_bytes(table) for name, table in tables.items()} | fields
     return content | {"case.html": html.encode(), "verdict.json": files.json_bytes(verdict)}
 
 

@@ -7,8 +7,6 @@ A case is one TOML file. All lengths in it, and in the mesh that it names, are m
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 from msgspec import Struct
 
@@ -168,8 +166,3 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     fracture: Fracture | None = None
     compare: Compare = msgspec.field(default_factory=Compare)
     reference: Reference = msgspec.field(default_factory=Reference)
-
-
-def json_schema() -> dict[str, Any]:
-    """JSON schema of a case file, for editors."""
-    return msgspec.json.schema(CaseFile)

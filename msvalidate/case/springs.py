@@ -238,7 +238,12 @@ def make_network(
 def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibration | None]:
     """What a network is made with, and the calibration that it is, if it is one."""
     if case.problem.zones:
-        _refuse_one_for_several(case)
+        if case.constants is not None or case.at_rest_on_edges:
+            what = "constants" if case.constants is not None else "springs on mesh edges"
+            raise ProblemError(
+                f"{what}: the body is of several materials; take a route, and for a mesh's edges "
+                "route 'neo-Hookean'"
+            )
         each = calibrate_zones(case.problem, lattice, route=case.route)
         return each, each[0]
     if case.constants is not None:
@@ -250,15 +255,6 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
         raise ProblemError("springs: the material is a tensor; give their constants")
     found = calibrate_by_route(material, lattice, None, case.route)
     return found, found
-
-
-def _refuse_one_for_several(case: Case) -> None:
-    if case.constants is not None or case.at_rest_on_edges:
-        what = "constants" if case.constants is not None else "springs on mesh edges"
-        raise ProblemError(
-            f"{what}: the body is of several materials; take a route, and for a mesh's edges route "
-            "'neo-Hookean'"
-        )
 
 
 def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:

@@ -12,13 +12,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from msvalidate.case import building, files, network_files, page, places, run, springs, sweep
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.results import Result, read_result
-from msvalidate.case.schema import json_schema
+from msvalidate.case.schema import CaseFile
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
 from msvalidate.cli.terminal import (
     Progress,
@@ -52,7 +53,7 @@ def of_case(file: Path) -> AbstractContextManager[None]:
 
 def print_schema(args: argparse.Namespace) -> int:
     """Print the schema of case files, or of network.json."""
-    made = network_files.network_schema() if args.network else json_schema()
+    made = msgspec.json.schema(network_files.NetworkFile if args.network else CaseFile)
     return print_lines([json.dumps(made, indent=2)])
 
 

@@ -18,8 +18,8 @@ from msvalidate.case import figures, files
 from msvalidate.case.budget import budget, tables
 from msvalidate.case.building import read_case
 from msvalidate.case.case import LAWS, Case
-from msvalidate.case.comparison import OTHER_MATERIAL, compare_case
-from msvalidate.case.fracture import Fracture, break_springs
+from msvalidate.case.comparison import OTHER_MATERIAL, break_springs, compare_case
+from msvalidate.case.fracture import Fracture
 from msvalidate.case.large import converge_case
 from msvalidate.case.page import reference_sentence, sentences, shown_tables
 from msvalidate.case.results import read_result
@@ -299,8 +299,7 @@ def test_springs_that_break_are_counted_drawn_and_told():
     assert f"{len(growth.broken)} springs have broken in".encode() in content["case.html"]
     assert b"The body has come apart" in content["case.html"]
     one = found.springs[0]
-    given = one.network, problem, "square", one.calibration, one.spacing
-    asked = break_springs(Fracture(G_c=7.5), *given)
+    asked = break_springs(Fracture(G_c=7.5), case, one)
     made = critical_stretch(patterns.square(), one.calibration, 7.5)
     assert not asked.breaks
     assert asked.critical_stretch == pytest.approx(made.critical_stretch)
