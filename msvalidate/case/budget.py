@@ -29,7 +29,6 @@ PARTS = {
 }
 """Parts that make up the difference, in words."""
 LAW_WORDS = dict(zip(LAWS, ("St Venant and Kirchhoff's", "the neo-Hookean"), strict=True))
-Row = tuple[str, float, float, str]
 
 
 def budget(found: Comparison) -> pd.DataFrame:
@@ -107,7 +106,7 @@ def _large_rows(
     found: Comparison,
     large: tuple[Change | None, Change | None, str],
     part: Callable[[Array], float],
-) -> list[Row]:
+) -> list[tuple[str, float, float, str]]:
     """Rows "linear reference" and "law"."""
     size, (*changes, why), law = found.size, large, LAW_WORDS[found.case.law]
     (target, off), (own, own_off) = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -110,19 +110,27 @@ def _problem(
 
 def _domain(source: Source, unit: float) -> Domain:
     body = source.data.body
-    given = [key for key in ("box", "polygon", "mesh") if getattr(body, key) is not None]
-    if len(given) != 1:
-        said = " and ".join(given) or "no shape"
-        raise source.error(("body",), f"{said}; give one of box, polygon and mesh")
+    kind = _one_of(source, ("body",), body, "shape", ("box", "polygon", "mesh"))
     if body.cell is not None and body.mesh is None:
-        raise source.error(("body", "cell"), f"of a {given[0]}; it is of .step and .stl files")
-    with source.at("body", given[0]):
+        raise source.error(("body", "cell"), f"of a {kind}; it is of .step and .stl files")
+    with source.at("body", kind):
         if body.box is not None:
             return Box(tuple(unit * edge for edge in body.box))
         if body.polygon is not None:
             return Polygon(tuple(tuple(unit * x for x in corner) for corner in body.polygon))  # type: ignore[misc]
         cell = None if body.cell is None else unit * body.cell
         return read_mesh(_mesh_path(source, str(body.mesh)), unit, cell)
+
+
+def _one_of(
+    source: Source, path: tuple[str | int, ...], given: object, what: str, keys: Iterable[str]
+) -> str:
+    """The one of some keys that a table has; `what` they are."""
+    there = [key for key in keys if getattr(given, key) is not None]
+    if len(there) != 1:
+        said = " and ".join(there) or f"no {what}"
+        raise source.error(path, f"{said}; give one of {', '.join(keys)}")
+    return there[0]
 
 
 def _mesh_path(source: Source, name: str) -> Path:
@@ -158,11 +166,8 @@ def _zone(
 ) -> Zone:
     """A part of the body of another material."""
     path = ("region", number)
-    places = [key for key in ("cells", "box", "ball") if getattr(given, key) is not None]
-    if len(places) != 1:
-        said = " and ".join(places) or "no place"
-        raise source.error(path, f"{said}; give one of cells, box and ball")
-    with source.at(*path, places[0]):
+    place = _one_of(source, path, given, "place", ("cells", "box", "ball"))
+    with source.at(*path, place):
         where = _zone_region(source, path, given, domain)
     with source.at(*path):
         density = material.density if given.density is None else given.density
@@ -231,11 +236,7 @@ def _components(source: Source, number: int, given: Support, dim: int) -> tuple[
 
 def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLoad:
     path = ("load", number)
-    kinds = [key for key in LOADS if getattr(given, key) is not None]
-    if len(kinds) != 1:
-        said = " and ".join(kinds) or "no load"
-        raise source.error(path, f"{said}; give one of {', '.join(LOADS)}")
-    (kind,) = kinds
+    kind = _one_of(source, path, given, "load", LOADS)
     _refuse_place(source, path, given, kind)
     if kind in {"traction", "pressure"}:
         region = named_part(source, path, given, domain)
@@ -279,15 +280,12 @@ def _contact(source: Source, number: int, given: Contact, domain: Domain) -> Pro
     if number:
         said = "a second one; elements meet one obstacle, leave the others out"
         raise source.error(path, said)
-    shapes = [name for name in OBSTACLES if getattr(given, name) is not None]
-    if len(shapes) != 1:
-        said = " and ".join(shapes) or "no obstacle"
-        raise source.error(path, f"{said}; give one of {', '.join(OBSTACLES)}")
+    shape = _one_of(source, path, given, "obstacle", OBSTACLES)
     if given.depth is None and given.force is None:
         raise source.error(path, "neither depth nor force; give one of them")
     region = named_part(source, path, given, domain)
-    told = getattr(given, shapes[0])
-    with source.at(*path, shapes[0]):
+    told = getattr(given, shape)
+    with source.at(*path, shape):
         towards = told.towards
         if towards is None:
             axis = next(iter(region.normal_axes), None) if isinstance(region, Region) else None
@@ -299,7 +297,7 @@ def _contact(source: Source, number: int, given: Contact, domain: Domain) -> Pro
                        for a in range(domain.dim)]  # fmt: skip
         radius = None if told.radius is None else unit * told.radius
         at = tuple(unit * x for x in told.at)
-        obstacle = Obstacle(shapes[0], at, tuple(towards), radius)
+        obstacle = Obstacle(shape, at, tuple(towards), radius)
     with source.at(*path):
         depth = unit * (given.depth or 0.0)
         return ProblemContact(region, obstacle, depth, given.force, given.friction)

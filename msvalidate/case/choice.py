@@ -76,11 +76,6 @@ class Need:
     least: float = math.nan
     most: float = math.nan
 
-    @property
-    def uncertain(self) -> bool:
-        """Whether the spacing may be off by a factor of `UNCERTAIN` or more."""
-        return max(self.most / self.spacing, self.spacing / self.least) >= UNCERTAIN
-
 
 @dataclass(frozen=True)
 class Choice:
@@ -99,11 +94,6 @@ class Choice:
     elements: tuple[Need, ...] = ()
     unknowns: int = 0
     times: float = math.nan
-
-    @property
-    def use_elements(self) -> bool:
-        """Whether elements are `BETTER` at equal cost."""
-        return self.times >= BETTER
 
 
 def choose(found: Comparison) -> Choice:
@@ -230,7 +220,7 @@ def choice_sentences(chosen: Choice) -> tuple[str, ...]:
             for need in needs
         ]
         said += [f"{kind} {'; '.join(each)}."] if each else []
-    if chosen.use_elements:
+    if chosen.times >= BETTER:
         said.append(
             f"Use elements: at {chosen.unknowns:,} unknowns they are {chosen.times:.2g} times "
             "nearer than springs."
@@ -252,5 +242,5 @@ def _need_words(need: Need) -> str:
         need.where, ""
     )
     said = f"cells = {need.cells} ({need.spacing:.3g} m{between}), {need.count:,} springs"
-    uncertainty = "uncertain, perhaps " if need.uncertain else ""
-    return f"{uncertainty}{said}, {need.seconds:.2g} s{coarser}"
+    off = max(need.most / need.spacing, need.spacing / need.least)
+    return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {need.seconds:.2g} s{coarser}"

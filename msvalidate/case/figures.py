@@ -158,14 +158,11 @@ def draw_body(found: Comparison) -> Figure:
     figure, axis = body_axes(x, 1.3 * ARROW * size)
     _draw_materials(axis, found)
     _draw_edges(axis, x, solution, EDGE, "body")
-    lattice = found.springs[0].lattice
+    network = found.springs[0].network
     if x.shape[1] == 2:
         style: dict[str, Any] = {"ms": 1.5, "color": "#9aa6b2", "zorder": 1, "rasterized": True}
-        axis.plot(*lattice.points.T, ".", label="particles", **style)
-    at, force = _arrows(found)
-    draw_held_and_loaded(
-        axis, lattice.points, found.springs[0].network.held, at, force, ARROW * size
-    )
+        axis.plot(*network.points.T, ".", label="particles", **style)
+    draw_held_and_loaded(axis, network.points, network.held, *_arrows(found), ARROW * size)
     if x.shape[1] == 2:
         _legend_below(axis, x, 4)
     else:

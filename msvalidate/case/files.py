@@ -51,7 +51,6 @@ def refuse_foreign(folder: Path, whose: str) -> None:
             f"folder {folder} holds {format_value(others[0])}, which no case left there; name "
             "another folder, or move it away"
         )
-
     if of != whose:
         raise ProblemError(
             f"folder {folder} holds results of {format_value(of)}; name another folder, or move it "

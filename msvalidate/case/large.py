@@ -10,6 +10,7 @@ import numpy as np
 from msvalidate.case.case import LAWS, Case
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.homogenise import homogenise
+from msvalidate.constants.stiffness import ALIKE
 from msvalidate.constants.zones import calibrate_zones
 from msvalidate.lattice import Constants, Pattern, PatternLattice
 from msvalidate.linear_algebra.norms import max_length
@@ -37,8 +38,6 @@ Change = tuple[Array, float]
 BY_NAME: dict[str, LawOf] = dict(zip(LAWS, (st_venant_kirchhoff, neo_hookean), strict=True))
 LARGE_NODES = 5_000
 """Nodes of the finest mesh on which large displacements are sought."""
-SAME_TENSOR = 1e-9
-"""Of a tensor, what points that move inside a cell take away where that is rounding."""
 
 
 def converge_case(case: Case, points: Array, first: Discretisation | None = None) -> Reference:
@@ -153,7 +152,7 @@ def lattice_law(
         If points move inside a cell where it is strained, so that it is no such law.
     """
     solid = homogenise(pattern, k, spacing)
-    if np.abs(solid.affine - solid.tensor).max() > SAME_TENSOR * np.abs(solid.affine).max():
+    if np.abs(solid.affine - solid.tensor).max() > ALIKE * np.abs(solid.affine).max():
         raise ProblemError(f"points of {pattern.name} move inside its cells: no law is known")
     cell = math.prod(pattern.size) * spacing ** len(pattern.size) * thickness
     return Fibres(spacing * pattern.vectors, pattern.stiffness(k), cell, volume / thickness)

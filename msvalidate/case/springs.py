@@ -52,8 +52,6 @@ from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
 
 MOST_FINE = {2: 150_000, 3: 80_000}
 """Points of the finest lattice, by the number of axes, beyond which there is none so fine."""
-FINER = (1, 2, 4)
-"""How many times as fine as asked."""
 SAFETY, CAUTION = 1.25, 3.0
 """Factors on what is left by an order that three lattices show, and where they show none."""
 LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
@@ -266,7 +264,7 @@ def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
         raise ProblemError(f"{error}{_offer_cells(case)}") from error
     dim, points = case.problem.domain.dim, len(first.lattice.points)
     found = [first]
-    for times in FINER[1:]:
+    for times in (2, 4):
         if points * times**dim > MOST_FINE[dim]:
             break
         try:

@@ -96,7 +96,7 @@ BAD = [
     ((("schema = 1", "schema = true"),), "line 1: schema: True"),
     ((("[body]", "[body"),), "not TOML"),
     ((("[body]", "[bdy]"),), "line 3: bdy: no such key; did you mean body?"),
-    (((BOX, ""),), "line 3: body: no shape; give one of box, polygon and mesh"),
+    (((BOX, ""),), "line 3: body: no shape; give one of box, polygon, mesh"),
     (((BOX, BOX + '\nmesh = "part.msh"'),), "line 4: body: box and mesh; give one"),
     (((BOX, "box = 4"),), "line 4: body.box: 4; give a list"),
     (((BOX, "box = [4.0]"),), "line 4: body.box"),
