@@ -19,7 +19,7 @@ from msvalidate.case.places import (
     region_by_coordinates,
     unit_in_metres,
 )
-from msvalidate.case.reading import Source, read_source
+from msvalidate.case.reading import Keys, Source, read_source
 from msvalidate.case.schema import Contact, Load, PartOfBody, Place, Support
 from msvalidate.problem import (
     AXES,
@@ -122,9 +122,7 @@ def _domain(source: Source, unit: float) -> Domain:
         return read_mesh(_mesh_path(source, str(body.mesh)), unit, cell)
 
 
-def _one_of(
-    source: Source, path: tuple[str | int, ...], given: object, what: str, keys: Iterable[str]
-) -> str:
+def _one_of(source: Source, path: Keys, given: object, what: str, keys: Iterable[str]) -> str:
     """The one of some keys that a table has; `what` they are."""
     there = [key for key in keys if getattr(given, key) is not None]
     if len(there) != 1:
@@ -176,7 +174,7 @@ def _zone(
 
 
 def _zone_region(
-    source: Source, path: tuple[str | int, ...], given: PartOfBody, domain: Domain
+    source: Source, path: Keys, given: PartOfBody, domain: Domain
 ) -> Region | Ball | CellSet:
     unit = unit_in_metres("unit", source.data.body.unit)
     if given.cells is not None:
@@ -252,7 +250,7 @@ def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLo
         return Weight(tuple(given.gravity or ()))
 
 
-def _refuse_place(source: Source, path: tuple[str | int, ...], given: Load, kind: str) -> None:
+def _refuse_place(source: Source, path: Keys, given: Load, kind: str) -> None:
     """Refuse a place that does not go with a kind of load."""
     goes = {"force": ("point", "node"), "gravity": ()}.get(kind, ("on", "at"))
     for key in ("on", "at", "point", "node"):
@@ -261,9 +259,7 @@ def _refuse_place(source: Source, path: tuple[str | int, ...], given: Load, kind
             raise source.error((*path, key), f"goes with no {kind}: {need}; leave {key} out")
 
 
-def _point(
-    source: Source, path: tuple[str | int, ...], given: Load, domain: Domain
-) -> tuple[float, ...]:
+def _point(source: Source, path: Keys, given: Load, domain: Domain) -> tuple[float, ...]:
     """The place (m) of a point force."""
     if (given.point is None) == (given.node is None):
         raise source.error((*path, "force"), "give its place, by point or by node")

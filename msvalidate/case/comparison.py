@@ -135,14 +135,7 @@ class Comparison:
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
-    """Solve a case with springs and with elements and compare them.
-
-    Parameters
-    ----------
-    case
-        What is asked.
-    progress
-        Told what is being done.
+    """Solve a case with springs and with elements and compare them; `progress` is told each step.
 
     Raises
     ------

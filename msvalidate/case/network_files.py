@@ -8,7 +8,7 @@ docs/cases.md says what each column holds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -76,20 +76,17 @@ def network_json(answer: SpringAnswer, case: Case) -> bytes:
     network, tables = answer.network, network_tables(answer)
     lists = [network.points, network.mass, network.held, network.displacement, network.force]
     points = PointLists(*(each.tolist() for each in [*lists, answer.rest.displacement]))
-    springs = SpringLists(network.springs.tolist(), *_last(tables["springs"], 4))
+    last = tables["springs"].iloc[:, -4:].to_dict("list")
+    springs = SpringLists(network.springs.tolist(), *last.values())
     cells = None
     if network.volumes is not None:
         table = tables["cells"]
-        cells = CellLists(network.resisting.tolist(), *_last(table, 3))
+        last = table.iloc[:, -3:].to_dict("list")
+        cells = CellLists(network.resisting.tolist(), *last.values())
         if "initial_pressure" in table:
             cells.initial_pressure_N_per_m_or_Pa = table["initial_pressure"].tolist()
     about = NetworkFile(1, case.name, answer.lattice.name, answer.spacing, points, springs, cells)
     return msgspec.json.format(msgspec.json.encode(about), indent=0) + b"\n"
-
-
-def _last(table: pd.DataFrame, count: int) -> list[list[Any]]:
-    """Values of a table's last columns."""
-    return [table[name].tolist() for name in table.columns[-count:]]
 
 
 def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:

@@ -12,7 +12,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path as FilePath
+from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import msgspec
@@ -22,7 +22,7 @@ from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
 
-Path = tuple[str | int, ...]
+Keys = tuple[str | int, ...]
 """Keys, and places in lists from 0, from the top of the file."""
 LARGEST_FILE = 10_000_000
 """Bytes: a case file names its mesh, it does not hold it."""
@@ -52,7 +52,7 @@ class Source:
     """A case file: its name in messages, where its mesh is looked for, content, of right types."""
 
     name: str
-    folder: FilePath
+    folder: Path
     data: CaseFile
     text: str
 
@@ -66,7 +66,7 @@ class Source:
         except ProblemError as error:
             raise self.error(path, str(error)) from error
 
-    def error(self, path: Path, said: str) -> CaseError:
+    def error(self, path: Keys, said: str) -> CaseError:
         """An error that names file, line and key: the one that the message is about, if it is."""
         return _error(self.name, self.text, path, said)
 
@@ -75,7 +75,7 @@ class CaseError(ProblemError):
     """A case file that asks no question; the message names its line."""
 
 
-def read_source(path: str | FilePath) -> Source:
+def read_source(path: str | Path) -> Source:
     """Read a case file and check its keys and types.
 
     Raises
@@ -84,8 +84,8 @@ def read_source(path: str | FilePath) -> Source:
         If there is no such file, it is no TOML, a key is missing or unknown or its value of a wrong
         type; the message names file, line, key and remedy.
     """
-    require_type("case file", path, str | FilePath)
-    file = FilePath(path)
+    require_type("case file", path, str | Path)
+    file = Path(path)
     name = format_value(file.name).strip("'")
     return parse_source(name, _read_text(file), file.resolve().parent)
 
@@ -93,7 +93,7 @@ def read_source(path: str | FilePath) -> Source:
 def parse_source(
     name: str,
     text: str,
-    folder: FilePath,
+    folder: Path,
     change: Callable[[dict[str, Any]], None] = lambda _: None,
 ) -> Source:
     """The same of a case file's text: its name in messages, and where its mesh is looked for.
@@ -118,7 +118,7 @@ def parse_source(
         raise _error(name, text, *_explained(given, str(error))) from error
 
 
-def _read_text(file: FilePath) -> str:
+def _read_text(file: Path) -> str:
     try:
         with file.open("rb") as opened:
             content = opened.read(LARGEST_FILE + 1)
@@ -138,7 +138,7 @@ def _read_text(file: FilePath) -> str:
         ) from error
 
 
-def _explained(given: dict[str, Any], said: str) -> tuple[Path, str]:
+def _explained(given: dict[str, Any], said: str) -> tuple[Keys, str]:
     """The checker's words made ours: where, what stands there, what should, the nearest name."""
     place = _AT.search(said)
     path = _path(place[1] if place else "")
@@ -165,7 +165,7 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Path, str]:
     return path, told
 
 
-def _error(name: str, text: str, path: Path, said: str) -> CaseError:
+def _error(name: str, text: str, path: Keys, said: str) -> CaseError:
     """What is said of the value at a path of a file: at the line of its key that begins it, if any.
 
     Else of its own key, or of the nearest table around; of tables of one name of the first.
@@ -178,11 +178,11 @@ def _error(name: str, text: str, path: Path, said: str) -> CaseError:
     return CaseError(f"case {where}: {_dotted(path)}{said}")
 
 
-def key_lines(text: str) -> dict[Path, int]:
+def key_lines(text: str) -> dict[Keys, int]:
     """Line, from 1, of each table and key of a TOML text that is known to be right."""
-    found: dict[Path, int] = {}
-    count: Counter[Path] = Counter()
-    table: Path = ()
+    found: dict[Keys, int] = {}
+    count: Counter[Keys] = Counter()
+    table: Keys = ()
     statement, began = "", 1
     for number, line in enumerate(text.split("\n"), 1):
         statement += f"{line}\n"
@@ -202,7 +202,7 @@ def key_lines(text: str) -> dict[Path, int]:
     return found
 
 
-def _entries(given: dict[str, Any], table: Path) -> Iterator[tuple[Path, Any]]:
+def _entries(given: dict[str, Any], table: Keys) -> Iterator[tuple[Keys, Any]]:
     """Keys of a table and of those in it, with their values."""
     for key, value in given.items():
         yield (*table, key), value
@@ -210,7 +210,7 @@ def _entries(given: dict[str, Any], table: Path) -> Iterator[tuple[Path, Any]]:
             yield from _entries(value, (*table, key))
 
 
-def _dotted(path: Path) -> str:
+def _dotted(path: Keys) -> str:
     """Keys as messages show them: support 2, value."""
     words = ""
     for step in path:
@@ -221,7 +221,7 @@ def _dotted(path: Path) -> str:
     return f"{words}: " if words else ""
 
 
-def _path(steps: str) -> Path:
+def _path(steps: str) -> Keys:
     """The checker's path, such as .support[1].on; "[...]" is the first that does not fit."""
     found: list[str | int] = []
     for key, place in _STEP.findall(steps):
@@ -232,7 +232,7 @@ def _path(steps: str) -> Path:
     return tuple(found)
 
 
-def _value(given: Any, path: Path) -> Any:
+def _value(given: Any, path: Keys) -> Any:
     for step in path:
         try:
             given = given[step]
@@ -241,7 +241,7 @@ def _value(given: Any, path: Path) -> Any:
     return given
 
 
-def _known_keys(path: Path) -> list[str]:
+def _known_keys(path: Keys) -> list[str]:
     """Keys of the table at a path."""
     kind: Any = CaseFile
     for step in path:
