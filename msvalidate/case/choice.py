@@ -36,15 +36,17 @@ from msvalidate.problem.records import dataclass, replace
 TARGETS = (0.05, 0.01)
 """Differences, over the largest displacement, for which spacing and mesh are sought."""
 NEAR = math.log(4)
-"""Of the logarithm of a difference over its target: where a lattice counts less by e."""
+"""Of the logarithm of a difference over its target: where a lattice counts less by e, as the
+straight line holds near the target alone."""
 ORDER_DOUBT = 0.3
-"""What an order of the spacing may be off beyond what was solved."""
+"""What an order of the spacing may be off beyond what was solved: there it is still on its way."""
 UNCERTAIN = 4.0
 """Factor that a spacing may be off from which it is called uncertain."""
 ALIKE = math.log(1.5)
-"""Of the logarithm of a spacing: how near to one that is wanted a lattice must be."""
+"""Of the logarithm of a spacing: how near to one that is wanted a lattice must be, so that one cut
+to a box is taken before one that fills it, but far off."""
 GROWTH = 1.2
-"""Exponent of the springs that seconds grow with."""
+"""Exponent of the springs that seconds grow with: factors and multigrid, at most."""
 BETTER = 3.0
 """Times by which elements are nearer from which they are advised."""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
+from msvalidate.case import choice
 from msvalidate.case.budget import budget
 from msvalidate.case.case import Case
 from msvalidate.case.choice import choice_sentences, choose
@@ -52,6 +54,13 @@ def test_what_every_lattice_meets_takes_the_coarsest():
     pulled = Problem(BEAM, LAW, rollers, (Traction(BEAM.side("right"), (10.0, 0.0)),))
     need = choose(compare_case(Case(pulled, cells=8, quantities=("displacement",)))).springs[0]
     assert (need.where, need.cells, need.count) == ("coarsest", 1, 11)
+
+
+def test_a_lattice_that_is_cut_is_taken_before_one_that_fills_far_off():
+    box = Box((5.6, 1.9))  # which 19 cells across fill, and no number near 10
+    case = Case(Problem(box, LAW, (Support(box.side("left"), (0.0, 0.0)),)), cells=19)
+    found = SimpleNamespace(case=case, springs=(SimpleNamespace(spacing=0.1),))
+    assert choice._laid(found, 0.2).cells in {9, 10}
 
 
 def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing(bent):
