@@ -162,7 +162,7 @@ def _row(
     difference: float = math.nan,
     uncertainty: float = math.nan,
 ) -> Row:
-    """What is known of a combination that began at a `time.monotonic`."""
+    """What is known of a combination that began at a time (s) of the monotonic clock."""
     seconds, said = round(time.monotonic() - began, 3), " ".join(said.split())
     row = {"outcome": outcome, "verdict": verdict, "difference": difference}
     return row | {"uncertainty": uncertainty, "said": said, "seconds": seconds}
