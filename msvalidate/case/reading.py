@@ -33,7 +33,8 @@ _MISSING = re.compile(r"Object missing required field `(.*?)`")
 _EXPECTED = re.compile(r"Expected `(.*?)`(?: of length .*?)?, got `(.*?)`")
 _WORD = re.compile(r"\w+")
 _ENDS = re.compile(r"""[]}"']\s*(#.*)?$""")
-"""Of a line with which lists and texts of several lines may end."""
+_NO_BRACKET = re.compile(r""""(?:[^"\\]|\\.)*"|'[^']*'|#.*""")
+"""How a line ends with which lists and texts of several lines may end, and its texts and remark."""
 WORDS = {
     "float": "a number",
     "int": "a whole number",
@@ -183,10 +184,12 @@ def key_lines(text: str) -> dict[Keys, int]:
     found: dict[Keys, int] = {}
     count: Counter[Keys] = Counter()
     table: Keys = ()
-    statement, began = "", 1
+    statement, began, depth = "", 1, 0
     for number, line in enumerate(text.split("\n"), 1):
         statement += f"{line}\n"
-        if number > began and not _ENDS.search(line):
+        plain = _NO_BRACKET.sub("", line)
+        depth += plain.count("[") - plain.count("]")
+        if number > began and (depth > 0 or not _ENDS.search(line)):
             continue
         try:
             given = tomllib.loads(statement)
@@ -198,7 +201,7 @@ def key_lines(text: str) -> dict[Keys, int]:
                 table = (*path, count[path]) if isinstance(value, list) else path
                 count[path] += 1
             found.setdefault(table if is_header else path, began)
-        statement, began = "", number + 1
+        statement, began, depth = "", number + 1, 0
     return found
 
 
