@@ -41,12 +41,7 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
     """Springs of a case at rest, an entry a material: constants, masses, steps and damping.
 
     Steps and damping are those of the whole network; no damping where nothing moves it. No entry of
-    a material that is given by its tensor.
-
-    Raises
-    ------
-    SolverError
-        If the highest frequency is not found.
+    a material that is given by its tensor. Raises `SolverError` if no highest frequency is found.
     """
     network, problem = answer.network, case.problem
     law = problem.material

@@ -30,7 +30,6 @@ PARTS = {
 }
 """Parts that make up the difference, in words."""
 LAW_WORDS = dict(zip(LAWS, ("St Venant and Kirchhoff's", "the neo-Hookean"), strict=True))
-Row = tuple[str, float, float, str]
 
 
 def budget(found: Comparison) -> pd.DataFrame:
@@ -42,16 +41,15 @@ def budget(found: Comparison) -> pd.DataFrame:
     """
     total = found.displacement - found.reference.displacement.value
     at = int(np.linalg.norm(total, axis=1).argmax())
-    size, length = found.size or 1.0, float(np.linalg.norm(total[at]))
-    along = total[at] / length if length else np.zeros(total.shape[1])
+    size, length = found.size, float(np.linalg.norm(total[at]))
+    along = total[at] / (length or 1.0)
 
     def part(field: Array) -> float:
         return float(field[at] @ along) / size + 0.0
 
     limit, large = found.limit.displacement, find_large(found)
     (change, springs, _), (linear_reference, law) = large, _large_rows(found, large, part)
-    target = found.first_order
-    own = target if found.homogenised is None else found.homogenised.displacement.value
+    target, own = found.first_order, found.own_material
     error, known = found.limit.uncertainty / size, found.reference.error
     nonlinear = found.case.geometry == "nonlinear"
     stays, full = "boundary", own
@@ -75,23 +73,20 @@ def budget(found: Comparison) -> pd.DataFrame:
         ("total", length / size, known, f"springs - elasticity, both {found.case.geometry}")
     )
     rows += [linear_reference] if nonlinear else [linear_reference, law]
-    rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
+    rest = found.springs[0].rest
+    moving = float(rest.error) * float(np.abs(rest.displacement).max()) / size
+    rows.append(("rest", 0.0, moving, "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
 
 
 def material_off(found: Comparison) -> float:
     """How far the springs' material may take a displacement off, over the largest; or infinite."""
-    case, wanted = found.case, found.first_order
+    case = found.case
     if case.at_rest_on_edges or (case.constants is not None and found.homogenised is None):
         return math.inf
-    own = wanted if found.homogenised is None else found.homogenised.displacement.value
-    return max_length(own - wanted) / (found.size or 1.0) + found.reference.error
-
-
-def _rest(found: Comparison) -> float:
-    rest = found.springs[0].rest
-    return float(rest.error) * float(np.abs(rest.displacement).max()) / (found.size or 1.0)
+    off = max_length(found.own_material - found.first_order)
+    return off / found.size + found.reference.error
 
 
 def find_large(found: Comparison) -> tuple[Change | None, Change | None, str]:
@@ -112,9 +107,9 @@ def _large_rows(
     found: Comparison,
     large: tuple[Change | None, Change | None, str],
     part: Callable[[Array], float],
-) -> list[Row]:
+) -> list[tuple[str, float, float, str]]:
     """Rows "linear reference" and "law"."""
-    size, (*changes, why), law = found.size or 1.0, large, LAW_WORDS[found.case.law]
+    size, (*changes, why), law = found.size, large, LAW_WORDS[found.case.law]
     (target, off), (own, own_off) = (
         (math.nan, math.nan) if each is None else (part(each[0]), each[1] / size)
         for each in changes
@@ -179,7 +174,7 @@ def lattice_row(
         "spacing": answer.spacing,
         "points": len(answer.lattice.points),
         "springs": len(answer.lattice.springs),
-        "difference": max_length(away) / (found.size or 1.0),
+        "difference": max_length(away) / found.size,
         "seconds": answer.seconds,
     }
 
@@ -189,14 +184,14 @@ def _lattice_table(found: Comparison) -> pd.DataFrame:
     wanted = found.reference.displacement.value
     rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
     if math.isfinite(found.limit.uncertainty):
-        left = max_length(found.limit.displacement - wanted) / (found.size or 1.0)
+        left = max_length(found.limit.displacement - wanted) / found.size
         rows.append({"spacing": 0.0, "difference": left})
     return pd.DataFrame(rows)
 
 
 def mesh_rows(found: Comparison) -> list[dict[str, Any]]:
     """Meshes of elements from coarse to fine."""
-    wanted, size = found.reference.displacement.value, found.size or 1.0
+    wanted, size = found.reference.displacement.value, found.size
     reference = found.reference
     return [
         {
@@ -220,59 +215,3 @@ def point_table(points: Array, displacement: Array, reference: Reference) -> pd.
     columns |= {f"u{axis}": u for axis, u in zip(axes, displacement.T, strict=True)}
     columns |= {f"elastic_u{axis}": u for axis, u in zip(axes, wanted.T, strict=True)}
     return pd.DataFrame(columns | {"difference": away})
-
-
-COLUMNS = {
-    "quantity": "what is compared",
-    "unit": "of the two sizes",
-    "springs": "largest of the springs, or of the result (or root mean square, where said)",
-    "elasticity": "the same of converged elasticity",
-    "difference": "of springs, or of the result, and elasticity, over elasticity's (1)",
-    "uncertainty": "how far it may be off (1)",
-    "verdict": "agrees or differs within the band, whatever the uncertainty; else not resolved",
-    "part": "of the difference, where it is largest",
-    "value": "along the difference there, over the largest displacement (1)",
-    "meaning": "what the part is",
-    "spacing": "side of the lattice's cells (m); 0 is what the lattices close in on",
-    "points": "of the lattice",
-    "seconds": "that its answer took",
-    "pushing": "springs of negative stiffness, where angles opposite an edge are wide",
-    "cells": "under pressure before they are loaded",
-    "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
-    "nodes": "of the mesh",
-    **dict.fromkeys(AXES, "place (m)"),
-    **{f"u{axis}": "displacement of the springs, or of the result (m)" for axis in AXES},
-    **{f"elastic_u{axis}": "the same of elasticity (m)" for axis in AXES},
-    "material": "0, the body's own, or the number of a region",
-    "along": "where springs of the kind run",
-    "constant": "stiffness of a spring inside the body, or of a cell",
-    "length": "of a spring at rest (m)",
-    "formula": "in μ, λ (λ′ in plane stress), the thickness t and the spacing h",
-    "force": "of the obstacle on a point (N)",
-    "gap": "between point and obstacle (m)",
-    "pressure": "of the obstacle on the springs, force by share of the surface (Pa)",
-    "event": "in their order",
-    "load": "factor of the loads, which is never lowered",
-    "needed": "factor at which the springs would break: below it where others broke before",
-    "spring": "number of the spring, as in springs.csv",
-    "own_energy": "that the event's springs held (J)",
-    "released": "that left the body in the event (J)",
-    "name": "of the cause",
-    "said": "what the field would be",
-    "left": "largest difference that it leaves, over elasticity's largest displacement (1)",
-}
-OWN = {
-    "constants": {
-        "name": "of the kind of spring, or κ: what resists a cell's change of volume",
-    },
-    "lattices": {"springs": "of the lattice"},
-    "mesh_springs": {
-        "spacing": "mean side of the mesh's cells (m), cut on the file's own curves",
-        "points": "of the mesh",
-        "springs": "of no rest length, on all edges and diagonals",
-        "difference": "of these springs and elasticity at the first mesh's points (1)",
-    },
-    "meshes": {"difference": "of this mesh and the finest, over the largest displacement (1)"},
-    "causes": {"value": "of what was fitted, if anything was"},
-}
-"""Table -> columns that hold something else there."""

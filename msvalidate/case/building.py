@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Mapping
 from itertools import chain
 from pathlib import Path
+from typing import Any
+
+from msgspec.structs import asdict
 
 from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
@@ -15,7 +19,7 @@ from msvalidate.case.places import (
     region_by_coordinates,
     unit_in_metres,
 )
-from msvalidate.case.reading import CaseError, Source, read_source
+from msvalidate.case.reading import Keys, Source, read_source
 from msvalidate.case.schema import Contact, Load, PartOfBody, Place, Support
 from msvalidate.problem import (
     AXES,
@@ -72,69 +76,59 @@ def build_case(source: Source) -> Case:
     with source.at("body"):
         domain = _domain(source, unit)
     material = _material(source, domain, unit)
-    zones = tuple(_zone(source, i, each, domain, material) for i, each in enumerate(data.region))
-    supports = [_support(source, i, given, domain) for i, given in enumerate(data.support)]
+    parts: dict[str, list[tuple[Any, ...]]] = {
+        "region": [(_zone(source, i, z, domain, material),) for i, z in enumerate(data.region)],
+        "support": [_support(source, i, each, domain) for i, each in enumerate(data.support)],
+    }
     if not data.support:
         raise source.error(("support",), "none; hold the body with at least one [[support]]")
-    loads = tuple(_load(source, i, each, domain) for i, each in enumerate(data.load))
-    name = data.name if data.name is not None else Path(source.name).stem
-    contacts = tuple(_contact(source, i, each, domain) for i, each in enumerate(data.contact))
-    parts = (supports, loads, zones, contacts)
-    problem = _problem(source, name, domain, material, parts)
-    return _case(source, problem, unit)
+    parts["load"] = [(_load(source, i, each, domain),) for i, each in enumerate(data.load)]
+    parts["contact"] = [(_contact(source, i, c, domain),) for i, c in enumerate(data.contact)]
+    return _case(source, _problem(source, domain, material, parts), unit)
 
 
 def _problem(
-    source: Source,
-    name: str,
-    domain: Domain,
-    material: Isotropic,
-    parts: tuple[
-        list[tuple[ProblemSupport, ...]],
-        tuple[ProblemLoad, ...],
-        tuple[Zone, ...],
-        tuple[ProblemContact, ...],
-    ],
+    source: Source, domain: Domain, material: Isotropic, parts: Mapping[str, list[tuple[Any, ...]]]
 ) -> Problem:
     """The problem; what is wrong with one of its parts stands at the line of that part."""
-    supports, loads, zones, contacts = parts
+    name, whole = source.data.name, dict[str, Any]()
+    bare: dict[str, Any] = {"supports": (), "loads": ()}
+    bare["name"] = Path(source.name).stem if name is None else name
     with source.at("name"):
-        Problem(domain, material, (), (), name)
-    for i, zone in enumerate(zones):
-        with source.at("region", i):
-            Problem(domain, material, (), (), name, (zone,))
-    for i, load in enumerate(loads):
-        with source.at("load", i):
-            Problem(domain, material, (), (load,), name)
-    for i, contact in enumerate(contacts):
-        with source.at("contact", i):
-            Problem(domain, material, (), (), name, contacts=(contact,))
-            if i:
-                raise ProblemError("a second one; elements meet one obstacle, leave the others out")
-    for i, given in enumerate(supports):
-        with source.at("support", i):
-            Problem(domain, material, given, (), name)
-    held = tuple(chain.from_iterable(supports))
+        Problem(domain, material, **bare)
+    words = {"region": "zones", "load": "loads", "contact": "contacts", "support": "supports"}
+    for table, word in words.items():
+        for i, each in enumerate(parts[table]):
+            with source.at(table, i):
+                Problem(domain, material, **bare | {word: each})
+        whole[word] = tuple(chain.from_iterable(parts[table]))
     with source.at("support"):
+        held = whole["supports"]
         Problem(domain, material, held, (), "all together").refuse_free_body()
-    return Problem(domain, material, held, loads, name, zones, contacts)
+    return Problem(domain, material, **bare | whole)
 
 
 def _domain(source: Source, unit: float) -> Domain:
     body = source.data.body
-    given = [key for key in ("box", "polygon", "mesh") if getattr(body, key) is not None]
-    if len(given) != 1:
-        said = " and ".join(given) or "no shape"
-        raise source.error(("body",), f"{said}; give one of box, polygon and mesh")
+    kind = _one_of(source, ("body",), body, "shape", ("box", "polygon", "mesh"))
     if body.cell is not None and body.mesh is None:
-        raise source.error(("body", "cell"), f"of a {given[0]}; it is of .step and .stl files")
-    with source.at("body", given[0]):
+        raise source.error(("body", "cell"), f"of a {kind}; it is of .step and .stl files")
+    with source.at("body", kind):
         if body.box is not None:
             return Box(tuple(unit * edge for edge in body.box))
         if body.polygon is not None:
             return Polygon(tuple(tuple(unit * x for x in corner) for corner in body.polygon))  # type: ignore[misc]
         cell = None if body.cell is None else unit * body.cell
         return read_mesh(_mesh_path(source, str(body.mesh)), unit, cell)
+
+
+def _one_of(source: Source, path: Keys, given: object, what: str, keys: Iterable[str]) -> str:
+    """The one of some keys that a table has; `what` they are."""
+    there = [key for key in keys if getattr(given, key) is not None]
+    if len(there) != 1:
+        said = " and ".join(there) or f"no {what}"
+        raise source.error(path, f"{said}; give one of {', '.join(keys)}")
+    return there[0]
 
 
 def _mesh_path(source: Source, name: str) -> Path:
@@ -148,28 +142,18 @@ def _mesh_path(source: Source, name: str) -> Path:
 
 
 def _material(source: Source, domain: Domain, unit: float) -> Isotropic:
-    given = source.data.material
-    state = given.state
-    if domain.dim == 3:
-        if state not in (None, "solid"):
-            raise source.error(
-                ("material", "state"), f"{format_value(state)}; a body in space is solid"
-            )
-        if given.thickness is not None:
-            raise source.error(("material", "thickness"), "a body in space has none; leave it out")
-        state = "solid"
-    elif state is None:
-        raise source.error(
-            ("material", "state"), f"missing; a plane body is in {' or '.join(STATES)}"
-        )
-    elif state not in STATES:
-        raise source.error(
-            ("material", "state"), f"{format_value(state)}; choose {' or '.join(STATES)}"
-        )
-    if domain.dim == 2 and given.thickness is None and unit != 1:
-        raise source.error(
-            ("material", "thickness"), "missing; give it in the unit of the body's lengths"
-        )
+    given, plane = source.data.material, domain.dim == 2
+    state = given.state if plane or given.state is not None else "solid"
+    if state not in (STATES if plane else ("solid",)):
+        said = "missing" if state is None else format_value(state)
+        how = "a plane body is in" if state is None else "choose"
+        need = f"{how} {' or '.join(STATES)}" if plane else "a body in space is solid"
+        raise source.error(("material", "state"), f"{said}; {need}")
+    where = ("material", "thickness")
+    if not plane and given.thickness is not None:
+        raise source.error(where, "a body in space has none; leave it out")
+    if plane and given.thickness is None and unit != 1:
+        raise source.error(where, "missing; give it in the unit of the body's lengths")
     with source.at("material"):
         thickness = 1.0 if given.thickness is None else unit * given.thickness
         return Isotropic(given.E, given.nu, state, given.density, thickness)  # type: ignore[arg-type]
@@ -180,11 +164,8 @@ def _zone(
 ) -> Zone:
     """A part of the body of another material."""
     path = ("region", number)
-    places = [key for key in ("cells", "box", "ball") if getattr(given, key) is not None]
-    if len(places) != 1:
-        said = " and ".join(places) or "no place"
-        raise source.error(path, f"{said}; give one of cells, box and ball")
-    with source.at(*path, places[0]):
+    place = _one_of(source, path, given, "place", ("cells", "box", "ball"))
+    with source.at(*path, place):
         where = _zone_region(source, path, given, domain)
     with source.at(*path):
         density = material.density if given.density is None else given.density
@@ -193,7 +174,7 @@ def _zone(
 
 
 def _zone_region(
-    source: Source, path: tuple[str | int, ...], given: PartOfBody, domain: Domain
+    source: Source, path: Keys, given: PartOfBody, domain: Domain
 ) -> Region | Ball | CellSet:
     unit = unit_in_metres("unit", source.data.body.unit)
     if given.cells is not None:
@@ -253,11 +234,7 @@ def _components(source: Source, number: int, given: Support, dim: int) -> tuple[
 
 def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLoad:
     path = ("load", number)
-    kinds = [key for key in LOADS if getattr(given, key) is not None]
-    if len(kinds) != 1:
-        said = " and ".join(kinds) or "no load"
-        raise source.error(path, f"{said}; give one of {', '.join(LOADS)}")
-    (kind,) = kinds
+    kind = _one_of(source, path, given, "load", LOADS)
     _refuse_place(source, path, given, kind)
     if kind in {"traction", "pressure"}:
         region = named_part(source, path, given, domain)
@@ -273,7 +250,7 @@ def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLo
         return Weight(tuple(given.gravity or ()))
 
 
-def _refuse_place(source: Source, path: tuple[str | int, ...], given: Load, kind: str) -> None:
+def _refuse_place(source: Source, path: Keys, given: Load, kind: str) -> None:
     """Refuse a place that does not go with a kind of load."""
     goes = {"force": ("point", "node"), "gravity": ()}.get(kind, ("on", "at"))
     for key in ("on", "at", "point", "node"):
@@ -282,9 +259,7 @@ def _refuse_place(source: Source, path: tuple[str | int, ...], given: Load, kind
             raise source.error((*path, key), f"goes with no {kind}: {need}; leave {key} out")
 
 
-def _point(
-    source: Source, path: tuple[str | int, ...], given: Load, domain: Domain
-) -> tuple[float, ...]:
+def _point(source: Source, path: Keys, given: Load, domain: Domain) -> tuple[float, ...]:
     """The place (m) of a point force."""
     if (given.point is None) == (given.node is None):
         raise source.error((*path, "force"), "give its place, by point or by node")
@@ -298,15 +273,15 @@ def _point(
 def _contact(source: Source, number: int, given: Contact, domain: Domain) -> ProblemContact:
     """An obstacle at a side; lengths are in the unit of the body's."""
     path, unit = ("contact", number), unit_in_metres("unit", source.data.body.unit)
-    shapes = [name for name in OBSTACLES if getattr(given, name) is not None]
-    if len(shapes) != 1:
-        said = " and ".join(shapes) or "no obstacle"
-        raise source.error(path, f"{said}; give one of {', '.join(OBSTACLES)}")
+    if number:
+        said = "a second one; elements meet one obstacle, leave the others out"
+        raise source.error(path, said)
+    shape = _one_of(source, path, given, "obstacle", OBSTACLES)
     if given.depth is None and given.force is None:
         raise source.error(path, "neither depth nor force; give one of them")
     region = named_part(source, path, given, domain)
-    told = getattr(given, shapes[0])
-    with source.at(*path, shapes[0]):
+    told = getattr(given, shape)
+    with source.at(*path, shape):
         towards = told.towards
         if towards is None:
             axis = next(iter(region.normal_axes), None) if isinstance(region, Region) else None
@@ -318,7 +293,7 @@ def _contact(source: Source, number: int, given: Contact, domain: Domain) -> Pro
                        for a in range(domain.dim)]  # fmt: skip
         radius = None if told.radius is None else unit * told.radius
         at = tuple(unit * x for x in told.at)
-        obstacle = Obstacle(shapes[0], at, tuple(towards), radius)
+        obstacle = Obstacle(shape, at, tuple(towards), radius)
     with source.at(*path):
         depth = unit * (given.depth or 0.0)
         return ProblemContact(region, obstacle, depth, given.force, given.friction)
@@ -353,48 +328,37 @@ def _is_on_mesh(source: Source, problem: Problem) -> bool:
 
 
 def _case(source: Source, problem: Problem, unit: float) -> Case:
+    """The case; what is wrong with its values stands at the line of their table."""
     data = source.data
-    springs, compare = data.springs, data.compare
-    given = compare.points
+    springs, compare, given = data.springs, data.compare, data.compare.points
     with source.at("compare", "points"):
         points = given if isinstance(given, str) else unit * finite_coordinates("points", given)
     on_mesh = _is_on_mesh(source, problem)
-    values = {
-        "lattice": MESH_EDGES if on_mesh else springs.lattice,
-        "spacing": None if springs.spacing is None else unit * springs.spacing,
-        "cells": springs.cells,
-        "route": EDGE_ROUTES[1] if on_mesh else springs.route,
-        "constants": None if springs.constants is None else tuple(springs.constants),
-        "volume": springs.volume or 0.0,
+    tables: dict[str, dict[str, Any]] = {
+        "springs": {
+            "lattice": MESH_EDGES if on_mesh else springs.lattice,
+            "spacing": None if springs.spacing is None else unit * springs.spacing,
+            "cells": springs.cells,
+            "route": EDGE_ROUTES[1] if on_mesh else springs.route,
+            "constants": None if springs.constants is None else tuple(springs.constants),
+            "volume": springs.volume or 0.0,
+        },
+        "reference": {"accuracy": data.reference.accuracy},
+        "material": {"law": data.material.law},
+        "fracture": {},
+        "compare": {
+            "points": points,
+            "quantities": tuple(compare.quantities),
+            "band": compare.band,
+            "memory": compare.memory,
+            "geometry": compare.geometry,
+        },
     }
-    with source.at("springs"):
-        Case(problem, **values)  # type: ignore[arg-type]
-    with source.at("reference"):
-        Case(problem, accuracy=data.reference.accuracy)
-    with source.at("material"):
-        Case(problem, law=data.material.law)
-    fracture = None
-    if data.fracture is not None:
-        with source.at("fracture"):
-            told = data.fracture
-            fracture = Fracture(
-                told.critical_stretch, told.G_c, told.rule, tuple(told.direction), told.raised
-            )
-            Case(problem, **values, fracture=fracture)  # type: ignore[arg-type]
-    with source.at("compare"):
-        return Case(
-            problem,
-            **values,  # type: ignore[arg-type]
-            fracture=fracture,
-            points=points,
-            quantities=tuple(compare.quantities),
-            band=compare.band,
-            accuracy=data.reference.accuracy,
-            memory=compare.memory,
-            law=data.material.law,
-            geometry=compare.geometry,  # type: ignore[arg-type]
-            notes={"file": source.name, "unit of length": f"{data.body.unit}"},
-        )
-
-
-__all__ = ["CaseError", "build_case", "read_case"]
+    notes, values = {"file": source.name, "unit of length": f"{data.body.unit}"}, dict[str, Any]()
+    for name, own in tables.items():
+        with source.at(name):
+            if name == "fracture" and data.fracture is not None:
+                own["fracture"] = Fracture(**asdict(data.fracture))
+            values |= own
+            case = Case(problem, **values, notes=notes)
+    return case

@@ -49,9 +49,9 @@ MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
 MOST_ASKED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
-LITTLE, MUCH = 1.25, 2.0
-"""How many times as large or small cells may be made to end where supports do; as small, to lie on
-them."""
+LITTLE = 1.25
+"""How many times as large or small cells may be made to lie on supports, and to end where they do:
+a number that is asked for is kept, about."""
 FITS = 4e-10
 """Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
 LAWS = ("st-venant-kirchhoff", "neo-hookean")
@@ -59,8 +59,6 @@ LAWS = ("st-venant-kirchhoff", "neo-hookean")
 GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
 ACCURACY = 1e-3
-LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
-LEAST_MEMORY, MOST_MEMORY = 0.1, 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +202,8 @@ class Case:
                 "fracture: with an obstacle or geometry 'nonlinear'; springs break to first order "
                 "under loads that are raised together: leave one of them out"
             )
-        finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
-        finite_number("memory", self.memory, least=LEAST_MEMORY, most=MOST_MEMORY)
+        finite_number("accuracy", self.accuracy, least=1e-8, most=0.1)
+        finite_number("memory", self.memory, least=0.1, most=1000.0)
 
     @property
     def are_elements(self) -> bool:
@@ -240,12 +238,11 @@ def spacing_of(case: Case) -> float:
     if pattern is None or not joins_corners(pattern):
         return asked
     on, ends = _support_lines(case.problem)
-    for lengths, most in ((np.append(on, ends), LITTLE), (on, MUCH)):
+    for lengths in (np.append(on, ends), on):
         if not len(lengths):
             break
-        many = np.arange(
-            math.ceil(lengths.min() / (LITTLE * asked)), lengths.min() * most / asked + 1
-        )
+        cells = lengths.min() / asked
+        many = np.arange(math.ceil(cells / LITTLE), cells * LITTLE + 1)
         tried = np.append(asked, lengths.min() / many)
         missed = np.abs(lengths[:, None] - tried * np.rint(lengths[:, None] / tried))
         tried = tried[(missed <= case.problem.domain.tolerance).all(axis=0)]
@@ -291,12 +288,7 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
 
     A box whose sides, with what is held and loaded of them, are whole numbers of cells is filled;
     else the lattice is cut to the body's outline, its lines through the supports as far as one
-    origin allows that.
-
-    Raises
-    ------
-    ProblemError
-        If the lattice cannot be laid into the body.
+    origin allows that. Raises `ProblemError` if the lattice cannot be laid into the body.
     """
     domain, pattern = case.problem.domain, _pattern(case)
     cells = domain.volume / spacing**domain.dim

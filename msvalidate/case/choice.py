@@ -15,45 +15,40 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-import shapely
-from scipy.spatial import KDTree
 
 from msvalidate.case.budget import lattice_row, mesh_rows
-from msvalidate.case.case import (
-    MESH_EDGES,
-    MOST_ASKED,
-    Case,
-    is_filled,
-    spacing_by_cells,
-    spacing_of,
-)
+from msvalidate.case.case import MESH_EDGES, MOST_ASKED, Case, is_filled, spacing_of
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.quantities import POINT_STRESS
-from msvalidate.case.springs import ROUNDING, SpringAnswer, compared_points, solve_springs
-from msvalidate.lattice import PatternLattice
+from msvalidate.case.springs import (
+    HIGHEST_ORDER,
+    LOWEST_ORDER,
+    ROUNDING,
+    at_other_cells,
+    compared_points,
+    solve_springs,
+)
 from msvalidate.lattice.cut import joins_corners
-from msvalidate.lattice.outline import outline
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, Box, ProblemError, SolverError
+from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate_check.verdict import DIFFERS
 
 TARGETS = (0.05, 0.01)
 """Differences, over the largest displacement, for which spacing and mesh are sought."""
 NEAR = math.log(4)
-"""Of the logarithm of a difference over its target: where a lattice counts less by e."""
-ORDERS, ORDER_DOUBT = (0.5, 3.0), 0.3
-"""Of the spacing: orders that are believed, and what one may be off beyond what was solved."""
+"""Of the logarithm of a difference over its target: where a lattice counts less by e, as the
+straight line holds near the target alone."""
+ORDER_DOUBT = 0.3
+"""What an order of the spacing may be off beyond what was solved: there it is still on its way."""
 UNCERTAIN = 4.0
 """Factor that a spacing may be off from which it is called uncertain."""
-ALIKE, TRIED = math.log(1.5), 30
-"""Within which a lattice must lie to one that is wanted, and numbers of cells that are tried."""
+ALIKE = math.log(1.5)
+"""Of the logarithm of a spacing: how near to one that is wanted a lattice must be, so that one cut
+to a box is taken before one that fills it, but far off."""
 GROWTH = 1.2
-"""Exponent of the springs that seconds grow with."""
-BETTER, MAIN, THIN = 3.0, 0.5, 5.0
-"""Times by which elements are nearer from which they are advised, part of the difference that is
-most of it, and cells across a wall that is thin."""
+"""Exponent of the springs that seconds grow with: factors and multigrid, at most."""
+BETTER = 3.0
+"""Times by which elements are nearer from which they are advised."""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
 """Where what a target takes lies: between what was solved; beyond the finest; the coarsest meets
 it; or no spacing does."""
@@ -83,11 +78,6 @@ class Need:
     least: float = math.nan
     most: float = math.nan
 
-    @property
-    def uncertain(self) -> bool:
-        """Whether the spacing may be off by a factor of `UNCERTAIN` or more."""
-        return max(self.most / self.spacing, self.spacing / self.least) >= UNCERTAIN
-
 
 @dataclass(frozen=True)
 class Choice:
@@ -100,20 +90,12 @@ class Choice:
         own error is not known.
     unknowns, times
         At how many unknowns elements are how many times nearer than springs; NaN if not known.
-    reasons
-        Why they are, as far as the case shows it.
     """
 
     springs: tuple[Need, ...] = ()
     elements: tuple[Need, ...] = ()
     unknowns: int = 0
     times: float = math.nan
-    reasons: tuple[str, ...] = ()
-
-    @property
-    def use_elements(self) -> bool:
-        """Whether elements are `BETTER` at equal cost."""
-        return self.times >= BETTER
 
 
 def choose(found: Comparison) -> Choice:
@@ -125,7 +107,6 @@ def choose(found: Comparison) -> Choice:
         tuple(_springs(found, rows, t) for t in TARGETS if found.case.lattice != MESH_EDGES),
         tuple(_elements(meshes, found.reference.error, t) for t in TARGETS),
         *_equal_cost(found, rows, meshes),
-        _reasons(found),
     )
 
 
@@ -154,11 +135,8 @@ def _laid(found: Comparison, wanted: float) -> Case | None:
     """The case at the number of cells nearest to a spacing (m), laid as it was if it can be."""
     case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
     cuttable = joins_corners(all_patterns()[str(case.lattice)]())
-    one = spacing_by_cells(replace(case, cells=1, spacing=None)) / wanted
-    numbers = sorted(range(1, math.ceil(2 * one) + 1), key=lambda n: abs(math.log(n / one)))
     other = None
-    for cells in numbers[:TRIED]:
-        laid = replace(case, cells=cells, spacing=None)
+    for laid in at_other_cells(case, wanted):
         spacing = spacing_of(laid)
         fills = is_filled(laid, spacing)
         if abs(math.log(spacing / wanted)) <= ALIKE and (cuttable or fills):
@@ -170,10 +148,10 @@ def _laid(found: Comparison, wanted: float) -> Case | None:
 
 def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Need:
     """The spacing that a target takes."""
-    wanted, size = found.reference.displacement.value, found.size or 1.0
+    wanted, size = found.reference.displacement.value, found.size
     left = max_length(found.limit.displacement - wanted) - found.limit.uncertainty
     if found.homogenised:
-        left = max(left, max_length(found.homogenised.displacement.value - wanted))
+        left = max(left, max_length(found.own_material - wanted))
     if left / size - found.reference.error > target:
         return Need(target, NONE)
     s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "difference"))
@@ -185,10 +163,11 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
     weight = np.exp(-(((e - t) / NEAR) ** 2))
     middle_s, middle_e = np.average([s, e], axis=1, weights=weight)
     order = (weight * (s - middle_s) * (e - middle_e)).sum()
-    order = np.clip(order / (weight * (s - middle_s) ** 2).sum(), *ORDERS)
+    believed = LOWEST_ORDER, HIGHEST_ORDER
+    order = np.clip(order / (weight * (s - middle_s) ** 2).sum(), *believed)
     best = middle_s + (t - middle_e) / order
     if (e > t).all():
-        slow_fast = np.clip([order - ORDER_DOUBT, order + ORDER_DOUBT], *ORDERS)
+        slow_fast = np.clip([order - ORDER_DOUBT, order + ORDER_DOUBT], *believed)
         ends, where = [best, *(s[-1] + (t - e[-1]) / slow_fast)], BEYOND
     else:
         ends, where = [best, s[e > t].min(), s[e <= t].max()], BETWEEN
@@ -234,40 +213,6 @@ def _equal_cost(
     return mesh["nodes"] * found.points.shape[1], times
 
 
-def _reasons(found: Comparison) -> tuple[str, ...]:
-    """What in a case elements do better than springs."""
-    domain, away = found.case.problem.domain, found.displacement
-    away = away - found.reference.displacement.value
-    worst = int(np.linalg.norm(away, axis=1).argmax())
-    own, total = away[worst] @ found.support[worst], away[worst] @ away[worst]
-    walls = _thickest(found.springs[0])
-    fits = {
-        "a support that no line of the lattice runs along": own >= MAIN * total,
-        f"{walls:.2g} cells across where the body is thickest": walls <= THIN,
-        "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
-        "stress at points differs": any(
-            row.word == DIFFERS and row.of == POINT_STRESS for row in found.rows
-        ),
-    }
-    return tuple(why for why, fit in fits.items() if fit)
-
-
-def _thickest(answer: SpringAnswer) -> float:
-    """Cells across a body where it is thickest; of a mesh in space to about a cell."""
-    lattice, domain, h = answer.lattice, answer.lattice.domain, answer.spacing
-    if isinstance(domain, Box):
-        return min(domain.size) / h
-    if domain.dim == 2:
-        return 2 * float(shapely.maximum_inscribed_circle(outline(domain)).length) / h
-    if not isinstance(lattice, PatternLattice):
-        return math.inf
-    inner = answer.surrounded
-    if not inner.any():
-        return 1.0
-    depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
-    return 2 * float(depth) / h + 1
-
-
 def choice_sentences(chosen: Choice) -> tuple[str, ...]:
     """What to take, in words."""
     said = []
@@ -277,11 +222,10 @@ def choice_sentences(chosen: Choice) -> tuple[str, ...]:
             for need in needs
         ]
         said += [f"{kind} {'; '.join(each)}."] if each else []
-    if chosen.use_elements:
-        why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
+    if chosen.times >= BETTER:
         said.append(
             f"Use elements: at {chosen.unknowns:,} unknowns they are {chosen.times:.2g} times "
-            f"nearer than springs{why}."
+            "nearer than springs."
         )
     return tuple(said)
 
@@ -300,5 +244,5 @@ def _need_words(need: Need) -> str:
         need.where, ""
     )
     said = f"cells = {need.cells} ({need.spacing:.3g} m{between}), {need.count:,} springs"
-    uncertainty = "uncertain, perhaps " if need.uncertain else ""
-    return f"{uncertainty}{said}, {need.seconds:.2g} s{coarser}"
+    off = max(need.most / need.spacing, need.spacing / need.least)
+    return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {need.seconds:.2g} s{coarser}"

@@ -7,11 +7,14 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
+import shapely
 
+from msvalidate.bodies.cut_network import support_selector
+from msvalidate.bodies.toughness import critical_stretch
 from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case
-from msvalidate.case.fracture import break_springs
+from msvalidate.case.fracture import MOST_BREAKS, Fracture
 from msvalidate.case.large import converge_case
 from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
 from msvalidate.case.quantities import NotCompared, compare_quantities
@@ -24,14 +27,17 @@ from msvalidate.case.springs import (
     limit_of,
     solve_finer,
 )
-from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.gaps import bridged_gaps
+from msvalidate.lattice.outline import outline
+from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
+from msvalidate.network import Network
 from msvalidate.problem import (
     Anisotropic,
     Array,
+    Box,
     Mesh,
     Problem,
     ProblemError,
@@ -39,12 +45,16 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.breaking import Growth, grow
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate_check.verdict import AGREES, DIFFERS, Difference, agreement
 from reference_fem.converged import Reference, converge
 
 COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
 """Why springs differ: their spacing, or what they are at any spacing, or either."""
+WITHIN = 1e-3
+"""Part of a point's distance by which a place nearest to it lies in the body: curves are drawn by
+straight lines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +71,7 @@ class Comparison:
         On the lattice asked for, then on finer ones.
     support
         (p, d) in m: what supports that no line of the lattice runs along add to the springs asked
-        for; 0 where there are none (`supports.held_as`).
+        for; 0 where there are none.
     limit
         What the springs close in on, without that.
     reference
@@ -102,6 +112,12 @@ class Comparison:
         return self.reference.displacement.value - (0.0 if large is None else large[0])
 
     @property
+    def own_material(self) -> Array:
+        """The same of the material that the springs are, if it is known; else of the one asked."""
+        own = self.homogenised
+        return self.first_order if own is None else own.displacement.value
+
+    @property
     def size(self) -> float:
         """Largest displacement (m) of elasticity at the points."""
         return max_length(self.reference.displacement.value)
@@ -110,7 +126,7 @@ class Comparison:
     def relative(self) -> Array:
         """Length (p,) of springs - elasticity over the largest displacement."""
         away = self.displacement - self.reference.displacement.value
-        return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
+        return np.asarray(np.linalg.norm(away, axis=1) / self.size)
 
     @cached_property
     def advice(self) -> tuple[Advice, ...]:
@@ -119,14 +135,7 @@ class Comparison:
 
 
 def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
-    """Solve a case with springs and with elements and compare them.
-
-    Parameters
-    ----------
-    case
-        What is asked.
-    progress
-        Told what is being done.
+    """Solve a case with springs and with elements and compare them; `progress` is told each step.
 
     Raises
     ------
@@ -140,9 +149,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     answers = solve_finer(case)
     if case.fracture is not None:
         progress("springs that break")
-        one, constants = answers[0], answers[0].calibration or case.constants or ()
-        of = one.network, case.problem, str(case.lattice), constants, one.spacing
-        answers = (replace(one, growth=break_springs(case.fracture, *of)), *answers[1:])
+        growth = break_springs(case.fracture, case, answers[0])
+        answers = (replace(answers[0], growth=growth), *answers[1:])
     points = compared_points(case, answers[0].lattice)
     values = displacements_at(answers, points)
     answers = answers[: len(values)]
@@ -164,19 +172,81 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     return Comparison(case, points, *given, on_mesh)
 
 
+def break_springs(asked: Fracture, case: Case, springs: SpringAnswer) -> Growth:
+    """Springs of a case that break as its loads are raised.
+
+    Raises what `bodies.toughness.critical_stretch` and `statics.breaking.grow` raise, or
+    `ProblemError` if a fracture energy is given of anything but one lattice of one material.
+    """
+    stretch = asked.critical_stretch
+    if asked.G_c is not None:
+        make, problem = all_patterns().get(str(case.lattice)), case.problem
+        if make is None or problem.zones:
+            raise ProblemError(
+                f"fracture: G_c of {'several materials' if make else case.lattice}; it is for one "
+                "lattice of one material, so give critical_stretch"
+            )
+        stretch = critical_stretch(
+            make(), springs.calibration or case.constants or (), asked.G_c, spacing=springs.spacing,
+            thickness=problem.material.thickness, direction=asked.direction, rule=asked.rule,
+        ).critical_stretch  # fmt: skip
+    assert stretch is not None  # noqa: S101  one of the two is given
+    return grow(springs.network, stretch, asked.raised, most_breaks=MOST_BREAKS)
+
+
 def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:
     """What supports off the lattice's lines add to displacements (p, d) in m of each lattice."""
     found, room = [], ROUNDING * max_length(body.displacement.value)
     for answer in answers:
         other, lattice = None, answer.lattice
         if isinstance(lattice, CutLattice):
-            other = held_as(case.problem, lattice, answer.network, body.finest.at, room)
+            other = _held_as(case.problem, lattice, answer.network, body.finest.at, room)
         if other is None:
             found.append(np.zeros(body.points.shape))
         else:
             less = replace(answer, rest=equilibrium(other, case.geometry)).at(body.points)
             found.append(answer.at(body.points) - less)
     return found
+
+
+def _held_as(
+    problem: Problem,
+    lattice: CutLattice,
+    network: Network,
+    motion: Callable[[Array], Array],
+    room: float,
+) -> Network | None:
+    """The network with supports off the lattice's lines held as a motion (n, d) -> (n, d) in m.
+
+    Such a support, as at a bolt's hole, holds all points of the cells that it runs through at its
+    own value: an error of first order in the spacing (`bodies.cut_network`). Beyond the outline the
+    motion is taken to go on evenly: at x = 2q - y, with q the outline's place nearest to x and y in
+    the body, it is 2 u(q) - u(y). None where that is nowhere other than it is by more than `room`
+    (m): of boxes, whose sides lie on lines, and of solids but for walls of prisms.
+    """
+    domain, x, off = problem.domain, lattice.points, np.zeros(len(lattice.points), dtype=bool)
+    if isinstance(domain, Box):
+        return None
+    for support in problem.supports:
+        off |= support_selector(lattice)(support) & ~support.region.select(x, domain.tolerance)
+    try:
+        side = shapely.boundary(outline(domain))
+    except ProblemError:  # of no prism
+        return None
+    step = np.zeros(x[off].shape)
+    nearest = shapely.shortest_line(shapely.points(x[off, :2]), side)
+    step[:, :2] = shapely.get_coordinates(nearest)[1::2] - x[off, :2]
+    inside = lattice.inside[off]
+    step[inside] = 0.0
+    near, far = x[off] + (1 + WITHIN) * step, x[off] + 2 * step
+    known = inside | (domain.contains(near) & domain.contains(far))
+    u = network.displacement[off]
+    at, beyond = motion(near[known]), motion(far[known])
+    u[known] = at + (1 + WITHIN) / (1 - WITHIN) * (at - beyond)  # on the line through both
+    moved = network.displacement.copy()
+    moved[off] = np.where(network.held[off], u, moved[off])
+    other = np.abs(moved - network.displacement).max() > room
+    return replace(network, displacement=moved) if other else None
 
 
 def _homogenised(
@@ -220,8 +290,6 @@ def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
     """Whether springs would agree on finer lattices, never, or one cannot tell."""
     wanted = reference.displacement.value
     size = max_length(wanted)
-    if not size:
-        return ""
     left = max_length(limit.displacement - wanted) / size
     uncertainty = limit.uncertainty / size + reference.error
     word = agreement(left, uncertainty, case.band) if math.isfinite(uncertainty) else ""

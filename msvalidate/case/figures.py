@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,56 +39,49 @@ from msvalidate.problem.cells import surface_facets
 from reference_fem.body import Solution
 from reference_fem.converged import Reference
 
+Drawn = dict[str, tuple[str, Callable[[], Figure]]]
+"""Name of each picture -> its caption, and what draws it."""
+SHARP = math.cos(0.5)
+"""Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
+less."""
+EDGE = "#666666"
 
-def figures(
-    found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame
-) -> dict[str, tuple[str, Callable[[], Figure]]]:
-    """Name of each picture -> its caption, and what draws it."""
-    pressed = {}
+
+def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> Drawn:
+    """Pictures of a comparison."""
+    drawn: Drawn = {}
     if found.reference.contact is not None:
-        pressed["pressure"] = (
-            "Pressure of the obstacle on springs and elements",
-            lambda: draw_pressure(found),
-        )
+        words = "Pressure of the obstacle on springs and elements"
+        drawn["pressure"] = (words, partial(draw_pressure, found))
     growth = found.springs[0].growth
     if growth is not None:
         words = "Springs that broke as the loads were raised"
-        pressed["breaks"] = (words, lambda: draw_breaks(growth))
-    return pressed | {
-        "body": ("The body, its supports and its loads", lambda: draw_body(found)),
-        "field": (
-            "Springs over elements, displacements enlarged",
-            lambda: draw_fields(found),
-        ),
-        "difference": (
-            "Difference of springs and elasticity over the largest displacement",
-            lambda: draw_difference(found.points, found.relative, _drawn(found.reference)),
-        ),
-        "spacing": (
-            "Difference of springs and elasticity against their spacing",
-            lambda: draw_spacing(found, lattices),
-        ),
-        "budget": (
-            "What makes up the difference where it is largest",
-            lambda: draw_budget(budget, found.case.band),
-        ),
-    }
+        drawn["breaks"] = (words, partial(draw_breaks, growth))
+    drawn["body"] = ("The body, its supports and its loads", partial(draw_body, found))
+    words = "Springs over elements, displacements enlarged"
+    drawn["field"] = (words, partial(draw_fields, found))
+    words = "Difference of springs and elasticity against their spacing"
+    drawn["spacing"] = (words, partial(draw_spacing, found, lattices))
+    return drawn | _difference_figures(found, "springs", found.points, budget)
 
 
-def judged_figures(
-    found: Judged, budget: pd.DataFrame
-) -> dict[str, tuple[str, Callable[[], Figure]]]:
-    """Name of each picture of a judgement -> its caption, and what draws it."""
-    solution = _drawn(found.reference)
+def judged_figures(found: Judged, budget: pd.DataFrame) -> Drawn:
+    """Pictures of a judgement."""
+    drawn: Drawn = {"matching": ("Points of the result in the body", partial(draw_matching, found))}
+    return drawn | _difference_figures(found, "result", found.matched.places, budget)
+
+
+def _difference_figures(
+    found: Comparison | Judged, whose: str, points: Array, budget: pd.DataFrame
+) -> Drawn:
     return {
-        "matching": ("Points of the result in the body", lambda: draw_matching(found)),
         "difference": (
-            "Difference of result and elasticity over the largest displacement",
-            lambda: draw_difference(found.matched.places, found.relative, solution),
+            f"Difference of {whose} and elasticity over the largest displacement",
+            partial(draw_difference, points, found.relative, found.reference),
         ),
         "budget": (
             "What makes up the difference where it is largest",
-            lambda: draw_budget(budget, found.case.band),
+            partial(draw_budget, budget, found.case.band),
         ),
     }
 
@@ -101,8 +96,7 @@ def draw_matching(found: Judged) -> Figure:
         low, high = x.min(axis=0) - size, x.max(axis=0) + size
         near = near[((near > low) & (near < high)).all(axis=1)]
     figure, axis = body_axes(np.concatenate([x, near]), 0.05 * size)
-    _draw_edges(axis, x, solution, "#666666", "body")
-    order = UPWARDS if x.shape[1] == 3 else [0, 1]
+    _draw_edges(axis, x, solution, EDGE, "body")
     groups = [
         (matched.places, ".", COLOURS[0], "compared", 2.5),
         (near, "x", COLOURS[1], f"outside ({len(matched.outside)})", 6.0),
@@ -112,11 +106,19 @@ def draw_matching(found: Judged) -> Figure:
     for at, mark, colour, label, ms in groups:
         if len(at):
             style: dict[str, Any] = {"color": colour, "ms": ms, "label": label, "mfc": "none"}
-            axis.plot(*at[:, order].T, mark, rasterized=len(at) > MOST_ARROWS, **style)
-    axis.legend(
-        loc="upper center", bbox_to_anchor=(0.5, 0.02 if len(order) == 3 else -0.16), ncols=3
-    )
+            axis.plot(*_upright(at), mark, rasterized=len(at) > MOST_ARROWS, **style)
+    _legend_below(axis, x, 3)
     return figure
+
+
+def _upright(places: Array) -> Array:
+    """Coordinates (d, n) of places (n, d) as they are drawn, in space the second upwards."""
+    return places.T[UPWARDS] if places.shape[1] == 3 else places.T
+
+
+def _legend_below(axis: Axes, points: Array, columns: int) -> None:
+    low = 0.02 if points.shape[1] == 3 else -0.16
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, low), ncols=columns)
 
 
 def draw_pressure(found: Comparison) -> Figure:
@@ -154,24 +156,16 @@ def draw_body(found: Comparison) -> Figure:
     size = float(np.ptp(x, axis=0).max())
     figure, axis = body_axes(x, 1.3 * ARROW * size)
     _draw_materials(axis, found)
-    _draw_edges(axis, x, solution, "#666666", "body")
-    lattice = found.springs[0].lattice
+    _draw_edges(axis, x, solution, EDGE, "body")
+    network = found.springs[0].network
     if x.shape[1] == 2:
-        axis.plot(
-            *lattice.points.T,
-            ".",
-            ms=1.5,
-            color="#9aa6b2",
-            label="particles",
-            zorder=1,
-            rasterized=True,
-        )
-    at, force = _arrows(found)
-    draw_held_and_loaded(
-        axis, lattice.points, found.springs[0].network.held, at, force, ARROW * size
-    )
-    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 4}
-    axis.legend(**below if x.shape[1] == 2 else {"loc": "upper left"})
+        style: dict[str, Any] = {"ms": 1.5, "color": "#9aa6b2", "zorder": 1, "rasterized": True}
+        axis.plot(*network.points.T, ".", label="particles", **style)
+    draw_held_and_loaded(axis, network.points, network.held, *_arrows(found), ARROW * size)
+    if x.shape[1] == 2:
+        _legend_below(axis, x, 4)
+    else:
+        axis.legend(loc="upper left")
     return figure
 
 
@@ -229,31 +223,19 @@ def draw_fields(found: Comparison) -> Figure:
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
     figure, axis = body_axes(np.concatenate([moved, springs, x]), 0.02 * size)
-    order = UPWARDS if x.shape[1] == 3 else [0, 1]
     elements = "elements" if found.reference.large is None else "elements, to first order"
     _draw_edges(axis, moved, solution, COLOURS[1], elements)
-    marks = lattice.points.shape[1] == 2
-    if marks:
-        lines = LineCollection(
-            list(springs[lattice.springs]),
-            color=COLOURS[4],
-            lw=0.35,
-            alpha=0.7,
-            label="springs",
-            rasterized=True,
-        )
-        axis.add_collection(lines)
+    style: dict[str, Any] = {"label": "springs", "rasterized": True}
+    if x.shape[1] == 2:
+        style |= {"color": COLOURS[4], "lw": 0.35, "alpha": 0.7}
+        axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
-        axis.plot(
-            *springs[:, order].T, ".", ms=1.5, color=COLOURS[0], label="springs", rasterized=True
-        )
-    if not marks:
-        facets = solution.body.surface[:, : _corners(solution.body.surface)]
-        shown = moved[facets][..., UPWARDS]
+        axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
+        shown = moved[_flat(solution.body.surface)][..., UPWARDS]
         axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
     _draw_edges(axis, x, solution, "#999999", "at rest", "--")
     axis.set_title(f"displacements {times:.3g} times as large", loc="left")
-    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 if marks else 0.02), ncols=3)
+    _legend_below(axis, x, 3)
     return figure
 
 
@@ -265,62 +247,41 @@ def _drawn(reference: Reference) -> Solution:
     return Solution(first.body, finest.at(first.body.points))
 
 
-def draw_difference(points: Array, relative: Array, solution: Solution) -> Figure:
+def draw_difference(points: Array, relative: Array, reference: Reference) -> Figure:
     """Difference (p,) at points (p, d) in m, on one colour scale, over the body's outline."""
+    solution = _drawn(reference)
     x = solution.body.points
     size = float(np.ptp(x, axis=0).max())
     figure, axis = body_axes(np.concatenate([x, points]), 0.03 * size)
-    _draw_edges(axis, x, solution, "#666666", "body")
+    _draw_edges(axis, x, solution, EDGE, "body")
     order = np.argsort(relative, kind="stable")
-    at = points[order][:, UPWARDS] if x.shape[1] == 3 else points[order]
-    dots = axis.scatter(
-        *at.T,
-        c=100 * relative[order],
-        cmap="viridis",
-        s=_dot_size(len(points)),
-        vmin=0.0,
-        rasterized=True,
-    )
-    figure.colorbar(
-        dots, ax=axis, label="difference (%)", shrink=0.8, pad=0.1 if x.shape[1] == 3 else 0.02
-    )
-    worst = at[-1]
-    axis.plot(
-        *[[c] for c in worst], "o", ms=9, mfc="none", mec=COLOURS[1], label="largest", zorder=4
-    )
-    low = -0.16 if len(worst) == 2 else 0.02
-    axis.legend(loc="upper center", bbox_to_anchor=(0.5, low), ncols=2)
+    at, size = _upright(points[order]), float(np.clip(6000 / len(points), 2.0, 36.0))
+    style: dict[str, Any] = {"cmap": "viridis", "vmin": 0.0, "rasterized": True}
+    dots = axis.scatter(*at, c=100 * relative[order], s=size, **style)
+    pad = 0.1 if x.shape[1] == 3 else 0.02
+    figure.colorbar(dots, ax=axis, label="difference (%)", shrink=0.8, pad=pad)
+    style = {"ms": 9, "mfc": "none", "mec": COLOURS[1], "zorder": 4}
+    axis.plot(*at[:, -1:], "o", label="largest", **style)
+    _legend_below(axis, x, 2)
     return figure
-
-
-def _dot_size(count: int) -> float:
-    return float(np.clip(6000 / count, 2.0, 36.0))
 
 
 def draw_spacing(found: Comparison, lattices: pd.DataFrame) -> Figure:
     """Difference of each lattice and of their limit, with the band and elasticity's own error."""
     figure, (axis,) = new_figure(size=(5.2, 3.4))
     there = lattices[lattices["spacing"] > 0]
-    axis.loglog(
-        there["spacing"], 100 * there["difference"], "o-", color=COLOURS[0], label="springs"
-    )
+    shown = [(there, "o-", COLOURS[0], "springs")]
     if found.on_mesh is not None:
-        own = found.on_mesh.table
-        axis.loglog(
-            own["spacing"],
-            100 * own["difference"],
-            "s--",
-            color=COLOURS[3],
-            label="on its own mesh",
-        )
+        shown.append((found.on_mesh.table, "s--", COLOURS[3], "on its own mesh"))
+    for own, style, colour, label in shown:
+        axis.loglog(own["spacing"], 100 * own["difference"], style, color=colour, label=label)
     if len(there) < len(lattices):
         limit = 100 * float(lattices["difference"].iloc[-1])
         axis.axhline(limit, color=COLOURS[2], ls="-.", label="what they close in on")
     axis.axhline(100 * found.case.band, color=COLOURS[1], ls="--", label="band")
     if found.reference.error > 0:
-        axis.axhline(
-            100 * found.reference.error, color="grey", ls=":", label="elasticity's own error"
-        )
+        known = 100 * found.reference.error
+        axis.axhline(known, color="grey", ls=":", label="elasticity's own error")
     axis.set(xlabel="spacing (m)", ylabel="difference (%)")
     add_shared_legend(figure, [axis], 2)
     return figure
@@ -331,17 +292,13 @@ def draw_budget(budget: pd.DataFrame, band: float) -> Figure:
     figure, (axis,) = new_figure(size=(6.0, 3.0))
     known = budget[np.isfinite(budget["value"].to_numpy(dtype=float))]
     place = np.arange(len(known))[::-1]
-    value, uncertainty = 100 * known["value"], 100 * known["uncertainty"]
     colour = [COLOURS[1] if part == "total" else COLOURS[0] for part in known["part"]]
-    axis.barh(
-        place, value, xerr=uncertainty, color=colour, height=0.6, error_kw={"capsize": 3, "lw": 1}
-    )
+    style: dict[str, Any] = {"color": colour, "height": 0.6, "error_kw": {"capsize": 3, "lw": 1}}
+    axis.barh(place, 100 * known["value"], xerr=100 * known["uncertainty"], **style)
     axis.set_yticks(place, list(known["part"]))
     axis.axvline(0, color="black", lw=0.8)
-    for sign in (-1, 1):
-        axis.axvline(
-            sign * 100 * band, color="grey", ls="--", lw=1, label="band" if sign > 0 else None
-        )
+    for at, label in ((-100 * band, None), (100 * band, "band")):
+        axis.axvline(at, color="grey", ls="--", lw=1, label=label)
     axis.set_xlabel("part of the difference over the largest displacement (%)")
     axis.legend(loc="lower right")
     return figure
@@ -355,23 +312,21 @@ def _draw_edges(
     facets = body.surface
     if body.dim == 2:
         ends = facets[:, [0, 2, 1]] if facets.shape[1] == 3 else facets
-        lines = list(places[ends])
-        axis.add_collection(
-            LineCollection(lines, colors=colour, linewidths=1.1, linestyles=style, label=label)
-        )
+        drawn: dict[str, Any] = {"linewidths": 1.1, "linestyles": style, "label": label}
+        axis.add_collection(LineCollection(list(places[ends]), colors=colour, **drawn))
         return
-    edges = sharp_edges(body.points, facets[:, : _corners(facets)])
-    for number, (a, b) in enumerate(edges):
-        line = places[[a, b]][:, UPWARDS].T
-        axis.plot(*line, style, color=colour, lw=0.9, label=label if not number else None)
+    for number, edge in enumerate(sharp_edges(body.points, _flat(facets))):
+        own = label if not number else None
+        axis.plot(*_upright(places[edge]), style, color=colour, lw=0.9, label=own)
 
 
-def _corners(facets: Index) -> int:
-    return 3 if facets.shape[1] in (3, 6) else 4
+def _flat(facets: Index) -> Index:
+    """Corners (f, 3 or 4) of facets in space."""
+    return facets[:, : 3 if facets.shape[1] in (3, 6) else 4]
 
 
-def sharp_edges(points: Array, facets: Index, angle: float = 0.5) -> Index:
-    """Edges (e, 2) between facets (f, 3 or 4) that meet at more than an angle (rad)."""
+def sharp_edges(points: Array, facets: Index) -> Index:
+    """Edges (e, 2) between facets (f, 3 or 4) that meet at a `SHARP` angle or more."""
     x = points[facets]
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -382,4 +337,4 @@ def sharp_edges(points: Array, facets: Index, angle: float = 0.5) -> Index:
     same: Mask = (pairs[1:] == pairs[:-1]).all(axis=1)
     first = np.flatnonzero(same)
     cosine = (normal[owner[first]] * normal[owner[first + 1]]).sum(axis=1)
-    return np.asarray(pairs[first[cosine < np.cos(angle)]])
+    return np.asarray(pairs[first[cosine < SHARP]])

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judged
-from msvalidate.output.stored import csv_bytes, draw_files
+from msvalidate.output.stored import draw_files
 from msvalidate.output.vtu import vtu_bytes
-from msvalidate.problem import SHAPES, Array, Problem, ProblemError, materials_of_cells
+from msvalidate.problem import SHAPES, Array, ProblemError, materials_of_cells
 from msvalidate.problem.checks import format_value
 from msvalidate_check import exchange
-from reference_fem.mesh.discretisation import Discretisation
 
 MARK = "case.json"
 """The file that tells a folder of results of a case from other people's."""
@@ -36,10 +34,7 @@ def folder_name(stem: str) -> str:
 def refuse_foreign(folder: Path, whose: str) -> None:
     """Raise `ProblemError` where a folder holds what no case left there, or another one did.
 
-    Parameters
-    ----------
-    folder, whose
-        For results, and the name of the file or files that they are of.
+    `whose` results it is for: the name of their file, or files.
     """
     if folder.exists() and not folder.is_dir():
         raise ProblemError(f"folder {folder} is a file; name another folder")
@@ -56,7 +51,6 @@ def refuse_foreign(folder: Path, whose: str) -> None:
             f"folder {folder} holds {format_value(others[0])}, which no case left there; name "
             "another folder, or move it away"
         )
-
     if of != whose:
         raise ProblemError(
             f"folder {folder} holds results of {format_value(of)}; name another folder, or move it "
@@ -84,21 +78,17 @@ def picture_files(
     return files, shown
 
 
-def table_files(tables: Mapping[str, pd.DataFrame]) -> dict[str, bytes]:
-    """A CSV a table."""
-    return {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
-
-
 def field_files(found: Comparison) -> dict[str, bytes]:
     """elements.vtu, and compared.vtu: displacements at the compared points, and difference."""
     solution = found.reference.finest
     body = solution.body
+    places = body.points[body.cells]
     first_order = "" if found.reference.large is None else "_to_first_order"
     elements = vtu_bytes(
         body.points,
         {body.element.shape: body.cells},
         {f"displacement_elements{first_order}": solution.displacement},
-        {"material": material_numbers(found.case.problem, body)},
+        {"material": materials_of_cells(found.case.problem, places, SHAPES[body.element.shape])},
     )
     compared = compared_file(found.points, "springs", found.displacement, found)
     return {"elements.vtu": elements, "compared.vtu": compared}
@@ -116,27 +106,10 @@ def compared_file(
     return vtu_bytes(places, {"vertex": np.arange(len(places))[:, None]}, fields)
 
 
-def material_numbers(problem: Problem, body: Discretisation) -> np.ndarray:
-    """Number (c,) of each cell's material, from 0 of the body's own, then of its regions'."""
-    if not problem.zones:
-        return np.zeros(len(body.cells), dtype=int)
-    return materials_of_cells(problem, body.points[body.cells], SHAPES[body.element.shape])
-
-
 def json_bytes(content: Any) -> bytes:
     """JSON with a line a key; numbers that are none become null."""
-    return (json.dumps(_plain(content), indent=2, ensure_ascii=False) + "\n").encode()
+    return msgspec.json.format(msgspec.json.encode(content, enc_hook=_plain)) + b"\n"
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    if isinstance(value, bool | int | str) or value is None:
-        return value
-    return format_value(value)
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else format_value(value)

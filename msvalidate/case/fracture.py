@@ -7,17 +7,13 @@ import pandas as pd
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate.bodies.toughness import RULES, critical_stretch
-from msvalidate.constants.calibration import Calibration
-from msvalidate.lattice import Constants
-from msvalidate.lattice.patterns import all_patterns
-from msvalidate.network import Network
+from msvalidate.bodies.toughness import RULES
 from msvalidate.output.body_drawing import body_axes
 from msvalidate.output.figures import COLOURS
-from msvalidate.problem import AXES, Array, Problem, ProblemError
+from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.problem.checks import positive_number, require_one_of
 from msvalidate.problem.records import dataclass
-from msvalidate.statics.breaking import Growth, grow
+from msvalidate.statics.breaking import Growth
 
 SMALL = 0.05
 """Stretch up to which small displacements are said to do."""
@@ -56,38 +52,6 @@ class Fracture:
         positive_number("raised", self.raised)
 
 
-def break_springs(
-    asked: Fracture,
-    network: Network,
-    problem: Problem,
-    lattice: str,
-    constants: Constants | Calibration,
-    spacing: float,
-) -> Growth:
-    """Springs of a problem's lattice that break as its loads are raised.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `bodies.toughness.critical_stretch` and `statics.breaking.grow`, or if a fracture energy
-        is given of anything but one lattice of one material.
-    """
-    stretch = asked.critical_stretch
-    if asked.G_c is not None:
-        make = all_patterns().get(lattice)
-        if make is None or problem.zones:
-            raise ProblemError(
-                f"fracture: G_c of {'several materials' if make else lattice}; it is for one "
-                "lattice of one material, so give critical_stretch"
-            )
-        stretch = critical_stretch(
-            make(), constants, asked.G_c, spacing=spacing, thickness=problem.material.thickness,
-            direction=asked.direction, rule=asked.rule,
-        ).critical_stretch  # fmt: skip
-    assert stretch is not None  # noqa: S101  one of the two is given
-    return grow(network, stretch, asked.raised, most_breaks=MOST_BREAKS)
-
-
 def break_table(growth: Growth | None) -> dict[str, pd.DataFrame]:
     """A row each spring that breaks: event, factor of the loads, middle (m), energies (J)."""
     if growth is None:
@@ -109,14 +73,14 @@ def _middle(growth: Growth, spring: int) -> Array:
     return np.asarray(growth.network.points[growth.network.springs[spring]].mean(axis=0))
 
 
-def break_sentence(growth: Growth | None) -> tuple[str, ...]:
-    """What broke, and what of it is the lattice's."""
+def break_sentence(growth: Growth | None) -> str:
+    """What broke, and what of it is the lattice's; "" where nothing may."""
     if growth is None:
-        return ()
+        return ""
     stretch = float(growth.critical_stretch[0])
     raised = f"At {growth.load:.4g} times the loads, and a critical stretch of {stretch:.3g},"
     if not growth.breaks:
-        return (f"{raised} no spring has broken.",)
+        return f"{raised} no spring has broken."
     first = growth.breaks[0]
     at = ", ".join(f"{x:.3g}" for x in _middle(growth, first.springs[0]))
     ends = {
@@ -126,14 +90,13 @@ def break_sentence(growth: Growth | None) -> tuple[str, ...]:
     }  # fmt: skip
     large = "" if stretch <= SMALL else " Such a stretch is not small: all this is of first order."
     loose = f", {len(growth.loose)} points are loose" if len(growth.loose) else ""
-    said = (
+    return (
         f"{raised} {len(growth.broken)} springs have broken in {len(growth.breaks)} events, "
         f"the first at {first.load:.4g} times around ({at}) m{loose}. {growth.released:.3g} J "
         f"are released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
         f"{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
         f"spacing, and paths follow the lattice's rows (study fracture).{large}"
     )
-    return (said,)
 
 
 def draw_breaks(growth: Growth) -> Figure:

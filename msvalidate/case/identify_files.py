@@ -157,11 +157,8 @@ def _repeating_solid(x: Array, pairs: Index, stiffness: Array) -> tuple[Homogeni
     """The solid of what repeats in a piece, how many points that has, and which (n,) are inside.
 
     Of points (n, d) in m and springs (m, 2) of (m,) N/m. Inside are those with all their springs.
-
-    Raises
-    ------
-    ProblemError
-        If nothing repeats, the piece is too small to show it, or stiffness changes inside.
+    Raises `ProblemError` if nothing repeats, the piece is too small to show it, or stiffness
+    changes inside.
     """
     n, d = x.shape
     start, end = np.concatenate([pairs, pairs[:, ::-1]]).T  # each spring from both ends

@@ -10,6 +10,7 @@ import numpy as np
 from msvalidate.case.case import LAWS, Case
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.homogenise import homogenise
+from msvalidate.constants.stiffness import ALIKE
 from msvalidate.constants.zones import calibrate_zones
 from msvalidate.lattice import Constants, Pattern, PatternLattice
 from msvalidate.linear_algebra.norms import max_length
@@ -37,24 +38,13 @@ Change = tuple[Array, float]
 BY_NAME: dict[str, LawOf] = dict(zip(LAWS, (st_venant_kirchhoff, neo_hookean), strict=True))
 LARGE_NODES = 5_000
 """Nodes of the finest mesh on which large displacements are sought."""
-SAME_TENSOR = 1e-9
-"""Of a tensor, what points that move inside a cell take away where that is rounding."""
 
 
 def converge_case(case: Case, points: Array, first: Discretisation | None = None) -> Reference:
     """Elasticity of a case at points (p, d) in m, to first order or in full, as it asks.
 
-    Parameters
-    ----------
-    case, points
-        What is asked, and where.
-    first
-        The first mesh, if it is made already.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `converge` and, of a case that is nonlinear, `change_in_full`.
+    `first` is the first mesh, if it is made already. Raises what `converge` raises and, of a case
+    that is nonlinear, `change_in_full`.
     """
     if case.problem.contacts:
         return converge_contact(case.problem, points, case.accuracy)
@@ -68,12 +58,8 @@ def change_in_full(reference: Reference, law: LawOf) -> Change:
     """What displacements (p, d) in m at a reference's points change by, and how far it may be off.
 
     On the finest of its meshes, up to `LARGE_NODES`, that has an equilibrium: at corners that are
-    pressed a finer one may have none. It may be off by what the next coarser one has other.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As `elements_in_full`, of the coarsest mesh.
+    pressed a finer one may have none. It may be off by what the next coarser one has other. Raises
+    what `elements_in_full` raises of the coarsest mesh.
     """
     meshes = [each for each in reference.solutions if len(each.body.points) <= LARGE_NODES]
     found: list[Array] = []
@@ -124,10 +110,7 @@ def elements_in_full(problem: Problem, linear: Solution, points: Array, law: Law
 def springs_law(case: Case, springs: SpringAnswer) -> LawOf:
     """The law that the springs of a case are at finite strain, of each of its materials.
 
-    Raises
-    ------
-    ProblemError
-        If it is not known for the lattice.
+    Raises `ProblemError` if it is not known for the lattice.
     """
     lattice, problem = springs.lattice, case.problem
     if case.route == "neo-Hookean":  # what the network itself is made of, per thickness
@@ -169,7 +152,7 @@ def lattice_law(
         If points move inside a cell where it is strained, so that it is no such law.
     """
     solid = homogenise(pattern, k, spacing)
-    if np.abs(solid.affine - solid.tensor).max() > SAME_TENSOR * np.abs(solid.affine).max():
+    if np.abs(solid.affine - solid.tensor).max() > ALIKE * np.abs(solid.affine).max():
         raise ProblemError(f"points of {pattern.name} move inside its cells: no law is known")
     cell = math.prod(pattern.size) * spacing ** len(pattern.size) * thickness
     return Fibres(spacing * pattern.vectors, pattern.stiffness(k), cell, volume / thickness)

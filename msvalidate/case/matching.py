@@ -30,31 +30,28 @@ class Matched:
 
     Parameters
     ----------
-    places
-        (m, d) in m, in the body.
-    displacement
-        (m, d) in m.
+    places, displacement, number
+        (m, d) in m, in the body; (m, d) in m; and (m,) which points of the result they are.
     outside
         (k, d) in m, those that are in no part of the body.
     doubled
         (l, d) in m, places that stand in the file more than once; the first is taken.
     missing
         (j, d) in m, points of the case that the file says nothing of.
+    contradiction
+        Largest difference (m) of displacements that stand in the file for one place.
     notes
         Sentences on these.
-    number
-        (m,) which points of the result they are.
     """
 
     places: Array
     displacement: Array
+    number: Index
     outside: Array
     doubled: Array
     missing: Array
+    contradiction: float
     notes: tuple[str, ...]
-    number: Index
-    contradiction: float = 0.0
-    """Largest difference (m) of displacements that stand in the file for one place."""
 
 
 def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matched:
@@ -75,67 +72,55 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     ProblemError
         If no point lies in the body, or numbers are of no point.
     """
-    move = unit * result.displacement
-    if result.points is None:
-        return _by_number(case, result, move)
-    places = unit * result.points
-    owner = _first_of_each(places, case.problem.domain.tolerance)
+    move, tolerance, known = unit * result.displacement, case.problem.domain.tolerance, None
+    if result.points is not None:
+        places = unit * result.points
+        owner = _first_of_each(places, tolerance)
+    else:
+        known, of_case = _numbered(case)
+        number = _of_case(result, len(known))
+        places = known[number]
+        _, first, which = np.unique(number, return_index=True, return_inverse=True)
+        owner = first[which]
     first, again = np.unique(owner), np.flatnonzero(owner != np.arange(len(places)))
-    doubled = places[again]
-    apart = _largest(move[again] - move[owner[again]])
-    places, move = places[first], move[first]
-    room = _room(case)
-    inside, at = _into_body(body, places, room, case.problem.domain.tolerance)
-    hint = _unit_meant(case, places)
-    if inside.mean() < MOSTLY:
-        raise ProblemError(_nowhere(case, places, int(inside.sum()), hint))
-    missing = _missing(case, at[inside], room)
+    doubled, apart = places[again], move[again] - move[owner[again]]
+    at, room = places[first], _room(case)
+    if known is None:
+        inside, at = _into_body(body, at, room, tolerance)
+        if inside.mean() < MOSTLY:
+            hint = _unit_meant(case, places[first])
+            raise ProblemError(_nowhere(case, places[first], int(inside.sum()), hint))
+        missing = _missing(case, at[inside], room)
+    else:
+        inside = of_case[number[first]]
+        if not inside.any():
+            said = "result: its points lie outside the body; give others of the case too"
+            raise ProblemError(said)
+        missing = known[np.setdiff1d(np.flatnonzero(of_case), number)]
+    outside, contradiction = places[first[~inside]], max_length(apart) if len(apart) else 0.0
+    what = "places" if known is None else "numbers"
     notes = [
-        *_noted(f"of {len(places)} points {OUTSIDE}", places[~inside]),
-        *_noted("places stand in the file more than once; the first counts", doubled),
+        *_noted(f"of {len(first)} points {OUTSIDE}", outside),
+        *_noted(f"{what} stand in the file more than once; the first counts", doubled),
         *_noted("points of the case are not in the file", missing),
     ]
-    notes += _contradicted(apart)
-    there = (at[inside], move[inside], places[~inside], doubled, missing)
-    return Matched(*there, tuple(notes), first[inside], apart)
+    if contradiction:
+        said = f"displacements of one place differ by up to {contradiction:.3g} m"
+        notes.append(f"{said}, which leaves that open")
+    first, at = first[inside], at[inside]
+    given = (outside, doubled, missing, contradiction, tuple(notes))
+    return Matched(at, move[first], first, *given)
 
 
-def _largest(apart: Array) -> float:
-    """Length (m) of the longest of these, of which there may be none."""
-    return max_length(apart) if len(apart) else 0.0
-
-
-def _contradicted(apart: float) -> Sequence[str]:
-    if not apart:
-        return ()
-    return (f"displacements of one place differ by up to {apart:.3g} m, which leaves that open",)
-
-
-def _by_number(case: Case, result: Result, move: Array) -> Matched:
-    points, inside = _numbered(case)
+def _of_case(result: Result, count: int) -> Index:
+    """Numbers of a case's points that a result has, of so many."""
     number: Index = result.id  # type: ignore[assignment]
-    if number.min() < 0 or number.max() >= len(points):
+    if number.min() < 0 or number.max() >= count:
         raise ProblemError(
-            f"result: id {number.min()} to {number.max()}; the case has points 0 to "
-            f"{len(points) - 1}: give these, or places"
+            f"result: id {number.min()} to {number.max()}; the case has points 0 to {count - 1}: "
+            "give these, or places"
         )
-    _, first, which = np.unique(number, return_index=True, return_inverse=True)
-    again = np.setdiff1d(np.arange(len(number)), first)
-    doubled = points[number[again]]
-    apart = _largest(move[again] - move[first[which[again]]])
-    missing = points[np.setdiff1d(np.flatnonzero(inside), number)]
-    first, beyond = first[inside[number[first]]], first[~inside[number[first]]]
-    if not len(first):
-        raise ProblemError("result: its points lie outside the body; give others of the case too")
-    outside = points[number[beyond]]
-    notes = [
-        *_noted(f"of {len(first) + len(beyond)} points {OUTSIDE}", outside),
-        *_noted("numbers stand in the file more than once; the first counts", doubled),
-        *_noted("points of the case are not in the file", missing),
-    ]
-    notes += _contradicted(apart)
-    there = (points[number[first]], move[first], outside, doubled, missing)
-    return Matched(*there, tuple(notes), first, apart)
+    return number
 
 
 def _numbered(case: Case) -> tuple[Array, Mask]:

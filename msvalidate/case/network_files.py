@@ -8,7 +8,7 @@ docs/cases.md says what each column holds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -71,30 +71,22 @@ class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
     cells: CellLists | None = None
 
 
-def network_schema() -> dict[str, Any]:
-    """JSON schema of network.json."""
-    return msgspec.json.schema(NetworkFile)
-
-
 def network_json(answer: SpringAnswer, case: Case) -> bytes:
     """A case's springs at rest as `NetworkFile` has them."""
     network, tables = answer.network, network_tables(answer)
     lists = [network.points, network.mass, network.held, network.displacement, network.force]
     points = PointLists(*(each.tolist() for each in [*lists, answer.rest.displacement]))
-    springs = SpringLists(network.springs.tolist(), *_last(tables["springs"], 4))
+    last = tables["springs"].iloc[:, -4:].to_dict("list")
+    springs = SpringLists(network.springs.tolist(), *last.values())
     cells = None
     if network.volumes is not None:
         table = tables["cells"]
-        cells = CellLists(network.resisting.tolist(), *_last(table, 3))
+        last = table.iloc[:, -3:].to_dict("list")
+        cells = CellLists(network.resisting.tolist(), *last.values())
         if "initial_pressure" in table:
             cells.initial_pressure_N_per_m_or_Pa = table["initial_pressure"].tolist()
     about = NetworkFile(1, case.name, answer.lattice.name, answer.spacing, points, springs, cells)
     return msgspec.json.format(msgspec.json.encode(about), indent=0) + b"\n"
-
-
-def _last(table: pd.DataFrame, count: int) -> list[list[Any]]:
-    """Values of a table's last columns."""
-    return [table[name].tolist() for name in table.columns[-count:]]
 
 
 def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:
@@ -102,11 +94,6 @@ def network_files(answer: SpringAnswer, case: Case) -> dict[str, bytes]:
 
     cells.csv is there where cells resist a change of volume, cells.vtu where they have a stress or
     resist. Nothing in them is NaN.
-
-    Parameters
-    ----------
-    answer, case
-        Springs at rest, and the case that they are of.
     """
     points, network = answer.lattice.points, answer.network
     tables = network_tables(answer)

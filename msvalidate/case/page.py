@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.budget import COLUMNS, OWN, material_off
+from msvalidate.case.budget import material_off
 from msvalidate.case.case import MESH_EDGES, Case, spacing_of
 from msvalidate.case.comparison import (
     COARSE,
@@ -20,16 +21,15 @@ from msvalidate.case.comparison import (
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import locking
-from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared
+from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
+from msvalidate.judging.columns import read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.gaps import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.output.rendering import render_template
-from msvalidate.problem import BodyForce, Mesh, PointForce, Support, Traction, Weight
+from msvalidate.problem import Load, Material, Mesh, PointForce, Support, Traction, Weight
 from msvalidate.problem.normals import is_faceted
-from msvalidate.problem.records import dataclass
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.verdict import (
     AGREES,
@@ -47,51 +47,20 @@ WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
 """Words of several quantities: the first that one of them has is the case's."""
 
 
-@dataclass(frozen=True)
-class Page:
-    """All that the page of a case says."""
-
-    name: str
-    verdict: str
-    sentence: str
-    sentences: tuple[str, ...]
-    springs: tuple[str, ...]
-    candidate: str
-    band: str
-    rows: tuple[Mapping[str, str], ...]
-    notes: tuple[str, ...]
-    pictures: tuple[Picture, ...]
-    tables: tuple[Table, ...]
-    fields: tuple[str, ...]
-    asked: Mapping[str, str]
-    origin: Mapping[str, str]
-
-
-def render(page: Page) -> str:
-    """HTML of a page, complete in itself."""
-    return render_template("case.html", page=page)
-
-
 def overall(rows: Sequence[Difference]) -> str:
     """The word of a case: the worst of its quantities'."""
     words = {row.word for row in rows}
     return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
 
 
-def shown_rows(rows: Sequence[Difference]) -> tuple[Mapping[str, str], ...]:
+def shown_rows(rows: Sequence[Difference]) -> list[dict[str, str]]:
     """Quantities with few digits."""
-    return tuple(
-        {
-            "quantity": row.quantity,
-            "verdict": row.word,
-            "difference": percent(row.error),
-            "uncertainty": percent(row.uncertainty),
-            "candidate": _number(row.found),
-            "elasticity": _number(row.wanted),
-            "unit": row.unit,
-        }
+    return [
+        difference_row(row)
+        | {"difference": percent(row.error), "uncertainty": percent(row.uncertainty)}
+        | {"candidate": _number(row.found), "elasticity": _number(row.wanted)}
         for row in rows
-    )
+    ]
 
 
 def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, ...]:
@@ -101,10 +70,11 @@ def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, 
 
 def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
     """First rows of each table, as a CSV has them."""
-    texts = {name: table.map(_text) for name, table in tables.items()}
-    return tuple(
-        table_excerpt(name, table, COLUMNS | OWN.get(name, {})) for name, table in texts.items()
-    )
+    means, shown = read_columns(__file__), []
+    for name, table in tables.items():
+        said = {each: str(means.get(f"{name}.{each}", means[each])) for each in map(str, table)}
+        shown.append(table_excerpt(name, table.map(_text), said))
+    return tuple(shown)
 
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
@@ -123,14 +93,15 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
             for each in found.notes
         )
         head = f"{springs} are compared in nothing that was asked: {why}."
-    return head, (
+    reasons = (
         _kind_sentence(found),
         reference_sentence(found.reference),
-        *_hole_sentence(found),
-        *_mesh_sentence(found),
-        *_contact_sentence(found),
-        *break_sentence(found.springs[0].growth),
+        _hole_sentence(found),
+        _mesh_sentence(found),
+        _contact_sentence(found),
+        break_sentence(found.springs[0].growth),
     )
+    return head, tuple(filter(None, reasons))
 
 
 def _describe_spacing(case: Case) -> str:
@@ -141,29 +112,27 @@ def _describe_spacing(case: Case) -> str:
     return f"{case.lattice}, {spacing_of(case):.6g} m"
 
 
-def _hole_sentence(found: Comparison) -> tuple[str, ...]:
+def _hole_sentence(found: Comparison) -> str:
     """Which hole the lattice asked for hardly knows."""
     lattice = found.springs[0].lattice
     holes = narrow_holes(lattice) if isinstance(lattice, CutLattice) else np.empty((0, 3))
     if not len(holes):
-        return ()
+        return ""
     x, y, wide = holes[holes[:, 2].argmin()]
     cells = wide / found.springs[0].spacing
-    said = (
+    return (
         f"A hole at ({x:.4g}, {y:.4g}) m is {cells:.2g} cells wide: these springs hardly know it; "
         "take a smaller spacing, or the part's own mesh."
     )
-    return (said,)
 
 
-def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
+def _mesh_sentence(found: Comparison) -> str:
     """How far off springs on the part's own mesh are, and what an engine must have for them."""
     own, case = found.on_mesh, found.case
     stiff = locking(case.problem)
-    if own is None and stiff and case.are_elements:
-        return (f'{stiff}: take cells with four or eight corners, or [springs] on = "lattice".',)
     if own is None:
-        return ()
+        said = f'{stiff}: take cells with four or eight corners, or [springs] on = "lattice".'
+        return said if stiff and case.are_elements else ""
     first = own.table.iloc[0]
     order = f", order {own.order:.1f} on finer ones" if math.isfinite(own.order) else ""
     push = f", {first['pushing']:,.0f} of which push" if first["pushing"] else ""
@@ -175,21 +144,20 @@ def _mesh_sentence(found: Comparison) -> tuple[str, ...]:
     )
     off = [row.error for row in found.rows if row.quantity == "displacement"]
     nearer = ": the lattice is nearer" if off and off[0] < first["difference"] else ""
-    return (f"{said} {stiff}{nearer}." if stiff else said,)
+    return f"{said} {stiff}{nearer}." if stiff else said
 
 
-def _contact_sentence(found: Comparison) -> tuple[str, ...]:
+def _contact_sentence(found: Comparison) -> str:
     """How fine the lattice is beside the patch, and how fine it should be."""
     answer = found.springs[0]
     if answer.contact is None or found.case.problem.contacts[0].obstacle.radius is None:
-        return ()
+        return ""
     cells = answer.contact.contacts[0].half_width / answer.spacing
-    said = (
+    return (
         f"The patch has {cells:.2g} cells in its half-width: on squares 5 give half-width and "
         "largest pressure to 1 %, 3 to 5 %, by the forces' second moment; the number of touching "
         "points tells no more than a cell (study contact)."
     )
-    return (said,)
 
 
 def band_words(case: Case, rows: Sequence[Difference]) -> str:
@@ -265,27 +233,27 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
     if found.reference.no_limit:
         return head, (*said, reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
-    said.append(
+    known = (
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
-        f"{percent(found.result.accuracy)}.{_more_sentence(found.reference)}"
-        f"{_body_sentences(found.reference)}"
+        f"{percent(found.result.accuracy)}."
     )
+    said.append(known + _more_sentence(found.reference) + _body_sentences(found.reference))
     return head, tuple(said)
 
 
 def _kind_sentence(found: Comparison) -> str:
-    limit, size = found.limit, found.size or 1.0
+    limit, size = found.limit, found.size
     bridged = say_bridged(found.springs[0].lattice)
     if bridged:
         return bridged
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
-    order = f", order {limit.order:.1f}" if limit.status == "seen" else ""
+    order = f", order {limit.order:.1f}" if math.isfinite(limit.order) else ""
     away = max_length(limit.displacement - found.reference.displacement.value) / size
     rest = percent(away)
     uncertainty = percent(limit.uncertainty / size)
     closing = f"On finer lattices{order} they close in on {rest} ± {uncertainty}"
-    off, support = material_off(found), found.support
+    off = material_off(found)
     right = off <= found.case.band
     if found.kind == COARSE:
         left = away <= float(found.relative.max()) + limit.uncertainty / size
@@ -301,8 +269,8 @@ def _kind_sentence(found: Comparison) -> str:
         )
     else:
         said = f"{closing}, which does not tell spacing from material."
-    if support.any():
-        cost = percent(max_length(support) / size)
+    if found.support.any():
+        cost = percent(max_length(found.support) / size)
         said += f" A support that no line of the lattice runs along costs up to {cost}."
     return said
 
@@ -310,11 +278,12 @@ def _kind_sentence(found: Comparison) -> str:
 def asked(case: Case) -> dict[str, str]:
     """What a case asks, in words."""
     problem, law = case.problem, case.problem.material
-    words = {**case.notes, "body": str(problem.domain), "material": _material(case)}
+    state = getattr(law, "state", "tensor").replace("_", " ")
+    thickness = f", {law.thickness:g} m thick" if law.dim == 2 else ""
+    words = {**case.notes, "body": str(problem.domain)}
+    words["material"] = f"{_moduli(law)}, {state}{thickness}"
     for number, zone in enumerate(problem.zones, 1):
-        own = zone.material
-        E, nu = getattr(own, "E", math.nan), getattr(own, "nu", math.nan)
-        words[f"region {number}"] = f"{zone.region}: E = {E:g} Pa, nu = {nu:g}"
+        words[f"region {number}"] = f"{zone.region}: {_moduli(zone.material)}"
     words["supports"] = "; ".join(_support(each) for each in problem.supports)
     words["loads"] = "; ".join(_load(each) for each in problem.loads) or "none"
     for each in problem.contacts:
@@ -326,37 +295,35 @@ def asked(case: Case) -> dict[str, str]:
         words["displacements"] = f"large; elements of the law {case.law}"
     words["band"] = percent(case.band)
     words["elasticity asked to"] = percent(case.accuracy)
-    return words | ({"density": f"{law.density:g} kg/m³"} if law else {})
+    return words | {"density": f"{law.density:g} kg/m³"}
 
 
-def _material(case: Case) -> str:
-    law = case.problem.material
-    state = getattr(law, "state", "tensor").replace("_", " ")
-    thickness = f", {law.thickness:g} m thick" if law.dim == 2 else ""
+def _moduli(law: Material) -> str:
     E, nu = getattr(law, "E", math.nan), getattr(law, "nu", math.nan)
-    return f"E = {E:g} Pa, nu = {nu:g}, {state}{thickness}"
+    return f"E = {E:g} Pa, nu = {nu:g}"
 
 
 def _support(support: Support) -> str:
-    def word(value: object) -> str:
-        return "free" if value is None else "a field" if callable(value) else f"{value:g}"
-
-    return f"{support.region}: {', '.join(word(value) for value in support.displacement)} m"
+    moved = ("free" if each is None else _words(each) for each in support.displacement)
+    return f"{support.region}: {', '.join(moved)} m"
 
 
-def _load(load: object) -> str:
-    def vector(given: object) -> str:
-        return "a field" if callable(given) else f"({', '.join(f'{x:g}' for x in given)})"  # type: ignore[attr-defined]
+def _words(given: Any) -> str:
+    """A number, some, or a field of them."""
+    if callable(given):
+        return "a field"
+    return f"({', '.join(map(_words, given))})" if isinstance(given, tuple) else f"{given:g}"
 
-    if isinstance(load, Traction):
-        return f"traction {vector(load.traction)} Pa on {load.region}"
-    if isinstance(load, PointForce):
-        return f"force {vector(load.force)} N at {vector(load.at)} m"
-    if isinstance(load, Weight):
-        return f"weight, g = {vector(load.acceleration)} m/s²"
-    if isinstance(load, BodyForce):
-        return f"body force {vector(load.force)} N/m³"
-    return str(load)
+
+def _load(load: Load) -> str:
+    match load:
+        case Traction():
+            return f"traction {_words(load.traction)} Pa on {load.region}"
+        case PointForce():
+            return f"force {_words(load.force)} N at {_words(load.at)} m"
+        case Weight():
+            return f"weight, g = {_words(load.acceleration)} m/s²"
+    return f"body force {_words(load.force)} N/m³"
 
 
 def percent(value: float) -> str:

@@ -31,27 +31,20 @@ def cuts_for(mesh: Mesh, spacing: float) -> int:
 
     Once at least where cells have mid-sides, so that every node of the file is a point.
     """
-    return max(_least(mesh), round(math.log2(mean_edge(mesh) / spacing)))
+    return max(int(mesh.kind.degree > 1), round(math.log2(mean_edge(mesh) / spacing)))
 
 
 def spacing_of_points(mesh: Mesh, count: int) -> float:
     """Mean edge (m) of the mesh, its cells cut, whose points are nearest to a number of them."""
     corners = len(np.unique(mesh.cells[:, : mesh.kind.corners]))
-    cuts = max(_least(mesh), round(math.log2(count / corners) / mesh.dim))
+    cuts = max(int(mesh.kind.degree > 1), round(math.log2(count / corners) / mesh.dim))
     return float(mean_edge(mesh) / 2**cuts)
-
-
-def _least(mesh: Mesh) -> int:
-    return 0 if mesh.kind.degree == 1 else 1
 
 
 def straighten(problem: Problem, cuts: int) -> Problem:
     """A problem on its mesh with every cell cut in 2^d so many times, and sides made straight.
 
-    Raises
-    ------
-    ProblemError
-        If a straight cell would be none, or cells are too many.
+    Raises `ProblemError` if a straight cell would be none, or cells are too many.
     """
     mesh = problem.domain
     if not isinstance(mesh, Mesh):

@@ -6,7 +6,7 @@ import difflib
 
 import numpy as np
 
-from msvalidate.case.reading import Source
+from msvalidate.case.reading import Keys, Source
 from msvalidate.case.schema import Contact, Interval, Load, Place, Support
 from msvalidate.case.units import LENGTH as UNITS
 from msvalidate.problem import (
@@ -38,9 +38,7 @@ def unit_in_metres(name: str, given: str | float) -> float:
         ) from error
 
 
-def region_by_coordinates(
-    source: Source, path: tuple[str | int, ...], given: Place, domain: Domain
-) -> Region:
+def region_by_coordinates(source: Source, path: Keys, given: Place, domain: Domain) -> Region:
     """A region by coordinates."""
     unit = unit_in_metres("unit", source.data.body.unit)
     with source.at(*path):
@@ -53,13 +51,13 @@ def region_by_coordinates(
 def _extent(entry: Interval | None, unit: float) -> float | tuple[float, float] | None:
     if entry is None:
         return None
-    if isinstance(entry, list):
+    if isinstance(entry, tuple):
         low, high = entry
         return (unit * low, unit * high)
     return unit * entry
 
 
-def _side(source: Source, path: tuple[str | int, ...], name: str, domain: Domain) -> Part:
+def _side(source: Source, path: Keys, name: str, domain: Domain) -> Part:
     """A side by its name: a mesh's own, or left, right and so on at the ends of the body's span."""
     with source.at(*path):
         if isinstance(domain, Mesh) and name in domain.boundaries:
@@ -104,9 +102,7 @@ def _edge(name: str, domain: Polygon) -> Segment:
     return Segment(start, end)
 
 
-def named_part(
-    source: Source, path: tuple[str | int, ...], given: Support | Load | Contact, domain: Domain
-) -> Part:
+def named_part(source: Source, path: Keys, given: Support | Load | Contact, domain: Domain) -> Part:
     """The part that `on` or `at` names."""
     if (given.on is None) == (given.at is None):
         said = "both on and at" if given.on is not None else "no place"
@@ -116,7 +112,7 @@ def named_part(
     return region_by_coordinates(source, (*path, "at"), given.at or Place(), domain)
 
 
-def node_region(source: Source, path: tuple[str | int, ...], number: int, domain: Domain) -> Region:
+def node_region(source: Source, path: Keys, number: int, domain: Domain) -> Region:
     """The place of a node of the mesh."""
     with source.at(*path):
         if not isinstance(domain, Mesh):

@@ -1,23 +1,29 @@
-"""A case file read: what is wrong with it is told by file, line, key and value, with the remedy."""
+"""A case file read: what is wrong with it is told by file, line, key and value, with the remedy.
+
+Neither the parser nor the checker of types tells lines: those of keys are looked for where it takes
+a message.
+"""
 
 from __future__ import annotations
 
 import difflib
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path as FilePath
+from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import msgspec
 
-from msvalidate.case.lines import Path, key_lines, line_of
 from msvalidate.case.schema import SCHEMA, CaseFile
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
 
+Keys = tuple[str | int, ...]
+"""Keys, and places in lists from 0, from the top of the file."""
 LARGEST_FILE = 10_000_000
 """Bytes: a case file names its mesh, it does not hold it."""
 _AT = re.compile(r" - at `\$(.*)`$")
@@ -26,6 +32,9 @@ _UNKNOWN = re.compile(r"Object contains unknown field `(.*?)`")
 _MISSING = re.compile(r"Object missing required field `(.*?)`")
 _EXPECTED = re.compile(r"Expected `(.*?)`(?: of length .*?)?, got `(.*?)`")
 _WORD = re.compile(r"\w+")
+_ENDS = re.compile(r"""[]}"']\s*(#.*)?$""")
+_NO_BRACKET = re.compile(r""""(?:[^"\\]|\\.)*"|'[^']*'|#.*""")
+"""How a line ends with which lists and texts of several lines may end, and its texts and remark."""
 WORDS = {
     "float": "a number",
     "int": "a whole number",
@@ -41,24 +50,12 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Source:
-    """A case file's content, and where its keys stand.
-
-    Parameters
-    ----------
-    name
-        Of the file, as messages show it.
-    folder
-        Where the mesh is looked for.
-    data
-        What the file holds, of right types.
-    lines
-        Line of each key.
-    """
+    """A case file: its name in messages, where its mesh is looked for, content, of right types."""
 
     name: str
-    folder: FilePath
+    folder: Path
     data: CaseFile
-    lines: dict[Path, int]
+    text: str
 
     @contextmanager
     def at(self, *path: str | int) -> Iterator[None]:
@@ -70,24 +67,16 @@ class Source:
         except ProblemError as error:
             raise self.error(path, str(error)) from error
 
-    def error(self, path: Path, said: str) -> CaseError:
+    def error(self, path: Keys, said: str) -> CaseError:
         """An error that names file, line and key: the one that the message is about, if it is."""
-        inner = self._key_meant(path, said)
-        line = line_of(self.lines, (*path, inner) if inner else path)
-        return CaseError(_message(self.name, line, path, said))
-
-    def _key_meant(self, path: Path, said: str) -> str:
-        """A key of the table at a path that a message begins with, or ""."""
-        words = set(_WORD.findall(said.partition(":")[0]))
-        keys = [each[-1] for each in self.lines if each[:-1] == path]
-        return next((str(key) for key in keys if key in words), "")
+        return _error(self.name, self.text, path, said)
 
 
 class CaseError(ProblemError):
     """A case file that asks no question; the message names its line."""
 
 
-def read_source(path: str | FilePath) -> Source:
+def read_source(path: str | Path) -> Source:
     """Read a case file and check its keys and types.
 
     Raises
@@ -96,8 +85,8 @@ def read_source(path: str | FilePath) -> Source:
         If there is no such file, it is no TOML, a key is missing or unknown or its value of a wrong
         type; the message names file, line, key and remedy.
     """
-    require_type("case file", path, str | FilePath)
-    file = FilePath(path)
+    require_type("case file", path, str | Path)
+    file = Path(path)
     name = format_value(file.name).strip("'")
     return parse_source(name, _read_text(file), file.resolve().parent)
 
@@ -105,33 +94,32 @@ def read_source(path: str | FilePath) -> Source:
 def parse_source(
     name: str,
     text: str,
-    folder: FilePath,
+    folder: Path,
     change: Callable[[dict[str, Any]], None] = lambda _: None,
 ) -> Source:
     """The same of a case file's text: its name in messages, and where its mesh is looked for.
 
-    `change` sets other values in what it holds.
-
-    Raises
-    ------
-    ProblemError
-        As `read_source`.
+    `change` sets other values in what it holds. Errors are those of `read_source`.
     """
     try:
         given = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise CaseError(f"case {name}: not TOML: {_one_line(error)}; mend that line") from error
+        said = " ".join(str(error).split())
+        raise CaseError(f"case {name}: not TOML: {said}; mend that line") from error
     change(given)
-    lines = key_lines(text)
-    _check_version(name, given, lines)
+    version = given.get("schema")
+    if version is None:
+        raise CaseError(f"case {name}: no schema; begin the file with schema = {SCHEMA}")
+    if isinstance(version, bool) or not isinstance(version, int) or not 1 <= version <= SCHEMA:
+        said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
+        raise _error(name, text, ("schema",), said)
     try:
-        data = msgspec.convert(given, CaseFile)
+        return Source(name, folder, msgspec.convert(given, CaseFile), text)
     except (msgspec.ValidationError, RecursionError) as error:
-        raise _explained(name, given, lines, str(error)) from error
-    return Source(name, folder, data, lines)
+        raise _error(name, text, *_explained(given, str(error))) from error
 
 
-def _read_text(file: FilePath) -> str:
+def _read_text(file: Path) -> str:
     try:
         with file.open("rb") as opened:
             content = opened.read(LARGEST_FILE + 1)
@@ -151,20 +139,11 @@ def _read_text(file: FilePath) -> str:
         ) from error
 
 
-def _check_version(name: str, given: dict[str, Any], lines: dict[Path, int]) -> None:
-    version = given.get("schema")
-    if version is None:
-        raise CaseError(f"case {name}: no schema; begin the file with schema = {SCHEMA}")
-    if isinstance(version, bool) or not isinstance(version, int) or not 1 <= version <= SCHEMA:
-        said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
-        raise CaseError(_message(name, line_of(lines, ("schema",)), ("schema",), said))
-
-
-def _explained(name: str, given: dict[str, Any], lines: dict[Path, int], said: str) -> CaseError:
-    """The checker's words made ours: what stands there, what should, and the nearest name."""
+def _explained(given: dict[str, Any], said: str) -> tuple[Keys, str]:
+    """The checker's words made ours: where, what stands there, what should, the nearest name."""
     place = _AT.search(said)
     path = _path(place[1] if place else "")
-    words = said[: place.start()] if place else said
+    words, value = said[: place.start()] if place else said, _value(given, path)
     unknown, missing = _UNKNOWN.match(words), _MISSING.match(words)
     expected = _EXPECTED.match(words)
     if unknown:
@@ -176,23 +155,65 @@ def _explained(name: str, given: dict[str, Any], lines: dict[Path, int], said: s
     elif missing:
         path = (*path, missing[1])
         told = "missing; give it"
-    elif expected and expected[1] == "array" and isinstance(_value(given, path), dict):
+    elif expected and expected[1] == "array" and isinstance(value, dict):
         told = f"one table; write [[{path[-1]}]], of which there may be several"
     elif expected:
         wanted = [WORDS.get(kind.strip(), kind.strip()) for kind in expected[1].split("|")]
         choices = " or ".join(dict.fromkeys(word for word in wanted if word != "nothing"))
-        told = f"{format_value(_value(given, path))}; give {choices}"
+        told = f"{format_value(value)}; give {choices}"
     else:
-        told = f"{format_value(_value(given, path))}; {words[0].lower()}{words[1:]}"
-    return CaseError(_message(name, line_of(lines, path), path, told))
+        told = f"{format_value(value)}; {words[0].lower()}{words[1:]}"
+    return path, told
 
 
-def _message(name: str, line: int | None, path: Path, said: str) -> str:
+def _error(name: str, text: str, path: Keys, said: str) -> CaseError:
+    """What is said of the value at a path of a file: at the line of its key that begins it, if any.
+
+    Else of its own key, or of the nearest table around; of tables of one name of the first.
+    """
+    lines, words = key_lines(text), set(_WORD.findall(said.partition(":")[0]))
+    meant = (each for each in lines if each[:-1] == path and each[-1] in words)
+    around = ((*path[:end], *first) for end in range(len(path), 0, -1) for first in ((), (0,)))
+    line = next((lines[each] for each in (*meant, *around) if each in lines), None)
     where = f"{name}, line {line}" if line else name
-    return f"case {where}: {_dotted(path)}{said}"
+    return CaseError(f"case {where}: {_dotted(path)}{said}")
 
 
-def _dotted(path: Path) -> str:
+def key_lines(text: str) -> dict[Keys, int]:
+    """Line, from 1, of each table and key of a TOML text that is known to be right."""
+    found: dict[Keys, int] = {}
+    count: Counter[Keys] = Counter()
+    table: Keys = ()
+    statement, began, depth = "", 1, 0
+    for number, line in enumerate(text.split("\n"), 1):
+        statement += f"{line}\n"
+        plain = _NO_BRACKET.sub("", line)
+        depth += plain.count("[") - plain.count("]")
+        if number > began and (depth > 0 or not _ENDS.search(line)):
+            continue
+        try:
+            given = tomllib.loads(statement)
+        except (tomllib.TOMLDecodeError, RecursionError):
+            continue  # it goes on in the next line
+        is_header = statement.lstrip().startswith("[")
+        for path, value in _entries(given, () if is_header else table):
+            if is_header:
+                table = (*path, count[path]) if isinstance(value, list) else path
+                count[path] += 1
+            found.setdefault(table if is_header else path, began)
+        statement, began, depth = "", number + 1, 0
+    return found
+
+
+def _entries(given: dict[str, Any], table: Keys) -> Iterator[tuple[Keys, Any]]:
+    """Keys of a table and of those in it, with their values."""
+    for key, value in given.items():
+        yield (*table, key), value
+        if isinstance(value, dict):
+            yield from _entries(value, (*table, key))
+
+
+def _dotted(path: Keys) -> str:
     """Keys as messages show them: support 2, value."""
     words = ""
     for step in path:
@@ -203,7 +224,7 @@ def _dotted(path: Path) -> str:
     return f"{words}: " if words else ""
 
 
-def _path(steps: str) -> Path:
+def _path(steps: str) -> Keys:
     """The checker's path, such as .support[1].on; "[...]" is the first that does not fit."""
     found: list[str | int] = []
     for key, place in _STEP.findall(steps):
@@ -214,7 +235,7 @@ def _path(steps: str) -> Path:
     return tuple(found)
 
 
-def _value(given: Any, path: Path) -> Any:
+def _value(given: Any, path: Keys) -> Any:
     for step in path:
         try:
             given = given[step]
@@ -223,7 +244,7 @@ def _value(given: Any, path: Path) -> Any:
     return given
 
 
-def _known_keys(path: Path) -> list[str]:
+def _known_keys(path: Keys) -> list[str]:
     """Keys of the table at a path."""
     kind: Any = CaseFile
     for step in path:
@@ -242,7 +263,3 @@ def _struct_in(hint: Any) -> Any:
         if found is not None:
             return found
     return None
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())

@@ -104,7 +104,7 @@ def read_result(path: str | Path, dim: int, field: str | None = None) -> Result:
     try:
         given = readers[file.suffix.lower()](file, field)
         return _result(file.name, given, dim)
-    except ProblemError as error:
+    except (ProblemError, CheckError) as error:
         text = str(error)
         raise ProblemError(text if text.startswith("result ") else f"{said}: {text}") from error
 
@@ -191,10 +191,9 @@ def _read_csv(file: Path, field: str | None) -> dict[str, Any]:
     at = _columns(names, list(AXES))
     if len(at) >= 2:
         found["points"] = _table_numbers(table, at)
-    for name in IDS:
-        if name in names:
-            found["id"] = _table_numbers(table, [names[name]])[:, 0]
-            break
+    numbered = [names[name] for name in IDS if name in names]
+    if numbered:
+        found["id"] = _table_numbers(table, numbered[:1])[:, 0]
     return found
 
 
@@ -221,18 +220,14 @@ def _table_numbers(table: pd.DataFrame, columns: Sequence[Any]) -> Array:
     if len(bad):
         row, column = bad[0]
         given = table[columns[column]].iloc[row]
-        raise ProblemError(
-            f"{columns[column]} in row {row + 1}: {format_value(given)}; give a number"
-        )
+        said = f"{columns[column]} in row {row + 1}: {format_value(given)}"
+        raise ProblemError(f"{said}; give a number")
     return np.asarray(part.to_numpy(dtype=float))
 
 
 def _read_npz(file: Path, field: str | None) -> dict[str, Any]:
     wanted = {"displacement": (field,) if field else MOVES} | PLACES_OF_ARRAYS
-    try:
-        arrays, there = read_arrays(file, wanted, MOST_POINTS)
-    except CheckError as error:
-        raise ProblemError(str(error)) from error
+    arrays, there = read_arrays(file, wanted, MOST_POINTS)
     if "displacement" not in arrays:
         known, names = ", ".join(map(format_value, there)) or "nothing", wanted["displacement"]
         choice = " or ".join(names[:2])
@@ -263,5 +258,4 @@ def _read_vtu(file: Path, field: str | None) -> dict[str, Any]:
     if move is None:
         known = ", ".join(map(format_value, vectors)) or "none"
         raise ProblemError(f"vector fields {known}; name the displacements by --field")
-    found: dict[str, Any] = {"displacement": vectors[move], "points": points}
-    return found
+    return {"displacement": vectors[move], "points": points}

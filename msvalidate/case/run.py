@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from datetime import UTC, datetime
-from time import perf_counter
+from typing import Any
+
+import pandas as pd
 
 from msvalidate.case import budget, choice, comparison, files, judge, page
 from msvalidate.case.advice import advice_record
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
-from msvalidate.case.figures import figures, judged_figures
+from msvalidate.case.figures import Drawn, figures, judged_figures
 from msvalidate.case.network_files import network_files
-from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
+from msvalidate.output.rendering import render_template
+from msvalidate.output.stored import csv_bytes
 from reference_fem.converged import Reference
 
 
@@ -28,14 +31,9 @@ def case_files(
 ) -> tuple[comparison.Comparison, dict[str, bytes]]:
     """What springs and elements say of a case, and the files that show it: name -> content.
 
-    Raises
-    ------
-    ProblemError
-        If the case asks what has no answer.
-    SolverError
-        If there is no trustworthy answer.
+    Errors are those of `compare_case`.
     """
-    started, began = datetime.now(UTC), perf_counter()
+    started = datetime.now(UTC)
     found = comparison.compare_case(case, progress)
     progress("springs in hand")
     springs = body_lines(found.advice)
@@ -45,32 +43,21 @@ def case_files(
     chosen = choice.choose(found)
     progress("pictures")
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
-    content, pictures = files.picture_files(drawn)
     fields = files.field_files(found) | network_files(found.springs[0], case)
-    seconds = perf_counter() - began
-    origin = collect_provenance(command, 0, started, seconds, form="case")
     head, said = page.sentences(found)
-    said = (*said, *choice.choice_sentences(chosen))
-    shown = page.Page(
-        name=case.name,
-        verdict=page.overall(found.rows),
-        sentence=head,
-        sentences=said,
-        springs=springs,
-        candidate="Springs",
-        band=page.band_words(case, found.rows),
-        rows=page.shown_rows(found.rows),
-        notes=tuple(map(str, found.notes)),
-        pictures=page.shown_pictures(pictures),
-        tables=page.shown_tables(tables),
-        fields=tuple(fields),
-        asked=page.asked(case),
-        origin=origin,
-    )
-    verdict = verdict_content(found, head, said, origin) | {"choice": asdict(chosen)}
-    content |= files.table_files(tables) | fields
-    content |= {"case.html": page.render(shown).encode(), "verdict.json": files.json_bytes(verdict)}
-    return found, content
+    verdict = {
+        "name": case.name,
+        "verdict": page.overall(found.rows),
+        "sentence": head,
+        "reasons": (*said, *choice.choice_sentences(chosen)),
+        "kind": found.kind,
+        "springs": [advice_record(each) for each in found.advice],
+        "on_mesh": found.on_mesh.table.to_dict("records") if found.on_mesh else [],
+        "choice": asdict(chosen),
+        "notes": list(map(str, found.notes)),
+    }
+    shown = {"name": case.name, "candidate": "Springs", "springs": springs, "rows": found.rows}
+    return found, _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
 
 
 def judged_files(
@@ -85,46 +72,76 @@ def judged_files(
 ) -> tuple[judge.Judged, dict[str, bytes]]:
     """What displacements from a file are beside a case's elasticity, and the files that show it.
 
-    Raises
-    ------
-    ProblemError
-        If no point of the file lies in the body, or the case asks what has no answer.
-    SolverError
-        If there is no trustworthy reference.
+    Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are.
     """
-    started, began = datetime.now(UTC), perf_counter()
+    started = datetime.now(UTC)
     found = judge.judge_result(
         case, result, unit=unit, residual_motion=residual_motion, progress=progress
     )
     tables = judge.tables(found)
     progress("pictures")
     drawn = judged_figures(found, tables["budget"]) if plots else {}
-    content, pictures = files.picture_files(drawn)
     given = found.matched
     compared = files.compared_file(given.places, "result", given.displacement, found)
-    fields = {"compared.vtu": compared}
-    origin = collect_provenance(command, 0, started, perf_counter() - began, form="case")
     head, said = page.judged_sentences(found)
-    shown = page.Page(
-        name=f"{result.name} for {case.name}",
-        verdict=found.verdict.word,
-        sentence=head,
-        sentences=said,
-        springs=(),
-        candidate="Result",
-        band=page.band_words(case, found.verdict.differences),
-        rows=page.shown_rows(found.verdict.differences),
-        notes=found.matched.notes,
-        pictures=page.shown_pictures(pictures),
-        tables=page.shown_tables(tables),
-        fields=tuple(fields),
-        asked={"result": result.name} | page.asked(case),
-        origin=origin,
-    )
-    verdict = judged_verdict_content(found, head, said, origin)
-    content |= files.table_files(tables) | fields
-    content |= {"case.html": page.render(shown).encode(), "verdict.json": files.json_bytes(verdict)}
-    return found, content
+    verdict = {
+        "name": case.name,
+        "result": result.name,
+        "verdict": found.verdict.word,
+        "sentence": head,
+        "reasons": said,
+        "causes": [each.row() for each in found.verdict.causes],
+        "rest": found.displacement.residual_motion,
+        "precision": result.accuracy,
+        "points": {
+            "compared": len(given.places),
+            **{name: len(getattr(given, name)) for name in ("outside", "doubled", "missing")},
+        },
+        "notes": given.notes,
+    }
+    name = f"{result.name} for {case.name}"
+    shown = {"name": name, "candidate": "Result", "springs": (), "rows": found.verdict.differences}
+    fields = {"compared.vtu": compared}
+    return found, _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+
+
+def _laid_out(
+    found: comparison.Comparison | judge.Judged,
+    verdict: dict[str, Any],
+    shown: dict[str, Any],
+    tables: dict[str, pd.DataFrame],
+    fields: dict[str, bytes],
+    drawn: Drawn,
+    command: tuple[str, ...],
+    started: datetime,
+) -> dict[str, bytes]:
+    """Page, `verdict.json`, tables, fields and pictures, with what all pages and verdicts say."""
+    content, pictures = files.picture_files(drawn)
+    seconds = (datetime.now(UTC) - started).total_seconds()
+    origin = collect_provenance(command, 0, started, seconds, form="case")
+    asked = {"result": verdict["result"]} if "result" in verdict else {}
+    shown |= {
+        "verdict": verdict["verdict"],
+        "sentence": verdict["sentence"],
+        "sentences": verdict["reasons"],
+        "band": page.band_words(found.case, shown["rows"]),
+        "rows": page.shown_rows(shown["rows"]),
+        "notes": verdict["notes"],
+        "pictures": page.shown_pictures(pictures),
+        "tables": page.shown_tables(tables),
+        "fields": tuple(fields),
+        "asked": asked | page.asked(found.case),
+        "origin": origin,
+    }
+    verdict |= {
+        "band": found.case.band,
+        "quantities": tables["quantities"].to_dict("records"),
+        "reference": reference_content(found.reference),
+        "origin": origin,
+    }
+    html = render_template("case.html", page=shown)
+    content |= {f"{name}.csv": csv_bytes(table) for name, table in tables.items()} | fields
+    return content | {"case.html": html.encode(), "verdict.json": files.json_bytes(verdict)}
 
 
 def reference_content(reference: Reference) -> dict[str, object]:
@@ -135,51 +152,4 @@ def reference_content(reference: Reference) -> dict[str, object]:
         "resolved": reference.resolved,
         "nodes": len(reference.finest.body.points),
         "more": reference.more and vars(reference.more),
-    }
-
-
-def verdict_content(
-    found: comparison.Comparison, head: str, said: tuple[str, ...], origin: Mapping[str, str]
-) -> dict[str, object]:
-    """What `verdict.json` says of a case."""
-    return {
-        "name": found.case.name,
-        "verdict": page.overall(found.rows),
-        "sentence": head,
-        "reasons": said,
-        "kind": found.kind,
-        "band": found.case.band,
-        "quantities": [difference_row(row) for row in found.rows],
-        "springs": [advice_record(each) for each in found.advice],
-        "reference": reference_content(found.reference),
-        "on_mesh": found.on_mesh.table.to_dict("records") if found.on_mesh else [],
-        "notes": list(map(str, found.notes)),
-        "origin": dict(origin),
-    }
-
-
-def judged_verdict_content(
-    found: judge.Judged, head: str, said: tuple[str, ...], origin: Mapping[str, str]
-) -> dict[str, object]:
-    """What `verdict.json` says of displacements from a file."""
-    return {
-        "name": found.case.name,
-        "result": found.result.name,
-        "verdict": found.verdict.word,
-        "sentence": head,
-        "reasons": said,
-        "band": found.case.band,
-        "quantities": [difference_row(found.displacement)],
-        "causes": [each.row() for each in found.verdict.causes],
-        "rest": found.displacement.residual_motion,
-        "precision": found.result.accuracy,
-        "reference": reference_content(found.reference),
-        "points": {
-            "compared": len(found.matched.places),
-            "outside": len(found.matched.outside),
-            "doubled": len(found.matched.doubled),
-            "missing": len(found.matched.missing),
-        },
-        "notes": found.matched.notes,
-        "origin": dict(origin),
     }

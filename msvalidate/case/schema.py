@@ -7,10 +7,8 @@ A case is one TOML file. All lengths in it, and in the mesh that it names, are m
 
 from __future__ import annotations
 
-from typing import Annotated, Any
-
 import msgspec
-from msgspec import Meta, Struct
+from msgspec import Struct
 
 SCHEMA = 1
 """Version of the format. Files of older versions are read for ever, but for what is gone: route
@@ -19,7 +17,7 @@ QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "poin
 """What springs and elements are compared by."""
 
 Numbers = list[float]
-Interval = float | Annotated[Numbers, Meta(min_length=2, max_length=2)]
+Interval = float | tuple[float, float]
 
 
 class Place(Struct, forbid_unknown_fields=True):
@@ -121,9 +119,7 @@ class Fracture(Struct, forbid_unknown_fields=True):
     critical_stretch: float | None = None
     G_c: float | None = None
     rule: str = "growth"
-    direction: Annotated[Numbers, Meta(min_length=2, max_length=2)] = msgspec.field(
-        default_factory=lambda: [1.0, 0.0]
-    )
+    direction: tuple[float, float] = (1.0, 0.0)
     raised: float = 1.0
 
 
@@ -170,8 +166,3 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     fracture: Fracture | None = None
     compare: Compare = msgspec.field(default_factory=Compare)
     reference: Reference = msgspec.field(default_factory=Reference)
-
-
-def json_schema() -> dict[str, Any]:
-    """JSON schema of a case file, for editors."""
-    return msgspec.json.schema(CaseFile)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 
 import numpy as np
@@ -50,16 +51,12 @@ from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
 
 MOST_FINE = {2: 150_000, 3: 80_000}
 """Points of the finest lattice, by the number of axes, beyond which there is none so fine."""
-FINER = (1, 2, 4)
-"""How many times as fine as asked."""
 SAFETY, CAUTION = 1.25, 3.0
 """Factors on what is left by an order that three lattices show, and where they show none."""
 LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 """Orders that are believed: corners bring them below 1, what is smooth to 2."""
 UNEVEN = 1.5
 """Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
-ASSUMED_ORDER = 1.0
-"""Where there are two lattices alone."""
 TRIED, MOST_OFFERED = 30, 1000
 """Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10
@@ -183,15 +180,12 @@ class SpringLimit:
     uncertainty
         How far (m) any of them may be from there.
     order
-        Of the spacing; NaN where none is seen.
-    status
-        "seen" (three lattices), "assumed" (two), "exact" (rounding) or "none" (one, or no order).
+        Of the spacing, as three lattices show it; NaN where they show none.
     """
 
     displacement: Array
     uncertainty: float
-    order: float
-    status: str
+    order: float = math.nan
 
 
 def solve_springs(case: Case, spacing: float) -> SpringAnswer:
@@ -217,9 +211,8 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     if case.lattice == MESH_EDGES:
         spacing = mean_edge(problem.domain)  # type: ignore[arg-type]
     seconds = time.perf_counter() - began
-    made = (lattice, network, rest, calibration, seconds, case.geometry)
-    answer = SpringAnswer(problem, spacing, *made)
-    return replace(answer, contact=contact)
+    made = (lattice, network, rest, calibration, seconds, case.geometry, contact)
+    return SpringAnswer(problem, spacing, *made)
 
 
 def make_network(
@@ -227,10 +220,7 @@ def make_network(
 ) -> tuple[Problem, Lattice, Network, Calibration | None]:
     """What springs of a spacing (m) solve, their lattice, network and its calibration.
 
-    Raises
-    ------
-    ProblemError
-        If the lattice is none for the body, material, supports or loads.
+    Raises `ProblemError` as `solve_springs`.
     """
     problem = laid_problem(case, spacing)
     edges = case.lattice == MESH_EDGES
@@ -247,7 +237,12 @@ def make_network(
 def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibration | None]:
     """What a network is made with, and the calibration that it is, if it is one."""
     if case.problem.zones:
-        _refuse_one_for_several(case)
+        if case.constants is not None or case.at_rest_on_edges:
+            what = "constants" if case.constants is not None else "springs on mesh edges"
+            raise ProblemError(
+                f"{what}: the body is of several materials; take a route, and for a mesh's edges "
+                "route 'neo-Hookean'"
+            )
         each = calibrate_zones(case.problem, lattice, route=case.route)
         return each, each[0]
     if case.constants is not None:
@@ -261,15 +256,6 @@ def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibrat
     return found, found
 
 
-def _refuse_one_for_several(case: Case) -> None:
-    if case.constants is not None or case.at_rest_on_edges:
-        what = "constants" if case.constants is not None else "springs on mesh edges"
-        raise ProblemError(
-            f"{what}: the body is of several materials; take a route, and for a mesh's edges route "
-            "'neo-Hookean'"
-        )
-
-
 def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
     """Springs as asked, then on lattices twice and four times as fine, as far as they are few."""
     asked = spacing_of(case)
@@ -279,7 +265,7 @@ def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
         raise ProblemError(f"{error}{_offer_cells(case)}") from error
     dim, points = case.problem.domain.dim, len(first.lattice.points)
     found = [first]
-    for times in FINER[1:]:
+    for times in (2, 4):
         if points * times**dim > MOST_FINE[dim]:
             break
         try:
@@ -293,15 +279,20 @@ def _offer_cells(case: Case) -> str:
     """The number of cells nearest to what is asked with which a lattice can be laid, tried."""
     if case.lattice == MESH_EDGES:
         return ""
-    one, asked = spacing_by_cells(replace(case, cells=1, spacing=None)), spacing_of(case)
-    numbers = sorted(range(1, MOST_OFFERED + 1), key=lambda n: abs(math.log(n * asked / one)))
-    for many in numbers[:TRIED]:
-        other = replace(case, cells=many, spacing=None)
+    for other in at_other_cells(case, spacing_of(case)):
         spacing = spacing_of(other)
         with suppress(ProblemError):
             make_network(other, spacing)
-            return f"; cells = {many} (spacing {spacing:.6g} m) does"
+            return f"; cells = {other.cells} (spacing {spacing:.6g} m) does"
     return ""
+
+
+def at_other_cells(case: Case, wanted: float) -> Iterator[Case]:
+    """The case at numbers of cells, from the one that is nearest to a spacing (m) on."""
+    one = spacing_by_cells(replace(case, cells=1, spacing=None)) / wanted
+    numbers = sorted(range(1, MOST_OFFERED + 1), key=lambda n: abs(math.log(n / one)))
+    for cells in numbers[:TRIED]:
+        yield replace(case, cells=cells, spacing=None)
 
 
 def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
@@ -332,23 +323,19 @@ def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLi
     """What springs close in on, from their displacement (p, d) in m on one to three lattices."""
     fine = values[-1]
     if len(values) == 1:
-        return SpringLimit(fine, math.inf, math.nan, "none")
+        return SpringLimit(fine, math.inf)
     last = fine - values[-2]
     size, change = float(np.abs(fine).max()), float(np.abs(last).max())
     if change <= ROUNDING * size:
-        return SpringLimit(fine, max(change, ROUNDING * size), math.nan, "exact")
-    if len(values) == 2:
-        left = last / (2**ASSUMED_ORDER - 1)
-        return SpringLimit(
-            fine + left, CAUTION * float(np.abs(left).max()), ASSUMED_ORDER, "assumed"
-        )
+        return SpringLimit(fine, max(change, ROUNDING * size))
+    if len(values) == 2:  # as if the order were 1
+        return SpringLimit(fine + last, CAUTION * change)
     first = values[1] - values[0]
     order = float(np.log2(np.linalg.norm(first) / np.linalg.norm(last)))
     if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
-        uncertainty = CAUTION * max(change, float(np.abs(first).max()))
-        return SpringLimit(fine, uncertainty, math.nan, "none")
+        return SpringLimit(fine, CAUTION * max(change, float(np.abs(first).max())))
     left = last / (2 ** min(order, 2.0) - 1)
     uncertainty = SAFETY * float(np.abs(left).max())
     if isinstance(answers[-1].lattice, CutLattice):  # its outline meets the cells anew each time
         uncertainty = max(uncertainty, UNEVEN * change)
-    return SpringLimit(fine + left, uncertainty, order, "seen")
+    return SpringLimit(fine + left, uncertainty, order)

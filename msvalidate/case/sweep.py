@@ -103,10 +103,7 @@ def _stamp() -> str:
 def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
     """Keys and their values, of words as ``springs.cells=8,16``.
 
-    Raises
-    ------
-    ProblemError
-        If a word is none, or a key comes twice.
+    Raises `ProblemError` if a word is none, or a key comes twice.
     """
     found: dict[str, list[Any]] = {}
     for word in words:
@@ -127,10 +124,7 @@ def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
 def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> Iterator[Combination]:
     """Each file with each combination of values, the last key the fastest.
 
-    Raises
-    ------
-    ProblemError
-        If a file is no case, or a key none of its places.
+    Raises `ProblemError` if a file is no case, or a key none of its places.
     """
     for file in files:
         read_source(file)
@@ -144,25 +138,34 @@ def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> Iter
 
 def solve(asked: Combination) -> Row:
     """The row of a combination: what it leaves of a case."""
-    began, row = time.perf_counter(), dict.fromkeys(("difference", "uncertainty"), math.nan)
-    outcome, verdict, said = SOLVED, "", ""
+    began = time.monotonic()
     try:
         text = asked.file.read_text(encoding="utf-8-sig").replace("\r\n", "\n")
         source = parse_source(asked.file.name, text, asked.file.resolve().parent, asked.change)
         with np.errstate(over="ignore", invalid="ignore"):
             found = compare_case(build_case(source))
-        verdict = overall(found.rows)
-        first = found.rows[0]
-        row = {"difference": first.error, "uncertainty": first.uncertainty}
     except ProblemError as error:
-        outcome, said = REFUSED, str(error)
+        return _row(began, REFUSED, str(error))
     except SolverError as error:
-        outcome, said = FAILED, str(error)
+        return _row(began, FAILED, str(error))
     except Exception as error:  # noqa: BLE001  a row, whatever it was
-        outcome, said = DIED, f"{type(error).__name__}: {error}"
-    said = " ".join(said.split())
-    return {"outcome": outcome, "verdict": verdict, **row, "said": said, "seconds": round(
-        time.perf_counter() - began, 3)}  # fmt: skip
+        return _row(began, DIED, f"{type(error).__name__}: {error}")
+    first = found.rows[0]
+    return _row(began, SOLVED, "", overall(found.rows), first.error, first.uncertainty)
+
+
+def _row(
+    began: float,
+    outcome: str,
+    said: str,
+    verdict: str = "",
+    difference: float = math.nan,
+    uncertainty: float = math.nan,
+) -> Row:
+    """What is known of a combination that began at a time (s) of the monotonic clock."""
+    seconds, said = round(time.monotonic() - began, 3), " ".join(said.split())
+    row = {"outcome": outcome, "verdict": verdict, "difference": difference}
+    return row | {"uncertainty": uncertainty, "said": said, "seconds": seconds}
 
 
 class Workers:
@@ -242,9 +245,7 @@ def run_all(
                 continue
             outcome = (LATE, f"longer than {limit:g} s") if error is None else (DIED, str(error))
             idle.append(workers.renewed(slot, future))
-            blank = {"verdict": "", "difference": math.nan, "uncertainty": math.nan}
-            yield one, {"outcome": outcome[0], **blank, "said": outcome[1], "seconds": round(
-                now - began, 3)}  # fmt: skip
+            yield one, _row(began, *outcome)
 
 
 def read_journal(path: Path) -> dict[str, Row]:

@@ -12,13 +12,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from msvalidate.case import building, files, network_files, page, places, run, springs, sweep
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.results import Result, read_result
-from msvalidate.case.schema import json_schema
+from msvalidate.case.schema import CaseFile
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
 from msvalidate.cli.terminal import (
     Progress,
@@ -52,7 +53,7 @@ def of_case(file: Path) -> AbstractContextManager[None]:
 
 def print_schema(args: argparse.Namespace) -> int:
     """Print the schema of case files, or of network.json."""
-    made = network_files.network_schema() if args.network else json_schema()
+    made = msgspec.json.schema(network_files.NetworkFile if args.network else CaseFile)
     return print_lines([json.dumps(made, indent=2)])
 
 
@@ -77,8 +78,7 @@ def export(args: argparse.Namespace) -> int:
             return HELD
         for name in ("shape", "springs", "set"):
             if getattr(args, name):
-                said = f"--{name}: is of --to {SIMULATOR}; with {args.to} leave it out"
-                raise ProblemError(said)
+                raise ProblemError(f"--{name}: is of --to {SIMULATOR}; with {args.to} leave it out")
         files.refuse_foreign(args.folder, args.file.name)
         if args.cells is not None:
             case = replace(case, cells=args.cells, spacing=None)
@@ -169,8 +169,7 @@ def judge_file(args: argparse.Namespace) -> int:
         case = building.read_case(args.file)
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
-            known = finite_number("--accuracy", args.accuracy, least=0.0)
-            result = replace(result, accuracy=known)
+            result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
         show = Progress(case.name, shown=not args.quiet)
         asked = {"unit": unit, "residual_motion": args.at_rest, "command": COMMAND}
         return judge_and_tell(case, result, folder, whose, args, show, **asked)

@@ -6,9 +6,8 @@ import argparse
 import keyword
 from pathlib import Path
 
-from msvalidate import studies
+from msvalidate import case, studies
 from msvalidate.case.files import folder_name
-from msvalidate.case.template import template
 from msvalidate.cli.arguments import HELD, PROGRAM
 from msvalidate.cli.terminal import tell
 from msvalidate.judging import catalogue
@@ -17,6 +16,7 @@ from msvalidate.problem.checks import format_value
 from msvalidate.simulators.exchange.template import adapter_template
 from msvalidate_check import exchange
 
+TEMPLATE = Path(case.__file__).with_name("template.toml")
 EXAMPLE = studies.OURS.parent / "examples" / "study.py"
 ENDS = {"case": ".toml", "study": ".py", "adapter": ".py"}
 
@@ -28,7 +28,8 @@ def write_new(args: argparse.Namespace) -> int:
     path = Path(args.name).parent / f"{name}{end}"
     if args.verb == "case":
         plain = name.strip(" .") and name.isprintable() and not set(name) & {'"', "\\"}
-        form, content = "; give letters and digits", template(path.name, name).encode()
+        form = "; give letters and digits"
+        content = TEMPLATE.read_text("utf-8").replace("NAME", name).encode()
         then = f"change it, then: {PROGRAM} case run {path}"
     elif args.verb == "adapter":
         plain = name and folder_name(name) == name

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
+from msvalidate.case import choice
 from msvalidate.case.budget import budget
 from msvalidate.case.case import Case
 from msvalidate.case.choice import choice_sentences, choose
@@ -54,6 +56,13 @@ def test_what_every_lattice_meets_takes_the_coarsest():
     assert (need.where, need.cells, need.count) == ("coarsest", 1, 11)
 
 
+def test_a_lattice_that_is_cut_is_taken_before_one_that_fills_far_off():
+    box = Box((5.6, 1.9))  # which 19 cells across fill, and no number near 10
+    case = Case(Problem(box, LAW, (Support(box.side("left"), (0.0, 0.0)),)), cells=19)
+    found = SimpleNamespace(case=case, springs=(SimpleNamespace(spacing=0.1),))
+    assert choice._laid(found, 0.2).cells in {9, 10}
+
+
 def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing(bent):
     found = compare_case(slanted())
     parts = budget(found).set_index("part")
@@ -64,9 +73,9 @@ def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing
     assert max_length(away - found.support) < 0.4 * max_length(away)
     assert found.kind == "coarse"  # what is left closes in, though the whole falls unevenly
     assert abs(parts.loc["boundary", "value"]) < parts.loc["boundary", "uncertainty"]
-    assert "a support that no line of the lattice runs along" in choose(found).reasons
     said = sentences(replace(found, kind=NOT_TOLD))[1][0]  # as the budget has it
     assert "material is right to 0." in said
     assert "from material" not in said
+    assert "A support that no line of the lattice runs along costs up to" in said
     assert not bent[0].support.any()
     assert "support" not in set(budget(bent[0])["part"])

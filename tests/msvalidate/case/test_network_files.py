@@ -17,7 +17,7 @@ from msvalidate.case.body_advice import advise_body, body_lines
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case, make_lattice, spacing_of
 from msvalidate.case.matching import match
-from msvalidate.case.network_files import NetworkFile, network_files, network_schema
+from msvalidate.case.network_files import NetworkFile, network_files
 from msvalidate.case.results import read_result
 from msvalidate.case.springs import solve_springs
 from msvalidate.cli.program import main
@@ -169,7 +169,8 @@ def test_json_is_what_its_schema_says(tmp_path):
     np.testing.assert_array_equal(read.points.position_m, network.points)
     np.testing.assert_array_equal(read.springs.stiffness_N_per_m, network.stiffness)
     np.testing.assert_array_equal(read.cells.kappa_N_per_m_or_Pa, network.volumes.stiffness)
-    assert {*network_schema()["$defs"]["NetworkFile"]["properties"]} == json.loads(content).keys()
+    schema = msgspec.json.schema(NetworkFile)["$defs"]["NetworkFile"]
+    assert schema["properties"].keys() == json.loads(content).keys()
 
 
 VOLUME = ("cells = 4", "cells = 4\nconstants = [1e6, 1e6]\nvolume = 1e5")
