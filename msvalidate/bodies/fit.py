@@ -23,8 +23,8 @@ from msvalidate.lattice import Constants
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError
 from msvalidate.linear_algebra.norms import EPS
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import Cycles, NotConvergedError
 from msvalidate.network.inverse import Solver
+from msvalidate.network.multigrid import Cycles, NotConvergedError
 from msvalidate.network.refine import LARGEST_ERROR
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, integers, require_type

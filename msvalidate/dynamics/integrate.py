@@ -287,12 +287,9 @@ def _check_arguments(
     require_type("state", state, State)
     positive_number("time step dt", dt, "s")
     whole_number("steps", steps, 0)
-    for name, value, checked in (
-        ("position", state.position, finite_coordinates),
-        ("velocity", state.velocity, finite),
-    ):
-        if (shape := checked(name, value).shape) != network.points.shape:
-            raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
+    shape, need = network.points.shape, f"give {network.points.shape}"
+    finite_coordinates("position", state.position, *shape, need=need)
+    finite("velocity", state.velocity, *shape, need=need)
     return damping_rate(network, damping)
 
 

@@ -14,9 +14,13 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.network.multigrid import free_force, make_cycle, restrained_tangent
+from msvalidate.network.multigrid import (
+    NotConvergedError,
+    free_force,
+    make_cycle,
+    restrained_tangent,
+)
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
     finite_number,

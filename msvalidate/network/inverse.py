@@ -17,14 +17,20 @@ from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteratio
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.linear_algebra.order import Dissection, free_unknowns, nested_dissection, pairs_in
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
 from msvalidate.network.mechanism import (
     NO_STIFFNESS,
     describe_motion,
     is_certain,
     relative_stiffness,
 )
-from msvalidate.network.multigrid import make_cycle, softest_motion
+from msvalidate.network.multigrid import (
+    PART,
+    Cycles,
+    NotConvergedError,
+    make_cycle,
+    refuse_mechanism_motion,
+    softest_motion,
+)
 from msvalidate.network.refine import contraction_bound
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_one_of

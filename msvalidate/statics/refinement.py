@@ -15,8 +15,8 @@ import numpy as np
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import PART, ROUGHLY, Cycles, NotConvergedError
 from msvalidate.network.inverse import Regular, Solver
+from msvalidate.network.multigrid import PART, ROUGHLY, Cycles, NotConvergedError
 from msvalidate.network.refine import (
     DOUBTFUL,
     STANDING,
