@@ -153,7 +153,8 @@ def _rigid_motions(network: Network, *, allowed: bool) -> int:
         held = network.held[own]
         if parts > 1 and held.all():
             continue
-        motions = rigid_motions(_scale_by_size(network.points[own]))
+        apart = network.points[own] - network.points[own].mean(axis=0)
+        motions = rigid_motions(apart / (np.abs(apart).max(initial=0.0) or 1.0))
         left = _rank(motions.reshape(-1, motions.shape[2])) - _rank(motions[held])
         if left and not allowed:
             whole = "the network" if len(own) == n else f"the part of point {own[0]}"
@@ -163,12 +164,6 @@ def _rigid_motions(network: Network, *, allowed: bool) -> int:
             )
         count += left
     return count
-
-
-def _scale_by_size(position: Array) -> Array:
-    """Places from their middle, over their size."""
-    apart = position - position.mean(axis=0)
-    return np.asarray(apart / (np.abs(apart).max(initial=0.0) or 1.0))
 
 
 def _rank(motions: Array) -> int:

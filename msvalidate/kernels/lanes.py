@@ -1,8 +1,8 @@
 """Several numbers side by side as one value of compiled code: what one machine instruction takes.
 
 The loops of `stencil` say by hand what is computed together, for compilers see it only in loops
-whose arrays cannot overlap. `load` and `store` move `WIDTH` neighbours of a flat array; `+`, `-`
-and `*` are between values, or between a value and a number, and may be fused to one rounding.
+whose arrays cannot overlap. `load` and `store` move `WIDTH` neighbours of a flat array; `+`, `-`,
+`*` and `/` are between values, or between a value and a number, and may be fused to one rounding.
 Nothing else may be assumed of the numbers: a NaN stays one. LLVM cuts a value to what the machine
 has.
 """
@@ -222,3 +222,4 @@ def _combining(sign: Callable[..., object], name: str) -> None:
 _combining(operator.add, "fadd")
 _combining(operator.sub, "fsub")
 _combining(operator.mul, "fmul")
+_combining(operator.truediv, "fdiv")
