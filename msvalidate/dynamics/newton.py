@@ -11,8 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from msvalidate.dynamics.method import Method
-from msvalidate.dynamics.run import Run
+from msvalidate.dynamics.run import Method, Run
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.network import Configuration

@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from msvalidate.dynamics.integrators import EULER_CROMER
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import DIVERGED, Relaxation, Run, join_runs
+from msvalidate.dynamics.run import DIVERGED, Method, Relaxation, Run, join_runs
 from msvalidate.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network

@@ -220,9 +220,7 @@ class Solver:
 class Once(Solver):
     """A solver that inverts the tangent it is first asked for, under any loads, until renewed."""
 
-    def __init__(self, network: Network, wanted: str) -> None:
-        super().__init__(network, wanted)
-        self._first: tuple[Choice, Regular] | None = None
+    _first: tuple[Choice, Regular] | None = None
 
     def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
         """As `Solver.regular`, of the first configuration that was asked about."""
