@@ -312,7 +312,15 @@ def _smallest_by_multigrid(
     A = restrained_tangent(at)
     cycle = cycle or make_cycle(A, at)
     if cycle.indefinite_motion is None:
-        inverse = _cycle_on_free(cycle, network)
+        inside = np.flatnonzero(~network.held.ravel())
+        root, of_stiffness = np.sqrt(np.repeat(network.mass, network.dim)[inside]), cycle
+
+        def applied(residual: Array) -> Array:
+            force = np.zeros(network.held.size)
+            force[inside] = root * residual.ravel()
+            return np.asarray(root * of_stiffness(force)[inside])
+
+        inverse = LinearOperator(matrix.shape, matvec=applied, dtype=float)
         return _smallest_of_many(matrix, inverse, count, highest, tolerance)
     weight = np.repeat(network.mass, network.dim) @ cycle.indefinite_motion**2
     return np.array([cycle.indefinite_motion @ (A @ cycle.indefinite_motion) / weight])
@@ -344,16 +352,3 @@ def _smallest_of_many(
             "is asked: the lowest are close to rounding of the highest; ask for fewer of them"
         )
     return np.sort(squares)
-
-
-def _cycle_on_free(cycle: Cycle, network: Network) -> LinearOperator:
-    """A cycle of the stiffness as one of M^(-1/2) K M^(-1/2) on the free components."""
-    inside = np.flatnonzero(~network.held.ravel())
-    root = np.sqrt(np.repeat(network.mass, network.dim)[inside])
-
-    def applied(residual: Array) -> Array:
-        force = np.zeros(network.held.size)
-        force[inside] = root * residual.ravel()
-        return np.asarray(root * cycle(force)[inside])
-
-    return LinearOperator((len(inside), len(inside)), matvec=applied, dtype=float)

@@ -97,5 +97,5 @@ def refuse_mechanism(network: Network) -> None:
     at, solver = Configuration(network), Solver(network)
     if solver.is_direct:
         solver.regular(at)
-        return
-    refuse_mechanism_motion(restrained_tangent(at), at)
+    else:
+        refuse_mechanism_motion(restrained_tangent(at), at)
