@@ -18,8 +18,8 @@ from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import Solver
+from msvalidate.network.multigrid import NotConvergedError
 from msvalidate.network.residual import is_unloaded
 from msvalidate.network.stability import negative_modes
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions

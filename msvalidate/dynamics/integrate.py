@@ -210,7 +210,6 @@ def euler_cromer(
     steps: int,
     damping: ArrayLike = 0.0,
     *,
-    compiled: bool = True,
     warn: bool = True,
     threads: int = 1,
     path: kernels.Path = "auto",
@@ -232,12 +231,10 @@ def euler_cromer(
     damping
         Rate (1/s), one number or (n,): the viscous force is -damping·m·v. A viscosity c in N·s/m
         is the rate c/m.
-    compiled
-        False runs the plain NumPy form, the oracle of the compiled one.
     warn, ground, breakage
         As in `motion`.
     threads, path
-        As in `kernels.Motion`, of the compiled form.
+        As in `kernels.Motion`; "plain" is the oracle of the compiled form.
 
     Raises
     ------
@@ -247,9 +244,6 @@ def euler_cromer(
         If the motion grows beyond all numbers, or rounding of positions or of springs' lengths
         hides it.
     """
-    if not compiled:
-        asked = network, state, EULER_CROMER, dt, steps, damping
-        return motion(*asked, warn=warn, ground=ground, breakage=breakage)
     rate = _check_arguments(network, state, dt, steps, damping)
     run = Stepping(network, EULER_CROMER, dt, steps, rate, ground)
     if warn:
@@ -287,12 +281,9 @@ def _check_arguments(
     require_type("state", state, State)
     positive_number("time step dt", dt, "s")
     whole_number("steps", steps, 0)
-    for name, value, checked in (
-        ("position", state.position, finite_coordinates),
-        ("velocity", state.velocity, finite),
-    ):
-        if (shape := checked(name, value).shape) != network.points.shape:
-            raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
+    shape, need = network.points.shape, f"give {network.points.shape}"
+    finite_coordinates("position", state.position, *shape, need=need)
+    finite("velocity", state.velocity, *shape, need=need)
     return damping_rate(network, damping)
 
 

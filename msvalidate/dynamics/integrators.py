@@ -28,9 +28,6 @@ def _with_one_velocity(
     return MotionState(x, v, acceleration(x))
 
 
-# Explicit Euler
-
-
 def _explicit_euler(
     acceleration: Acceleration, now: MotionState, h: float, c: Array | float
 ) -> MotionState:
@@ -62,9 +59,6 @@ EXPLICIT_EULER = Integrator(
         " by (h·ω)²/3, which adds 2/3·h·ω·tan {angle:g}",
     ),
 )
-
-
-# Euler-Cromer
 
 
 def _euler_cromer(h: float, c: Array) -> tuple[Array, Array]:
@@ -99,9 +93,6 @@ EULER_CROMER = Integrator(
     ),
     factors=_euler_cromer,
 )
-
-
-# Leapfrog [Verlet1967], and velocity Verlet [Swope1982], whose undamped positions are the same
 
 
 def _verlet_error(angle: float) -> float:
@@ -142,6 +133,7 @@ LEAPFROG = Integrator(
     leading=VERLET_ERROR,
     factors=_leapfrog,
 )
+"""Source: [Verlet1967]. Its undamped positions are velocity Verlet's."""
 
 
 def _velocity_verlet(
@@ -178,9 +170,7 @@ VELOCITY_VERLET = Integrator(
     limit=_velocity_verlet_limit,
     leading=VERLET_ERROR,
 )
-
-
-# Classical Runge-Kutta
+"""Source: [Swope1982]."""
 
 
 def _runge_kutta(
@@ -247,9 +237,6 @@ RUNGE_KUTTA = Integrator(
 """Source: [Kutta1901]."""
 
 
-# Newmark's average acceleration, the trapezoidal rule
-
-
 def _average_acceleration(
     acceleration: Acceleration, now: MotionState, h: float, c: Array | float
 ) -> MotionState:
@@ -290,8 +277,8 @@ AVERAGE_ACCELERATION = Integrator(
         "the phase's own square adds {angle:g}/24·(h·ω)²·cot {angle:g}",
     ),
 )
-"""Newmark's method with β = 1/4 and γ = 1/2. Of large rotations it keeps the angular momentum to
-its order only.
+"""Newmark's method with β = 1/4 and γ = 1/2, the trapezoidal rule. Of large rotations it keeps the
+angular momentum to its order only.
 
 Stable at any step is not damped: a mode with large h·ω keeps its amplitude, and changes its sign
 at nearly each step; of viscosity it feels 4ζ/(h·ω) a step, from the determinant of its matrix. What

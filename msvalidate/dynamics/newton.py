@@ -11,14 +11,12 @@ from functools import partial
 
 import numpy as np
 
-from msvalidate.dynamics.method import Method
-from msvalidate.dynamics.run import Run
+from msvalidate.dynamics.run import Method, Run
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.network import Configuration
-from msvalidate.network.cycles import WORN
 from msvalidate.network.inverse import Solver
-from msvalidate.network.multigrid import make_cycle
+from msvalidate.network.multigrid import WORN, make_cycle
 from msvalidate.problem import Array, SolverError
 from msvalidate.statics.tangents import LARGEST_TURN, refuse_mechanism, tangent_at
 

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
+from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import DIVERGED, Relaxation, Run, join_runs
+from msvalidate.dynamics.run import DIVERGED, Method, Relaxation, Run, join_runs
 from msvalidate.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
@@ -146,6 +146,8 @@ def algorithm1(
 
     Source: [Report], section 4, Algorithm 1.
     """
+    if damping is not None:
+        damping_rate(network, damping)
     method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
     return relax(network, method, tolerance=tolerance, max_steps=max_steps)
 

@@ -14,9 +14,8 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.newton import NEWTON, NEWTON_MULTIGRID
-from msvalidate.dynamics.run import Run, step_limit
+from msvalidate.dynamics.run import Method, Run, step_limit
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.linear_algebra.norms import max_abs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from functools import cached_property
 
 import numpy as np
@@ -129,11 +130,6 @@ class Run:
     def motion(self) -> kernels.Motion:
         """What advances displacement and velocity, and knows the forces."""
         return kernels.Motion(self.network)
-
-    @property
-    def position(self) -> Array:
-        """(n, d) in m."""
-        return self.network.points + self.displacement
 
     @property
     def kinetic(self) -> float:
@@ -346,3 +342,24 @@ def join_runs(runs: list[Relaxation]) -> Relaxation:
 def step_limit(needed: float) -> int:
     """Number of steps after which a run that should need `needed` steps counts as failed."""
     return PATIENCE * max(LOOK_EVERY, math.ceil(needed))
+
+
+@dataclass(frozen=True)
+class Method:
+    """A relaxation method.
+
+    Parameters
+    ----------
+    name, title
+        Its name in tables, and in sentences.
+    walk
+        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
+        first before any step, the others at most `Run.block` steps on.
+    look_every
+        Steps between two looks, at the least.
+    """
+
+    name: str
+    title: str
+    walk: Callable[[Run], Iterator[None]]
+    look_every: int = LOOK_EVERY

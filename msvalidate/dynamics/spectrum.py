@@ -14,9 +14,13 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import SOLVERS, Solver, connected_pairs, elimination_order
-from msvalidate.network.multigrid import free_force, make_cycle, restrained_tangent
+from msvalidate.network.multigrid import (
+    NotConvergedError,
+    free_force,
+    make_cycle,
+    restrained_tangent,
+)
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
 from msvalidate.problem.checks import (
     finite_number,
@@ -149,7 +153,8 @@ def _rigid_motions(network: Network, *, allowed: bool) -> int:
         held = network.held[own]
         if parts > 1 and held.all():
             continue
-        motions = rigid_motions(_scale_by_size(network.points[own]))
+        apart = network.points[own] - network.points[own].mean(axis=0)
+        motions = rigid_motions(apart / (np.abs(apart).max(initial=0.0) or 1.0))
         left = _rank(motions.reshape(-1, motions.shape[2])) - _rank(motions[held])
         if left and not allowed:
             whole = "the network" if len(own) == n else f"the part of point {own[0]}"
@@ -159,12 +164,6 @@ def _rigid_motions(network: Network, *, allowed: bool) -> int:
             )
         count += left
     return count
-
-
-def _scale_by_size(position: Array) -> Array:
-    """Places from their middle, over their size."""
-    apart = position - position.mean(axis=0)
-    return np.asarray(apart / (np.abs(apart).max(initial=0.0) or 1.0))
 
 
 def _rank(motions: Array) -> int:
@@ -313,7 +312,15 @@ def _smallest_by_multigrid(
     A = restrained_tangent(at)
     cycle = cycle or make_cycle(A, at)
     if cycle.indefinite_motion is None:
-        inverse = _cycle_on_free(cycle, network)
+        inside = np.flatnonzero(~network.held.ravel())
+        root, of_stiffness = np.sqrt(np.repeat(network.mass, network.dim)[inside]), cycle
+
+        def applied(residual: Array) -> Array:
+            force = np.zeros(network.held.size)
+            force[inside] = root * residual.ravel()
+            return np.asarray(root * of_stiffness(force)[inside])
+
+        inverse = LinearOperator(matrix.shape, matvec=applied, dtype=float)
         return _smallest_of_many(matrix, inverse, count, highest, tolerance)
     weight = np.repeat(network.mass, network.dim) @ cycle.indefinite_motion**2
     return np.array([cycle.indefinite_motion @ (A @ cycle.indefinite_motion) / weight])
@@ -345,16 +352,3 @@ def _smallest_of_many(
             "is asked: the lowest are close to rounding of the highest; ask for fewer of them"
         )
     return np.sort(squares)
-
-
-def _cycle_on_free(cycle: Cycle, network: Network) -> LinearOperator:
-    """A cycle of the stiffness as one of M^(-1/2) K M^(-1/2) on the free components."""
-    inside = np.flatnonzero(~network.held.ravel())
-    root = np.sqrt(np.repeat(network.mass, network.dim)[inside])
-
-    def applied(residual: Array) -> Array:
-        force = np.zeros(network.held.size)
-        force[inside] = root * residual.ravel()
-        return np.asarray(root * cycle(force)[inside])
-
-    return LinearOperator((len(inside), len(inside)), matvec=applied, dtype=float)

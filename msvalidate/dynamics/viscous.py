@@ -18,8 +18,7 @@ from msvalidate.dynamics.damping import decay
 from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
-from msvalidate.dynamics.method import Method
-from msvalidate.dynamics.run import MOST_STEPS, PATIENCE, Run, step_limit
+from msvalidate.dynamics.run import MOST_STEPS, PATIENCE, Method, Run, step_limit
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.problem import Array, ProblemError

@@ -8,9 +8,8 @@ from contextlib import suppress
 
 from scipy.optimize import brentq
 
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Run
+from msvalidate.dynamics.run import Method, Run
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError

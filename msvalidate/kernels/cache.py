@@ -17,10 +17,10 @@ import pickle
 import secrets
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import llvmlite
 import numba
@@ -67,16 +67,10 @@ def folder() -> Path | None:
         name = f"{NAMED}{stamp()}"
     except OSError:  # no source to be read: a program packed into one file
         return None
-    return next((place / name for place in _places() if _writable(place / name)), None)
-
-
-def _places() -> Iterator[Path]:
-    asked = getattr(config, "CACHE_DIR", "")
-    if asked:
-        yield Path(asked)
-    yield HERE / "__pycache__"
-    own: Any = AppDirs
-    yield Path(own(appname="numba", appauthor=False).user_cache_dir)
+    asked, own = getattr(config, "CACHE_DIR", ""), cast(Any, AppDirs)
+    user = Path(own(appname="numba", appauthor=False).user_cache_dir)
+    places = [*([Path(asked)] if asked else []), HERE / "__pycache__", user]
+    return next((place / name for place in places if _writable(place / name)), None)
 
 
 def _writable(place: Path) -> bool:

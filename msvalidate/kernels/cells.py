@@ -17,7 +17,7 @@ from collections.abc import Callable
 from numba.extending import overload
 
 from msvalidate.kernels.compiling import compiled
-from msvalidate.kernels.corners import gather, numbers, numbers_or_zero, pull, quotient
+from msvalidate.kernels.corners import gather, numbers, numbers_or_zero, pull
 from msvalidate.kernels.lanes import WIDTH, spread, total
 from msvalidate.kernels.values import Axes, Body, Corners, Lane, Type, Vector
 from msvalidate.problem import Array, Index
@@ -55,7 +55,7 @@ def _area(P: Vector, Q: Vector, dp: Vector, dq: Vector) -> tuple[Lane, Vector, V
     """Change of p × q from P and Q on, and its slopes in p and q."""
     px, py, qx, qy = P[0] + dp[0], P[1] + dp[1], Q[0] + dq[0], Q[1] + dq[1]
     change = (dp[0] * qy - dp[1] * qx) + (P[0] * dq[1] - P[1] * dq[0])
-    return change, (qy, -qx), (-py, px)
+    return change, (qy, -1.0 * qx), (-1.0 * py, px)
 
 
 @compiled(fused=True, inner=True)
@@ -80,7 +80,7 @@ def _quadrilateral(X: Body, u: Body) -> tuple[Lane, Body, float]:
     across = X[2][0] - X[0][0], X[2][1] - X[0][1]
     moved_across = u[2][0] - u[0][0], u[2][1] - u[0][1]
     change, at_2, at_3 = _area(X[1], across, u[1], moved_across)
-    return change, ((-at_3[0], -at_3[1]), at_2, at_3), 1 / 2
+    return change, ((-1.0 * at_3[0], -1.0 * at_3[1]), at_2, at_3), 1 / 2
 
 
 def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body, float]:
@@ -163,7 +163,7 @@ def _response(
     moves = gather(axes, corners, u, cells, first, count)
     multiple, slope, part = _multiple(at_rest, moves)
     change = part * multiple
-    pressure = numbers_or_zero(kappa, first, count) * quotient(change, numbers(rest, first, count))
+    pressure = numbers_or_zero(kappa, first, count) * (change / numbers(rest, first, count))
     return 0.5 * (pressure * change), part * pressure, slope
 
 

@@ -10,23 +10,19 @@ last stands in the places left, without a stiffness.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.errors import TypingError
-from numba.extending import overload
 
 from msvalidate.kernels.lanes import (
     LANES,
     UNDEFINED,
     WIDTH,
-    Lanes,
     instruction,
     loaded,
-    operation,
     shuffled,
 )
 from msvalidate.kernels.values import Builder, Code, Context, Instruction, Lane, Signature, Type
@@ -206,20 +202,3 @@ numbers = _reader(beyond=True)
 
 numbers_or_zero = _reader(beyond=False)
 """The same with 0 in the places left."""
-
-
-@operation(LANES, LANES, LANES)
-def quotient(builder: Builder, a: Code, b: Code) -> Code:
-    """Compute a/b."""
-    return builder.fdiv(a, b)
-
-
-_negative = operation(LANES, LANES)(lambda builder, a: builder.fneg(a))
-
-
-@overload(operator.neg)
-def _negated(a: Lane) -> Callable[[Lane], Lane] | None:
-    def negated(a: Lane) -> Lane:
-        return _negative(a)
-
-    return negated if isinstance(a, Lanes) else None

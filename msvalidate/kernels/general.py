@@ -64,20 +64,18 @@ class Sweep:
             s = breakage.critical_stretch
             self._slots = self.layout.slots(network.springs)
             self._limit = s / (1 + s), np.zeros(len(self.layout.other))
-        self._springs = self._springs_of((0,) if self._straight else ())
+        owner, other = (
+            (2 * self._half * places).astype(np.uint32)
+            for places in (self.layout.owner, self.layout.other)
+        )
+        laws = self._in_turn(self.layout.stiffness, self.layout.tension)
+        form: Form = (0,) if self._straight else ()
+        self._springs: Springs = self.layout.first, owner, other, laws, form
         self._cells = self._cells_of(network.volumes)
         self.place, self.flow = _zeros(n + 1, 2 * self._half), _zeros(n + 1, 2 * self._half)
         # Where springs that fill up end: they need a length, and no point gets there.
         self.place[n, :d] = 2 * LONGEST
         self._keep, self._push = _zeros(n), _zeros(n)
-
-    def _springs_of(self, form: Form) -> Springs:
-        layout, wide = self.layout, 2 * self._half
-        owner, other = (
-            (wide * layout.owner).astype(np.uint32),
-            (wide * layout.other).astype(np.uint32),
-        )
-        return layout.first, owner, other, self._in_turn(layout.stiffness, layout.tension), form
 
     def _in_turn(self, *laws: Array) -> Array:
         """Values of springs in the order in which `sweep` computes four of them, law by law."""

@@ -1,8 +1,8 @@
 """Several numbers side by side as one value of compiled code: what one machine instruction takes.
 
 The loops of `stencil` say by hand what is computed together, for compilers see it only in loops
-whose arrays cannot overlap. `load` and `store` move `WIDTH` neighbours of a flat array; `+`, `-`
-and `*` are between values, or between a value and a number, and may be fused to one rounding.
+whose arrays cannot overlap. `load` and `store` move `WIDTH` neighbours of a flat array; `+`, `-`,
+`*` and `/` are between values, or between a value and a number, and may be fused to one rounding.
 Nothing else may be assumed of the numbers: a NaN stays one. LLVM cuts a value to what the machine
 has.
 """
@@ -28,6 +28,7 @@ _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _VECTOR, _BITS = ir.VectorType(_DOUBLE, WIDTH), ir.VectorType(_INDEX, WIDTH)
 _FUSED = ("contract",)
 UNDEFINED = ir.Constant(_VECTOR, ir.Undefined)
+ZEROS = ir.Constant(_VECTOR, [ir.Constant(_DOUBLE, 0.0)] * WIDTH)
 
 
 class Lanes(types.Type):
@@ -73,10 +74,6 @@ def _model(manager: Any, kind: Type) -> Any:
 
 
 register_model(Lanes)(_model)
-
-
-def _constant(value: float) -> Code:
-    return ir.Constant(_VECTOR, [ir.Constant(_DOUBLE, value)] * WIDTH)
 
 
 def _pointer(builder: Builder, start: Code, index: Code) -> Code:
@@ -150,13 +147,13 @@ one_on = picked(*range(WIDTH - 1, 2 * WIDTH - 1))
 @operation(LANES, LANES, LANES, LANES)
 def where_positive(builder: Builder, condition: Code, value: Code, other: Code) -> Code:
     """`value` where `condition` is above 0, `other` elsewhere, NaN included."""
-    return builder.select(builder.fcmp_ordered(">", condition, _constant(0.0)), value, other)
+    return builder.select(builder.fcmp_ordered(">", condition, ZEROS), value, other)
 
 
 @operation(types.boolean, LANES)
 def any_positive(builder: Builder, value: Code) -> Code:
     """Whether a number of a value is above 0; NaN is not."""
-    above = builder.fcmp_ordered(">", value, _constant(0.0))
+    above = builder.fcmp_ordered(">", value, ZEROS)
     bits = ir.IntType(WIDTH)
     return builder.icmp_unsigned("!=", builder.bitcast(above, bits), bits(0))
 
@@ -222,3 +219,4 @@ def _combining(sign: Callable[..., object], name: str) -> None:
 _combining(operator.add, "fadd")
 _combining(operator.sub, "fsub")
 _combining(operator.mul, "fmul")
+_combining(operator.truediv, "fdiv")

@@ -17,14 +17,20 @@ from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteratio
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.linear_algebra.order import Dissection, free_unknowns, nested_dissection, pairs_in
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
 from msvalidate.network.mechanism import (
     NO_STIFFNESS,
     describe_motion,
     is_certain,
     relative_stiffness,
 )
-from msvalidate.network.multigrid import make_cycle, softest_motion
+from msvalidate.network.multigrid import (
+    PART,
+    Cycles,
+    NotConvergedError,
+    make_cycle,
+    refuse_mechanism_motion,
+    softest_motion,
+)
 from msvalidate.network.refine import contraction_bound
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_one_of
@@ -214,9 +220,7 @@ class Solver:
 class Once(Solver):
     """A solver that inverts the tangent it is first asked for, under any loads, until renewed."""
 
-    def __init__(self, network: Network, wanted: str) -> None:
-        super().__init__(network, wanted)
-        self._first: tuple[Choice, Regular] | None = None
+    _first: tuple[Choice, Regular] | None = None
 
     def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
         """As `Solver.regular`, of the first configuration that was asked about."""

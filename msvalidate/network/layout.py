@@ -107,10 +107,7 @@ def _place_numbers(order: Index, points: int) -> Index:
 def make_layout(
     points: int, dim: int, springs: Index, stiffness: Array, tension: Array, cells: Index
 ) -> Layout:
-    """Layout of springs (m, 2), two numbers of each, and cells (c, k) among so many points.
-
-    Raises nothing: the arrays are a `Network`'s.
-    """
+    """Layout of springs (m, 2), two numbers of each, and cells (c, k) among so many points."""
     order = _choose_order(points, dim, springs)
     place = _place_numbers(order, points)
     ends = place[springs]

@@ -22,9 +22,8 @@ def is_unloaded(network: Network) -> bool:
 
     In balance to rounding, as a form that was found under tension is.
     """
-    if network.force[~network.held].any() or network.displacement.any():
-        return False
-    return not network.rest_force[~network.held].any()
+    acting = network.force[~network.held], network.displacement, network.rest_force[~network.held]
+    return not any(each.any() for each in acting)
 
 
 def rounded_otherwise(network: Network) -> Network:

@@ -13,10 +13,9 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import Regular
 from msvalidate.network.mechanism import NO_STIFFNESS, is_certain
-from msvalidate.network.multigrid import free_force
+from msvalidate.network.multigrid import NotConvergedError, free_force
 from msvalidate.network.refine import FACTOR_ROUNDING
 from msvalidate.problem import Array, SolverError
 

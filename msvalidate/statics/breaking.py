@@ -134,7 +134,6 @@ def grow(
     *,
     crack: ArrayLike = (),
     most_breaks: int | None = None,
-    solver: str = "auto",
 ) -> Growth:
     """Raise a network's loads and prescribed displacements together, and let springs break.
 
@@ -155,8 +154,6 @@ def grow(
         Numbers of springs that are cut beforehand. What they leave without a hold is loose.
     most_breaks
         Events after which to stop.
-    solver
-        As for `equilibrium`.
 
     Raises
     ------
@@ -180,7 +177,7 @@ def grow(
     cut = NONE
     if np.size(crack):
         cut = np.unique(indices("crack", crack, len(network.springs), "k", what="springs"))
-    found = Way(network, stretch, solver, cut).follow(raised, most)
+    found = Way(network, stretch, cut).follow(raised, most)
     left = abs(found.work - found.stored - found.released)
     if found.breaks and not left <= CLOSED * found.released + ROUNDED * found.work:
         raise SolverError(
@@ -205,14 +202,12 @@ class Way:
         Factor now, and the work (J) so far.
     """
 
-    def __init__(
-        self, network: Network, stretch: Array, solver: str = "auto", crack: Index = NONE
-    ) -> None:
+    def __init__(self, network: Network, stretch: Array, crack: Index = NONE) -> None:
         self.given = self.network = network
         self.stiffness = network.stiffness.copy()
         self.length = network.rest_length * stretch
         self.along = network.vector / network.distance[:, None]
-        self.solver = Once(network, solver)
+        self.solver = Once(network)
         self.load = self.work = self.largest = 0.0
         self.still = np.zeros(network.points.shape)
         self.loose = np.zeros(len(network.points), dtype=bool)

@@ -137,8 +137,6 @@ def press(
     network: Network,
     touching: Touching | Sequence[Touching],
     geometry: Literal["linear", "nonlinear"] = "linear",
-    *,
-    solver: str = "auto",
 ) -> ContactEquilibrium:
     """Static equilibrium of a network that obstacles are pressed on.
 
@@ -151,8 +149,6 @@ def press(
     geometry
         "linear": gaps and springs to first order in the displacement. "nonlinear": the obstacle
         meets points where they are. What is too deep at once is lowered in parts.
-    solver
-        As for `equilibrium`.
 
     Raises
     ------
@@ -166,7 +162,7 @@ def press(
     each = (touching,) if isinstance(touching, Touching) else tuple(touching)
     _refuse_other(network, each, geometry)
     refuse_free_motions("network", network.points, network.held)
-    way = _Way(network, each, geometry, solver)
+    way = _Way(network, each, geometry)
     part, done = 1.0, 0.0
     while done < 1:
         try:
@@ -220,10 +216,8 @@ class _Way:
         The equilibrium there, forces (c,) in N along the normals, and what they are (n, d).
     """
 
-    def __init__(
-        self, network: Network, each: tuple[Touching, ...], geometry: str, solver: str
-    ) -> None:
-        self.network, self.each, self.solver = network, each, solver
+    def __init__(self, network: Network, each: tuple[Touching, ...], geometry: str) -> None:
+        self.network, self.each = network, each
         self.nonlinear = geometry == "nonlinear"
         self.points = np.concatenate([one.points for one in each])
         self.which = np.repeat(np.arange(len(each)), [len(one.points) for one in each])
@@ -236,7 +230,7 @@ class _Way:
         self.left = np.inf
         bare = network.rest_force.any() or network.force.any() or network.displacement.any()
         still = np.zeros(network.points.shape)
-        self._inverse = Solver(network, solver) if self.nonlinear else Once(network, solver)
+        self._inverse = Solver(network) if self.nonlinear else Once(network)
         self.found = self._rest(None) if bare else equilibrium_at(network, still, 0, error=0.0)
         self._tangent: Tangent | None = None
         self.reach = self._reach()
@@ -246,7 +240,7 @@ class _Way:
         loaded = replace(self.network, force=self.network.force + self.load)
         if not self.nonlinear:
             return equilibrium(loaded, solver=self._inverse)
-        return equilibrium(loaded, "nonlinear", start=start, solver=self.solver)
+        return equilibrium(loaded, "nonlinear", start=start)
 
     def _gaps(self) -> tuple[Array, Array]:
         """Gaps (c,) in m and normals (c, d): to first order in the displacement, or there."""

@@ -12,10 +12,10 @@ import numpy as np
 from msvalidate.linear_algebra.choice import MOST_ENTRIES, MOST_IN_NEED, Choice
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
 from msvalidate.network.inverse import Solver
 from msvalidate.network.mechanism import is_certain
+from msvalidate.network.multigrid import NotConvergedError
 from msvalidate.network.refine import InaccurateError
 from msvalidate.network.residual import out_of_balance_force
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions

@@ -21,9 +21,9 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Configuration
-from msvalidate.network.cycles import NotConvergedError
 from msvalidate.network.inverse import Regular, Solver
 from msvalidate.network.mechanism import is_certain
+from msvalidate.network.multigrid import NotConvergedError
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import dataclass, field

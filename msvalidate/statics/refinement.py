@@ -15,8 +15,8 @@ import numpy as np
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.linear_algebra.norms import EPS, max_abs
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import PART, ROUGHLY, Cycles, NotConvergedError
 from msvalidate.network.inverse import Regular, Solver
+from msvalidate.network.multigrid import PART, ROUGHLY, Cycles, NotConvergedError
 from msvalidate.network.refine import (
     DOUBTFUL,
     STANDING,
@@ -27,7 +27,7 @@ from msvalidate.network.refine import (
 )
 from msvalidate.network.residual import is_unloaded, out_of_balance_force, rounded_otherwise
 from msvalidate.network.stability import negative_modes
-from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.problem import Array, SolverError
 from msvalidate.problem.records import replace
 from msvalidate.statics.tangents import LARGEST_TURN
 
@@ -97,7 +97,10 @@ class _System:
             return found
         times = 1.0
         if rate > DOUBTFUL:
-            known = _trial_motion(self.free, self.found.mode)
+            # Of all kinds at once, the softest among them.
+            motion = np.random.default_rng(0).normal(size=self.free.shape) * self.free
+            own = self.found.mode.reshape(motion.shape)
+            known = motion / np.abs(motion).max() + own / np.abs(own).max()
             times = error_amplification(self.change, self.solve, rate, known)
         left = self.residual(found.solution, rounded_otherwise(self.network))
         rounded = max_abs(self.solve(left, ROUGHLY)) / scale
@@ -226,13 +229,6 @@ def explain_rounding(network: Network, softness: float) -> str:
         f"{start}the softest motion meets {abs(softness):.1g} of what its points meet one by one; "
         f"{', or '.join(remedies)}"
     )
-
-
-def _trial_motion(free: Mask, mode: Array) -> Array:
-    """A motion (n, d) to try a factor on: of all kinds at once, a mode (n·d,) among them."""
-    motion = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
-    own = mode.reshape(motion.shape)
-    return np.asarray(motion / np.abs(motion).max() + own / np.abs(own).max())
 
 
 def _refuse_far(turn: float) -> None:

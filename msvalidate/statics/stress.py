@@ -121,7 +121,8 @@ def cell_stress(
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
     total += network.of_cells(_pressure_virial, lattice, found)
-    return _voigt_components(total / volume[:, None, None])
+    first, second = np.array(VOIGT[network.dim]).T
+    return np.asarray(total[:, first, second] / volume[:, None])
 
 
 def _pressure_virial(volumes: Volumes, lattice: Lattice, found: Equilibrium) -> Array:
@@ -271,12 +272,6 @@ def _corner_volume(lattice: Lattice) -> Array:
     if isinstance(lattice, CutLattice):
         return lattice.corner_volume
     return corner_volumes(lattice.points, lattice.cells)
-
-
-def _voigt_components(tensors: Array) -> Array:
-    """Voigt components (c, 3) or (c, 6) of symmetric tensors (c, d, d)."""
-    first, second = np.array(VOIGT[tensors.shape[-1]]).T
-    return np.asarray(tensors[:, first, second])
 
 
 def _monomial_powers(dim: int, degree: int) -> Index:

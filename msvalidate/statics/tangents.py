@@ -8,10 +8,9 @@ from scipy.sparse import bsr_array
 from msvalidate.linear_algebra.factor import Factor
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.network import Configuration, Network
-from msvalidate.network.cycles import refuse_mechanism_motion
 from msvalidate.network.inverse import Regular, Solver
 from msvalidate.network.mechanism import is_certain
-from msvalidate.network.multigrid import restrained_tangent
+from msvalidate.network.multigrid import refuse_mechanism_motion, restrained_tangent
 from msvalidate.network.stability import negative_modes
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
@@ -98,5 +97,5 @@ def refuse_mechanism(network: Network) -> None:
     at, solver = Configuration(network), Solver(network)
     if solver.is_direct:
         solver.regular(at)
-        return
-    refuse_mechanism_motion(restrained_tangent(at), at)
+    else:
+        refuse_mechanism_motion(restrained_tangent(at), at)

@@ -25,9 +25,8 @@ from matplotlib.figure import Figure
 
 from msvalidate import kit
 from msvalidate.dynamics.integrators import LEAPFROG
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Run
+from msvalidate.dynamics.run import Method, Run
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.viscous import viscous

@@ -28,8 +28,8 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Method
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
 

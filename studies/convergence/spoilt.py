@@ -12,9 +12,8 @@ from scipy.sparse.linalg import spsolve
 
 from msvalidate import kit
 from msvalidate.dynamics.integrators import LEAPFROG, step_factors
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Run
+from msvalidate.dynamics.run import Method, Run
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.dynamics.viscous import viscous
 from msvalidate.network import configuration_at, tangent
@@ -59,10 +58,11 @@ def _wrong_tangent(run: Run) -> Iterator[None]:
     run.moved()
     while True:
         yield
-        length = configuration_at(network, run.position).length
+        position = network.points + run.displacement
+        length = configuration_at(network, position).length
         # Of springs that are at rest as they lie, the tangent is its elastic part alone.
-        elastic = tangent(replace(network, rest_length=length), run.position)
-        wrong = csc_array(2 * elastic - tangent(network, run.position))[free][:, free]
+        elastic = tangent(replace(network, rest_length=length), position)
+        wrong = csc_array(2 * elastic - tangent(network, position))[free][:, free]
         run.displacement.reshape(-1)[free] += spsolve(wrong, run.balance().ravel()[free])
         run.moved(1, 1)
 

@@ -24,8 +24,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Method
 from msvalidate.judging import counting
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
 

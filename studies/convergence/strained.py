@@ -21,8 +21,8 @@ import pandas as pd
 
 from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Method
 from msvalidate.lattice import square
 from msvalidate.network import Configuration
 

@@ -28,8 +28,8 @@ from matplotlib.figure import Figure
 import reference_fem
 from msvalidate import kit
 from msvalidate.dynamics.divergence import SPECTRUM_ERROR
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Method
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging import counting
 from msvalidate.judging.counting import TIGHT

@@ -28,8 +28,8 @@ from functools import cache, partial
 from typing import Any
 
 from msvalidate import kernels, kit
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Method
 
 from . import (
     agreement,

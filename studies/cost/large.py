@@ -24,8 +24,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kernels, kit
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Method
 from msvalidate.network import tangent
 from reference_fem.elasticity import stiffness
 

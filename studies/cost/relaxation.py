@@ -25,8 +25,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relaxations import RELAXATIONS
+from msvalidate.dynamics.run import Method
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
 
 from . import drawing, resting

@@ -7,8 +7,8 @@ from functools import cache, partial
 import numpy as np
 
 from msvalidate import kernels, kit
-from msvalidate.dynamics.method import Method
 from msvalidate.dynamics.relax import relax
+from msvalidate.dynamics.run import Method
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.judging import counting

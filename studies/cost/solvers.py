@@ -24,8 +24,8 @@ import pandas as pd
 
 from msvalidate import kit
 from msvalidate.network import Configuration, spring_network
-from msvalidate.network.cycles import Cycles
 from msvalidate.network.inverse import Solver
+from msvalidate.network.multigrid import Cycles
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 
 from . import bodies, drawing, large

@@ -17,8 +17,7 @@ from msvalidate.dynamics.viscous import viscous
 from msvalidate.linear_algebra.choice import Choice
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.network import Configuration
-from msvalidate.network.cycles import PART
-from msvalidate.network.multigrid import make_cycle, restrained_tangent
+from msvalidate.network.multigrid import PART, make_cycle, restrained_tangent
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 
 from . import bodies, fem_ways

@@ -120,8 +120,7 @@ def size(steps: int) -> float:
 
 def closed_growth(scheme: Integrator) -> float:
     """Factor by which the steps of a period multiply the energy; see `SWELLING`."""
-    claimed = INTEGRATORS.get(scheme.name, scheme)
-    step = one_step_matrix(claimed, 1.0, size(STEPS_A_PERIOD))
+    step = one_step_matrix(INTEGRATORS.get(scheme.name, scheme), 1.0, size(STEPS_A_PERIOD))
     return float(np.linalg.det(step)) ** STEPS_A_PERIOD
 
 

@@ -42,11 +42,11 @@ def test_compiled_breaks_what_plain_steps_break(dim, rest, path):
     network, start = body(dim, rest)
     pulled = replace(network, force=np.where(network.held, 0.0, 1e-3))
     plain, fast, parts = (Breakage(network, 0.1) for _ in range(3))
-    known = euler_cromer(pulled, start, 0.05, 120, 0.1, compiled=False, breakage=plain)
+    known = euler_cromer(pulled, start, 0.05, 120, 0.1, path="plain", breakage=plain)
     now = other = start
     for _ in range(4):
         now = euler_cromer(pulled, now, 0.05, 30, 0.1, breakage=fast, path=path)
-        other = euler_cromer(pulled, other, 0.05, 30, 0.1, breakage=parts, compiled=False)
+        other = euler_cromer(pulled, other, 0.05, 30, 0.1, breakage=parts, path="plain")
     assert other.position == pytest.approx(known.position, abs=1e-12)
     assert 10 < plain.broken.sum() < len(network.springs)
     assert np.array_equal(plain.broken, fast.broken)
@@ -81,9 +81,9 @@ def test_a_body_at_rest_beyond_its_critical_stretch_breaks_at_once():
         displacement=[[0, 0], [0, 0], [0.3, 0.0]],
     )  # fmt: skip
     start = State(rod.points + np.array([[0, 0], [0.2, 0], [0.3, 0]]), np.zeros((3, 2)))
-    for compiled in (True, False):
+    for path in ("auto", "plain"):
         broken = Breakage(rod, 0.15)
-        euler_cromer(rod, start, 0.01, 1, compiled=compiled, breakage=broken)
+        euler_cromer(rod, start, 0.01, 1, path=path, breakage=broken)
         assert list(broken.broken) == [True, False]
         assert broken.released == pytest.approx(0.5 * 0.2**2, rel=1e-12)
 
@@ -115,12 +115,10 @@ def test_ground_springs_and_breaks_together():
     floor = Obstacle("half_space", (0.0, 0.0), (0.0, 1.0))
     on = np.flatnonzero(network.points[:, 1] == 0)
     each = []
-    for compiled in (True, False):
+    for path in ("auto", "plain"):
         broken = Breakage(network, 0.1)
         ground = Ground(network, on, floor)
-        end = euler_cromer(
-            network, start, 0.05, 60, compiled=compiled, breakage=broken, ground=ground
-        )
+        end = euler_cromer(network, start, 0.05, 60, path=path, breakage=broken, ground=ground)
         each.append((end.position, broken.broken))
     assert np.array_equal(each[0][1], each[1][1])
     assert each[0][0] == pytest.approx(each[1][0], abs=1e-12)

@@ -43,12 +43,12 @@ def block(drop=1e-3, friction=0.0, obstacle=FLOOR, seed=None):
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_compiled_and_plain_motions_agree_in_any_order_of_points(obstacle, friction):
     ends = []
-    for compiled, seed in ((True, None), (False, None), (True, 3)):
+    for path, seed in (("auto", None), ("plain", None), ("auto", 3)):
         network, ground = block(friction=friction, obstacle=obstacle, seed=seed)
         velocity = np.tile([0.3, -0.2], (len(network.points), 1))
         dt = recommended_time_step(network, EULER_CROMER, ground=ground)
         start = State(network.points, velocity)
-        end = euler_cromer(network, start, dt, 400, ground=ground, compiled=compiled)
+        end = euler_cromer(network, start, dt, 400, ground=ground, path=path)
         at = np.lexsort(np.round(network.points, 6).T)
         ends.append(end.position[at])
         assert (ground.dissipated > 0) == bool(friction)
@@ -114,9 +114,9 @@ def test_a_body_at_rest_inside_an_obstacle_is_pushed_out():
     network = replace(network, force=np.zeros_like(network.force))
     low = np.flatnonzero(network.points[:, 1] < 0.01)
     start = State(network.points, np.zeros_like(network.points))
-    for compiled in (True, False):
+    for path in ("auto", "plain"):
         ground = Ground(network, low, FLOOR)
-        end = euler_cromer(network, start, 1e-4, 50, ground=ground, compiled=compiled)
+        end = euler_cromer(network, start, 1e-4, 50, ground=ground, path=path)
         assert end.velocity[:, 1].mean() > 0
 
 

@@ -15,8 +15,8 @@ from msvalidate.problem import SolverError
 
 DT, STEPS = 0.01, 250
 FORMS = {
-    "compiled": partial(euler_cromer, compiled=True),
-    "plain": partial(euler_cromer, compiled=False),
+    "compiled": partial(euler_cromer, path="auto"),
+    "plain": partial(euler_cromer, path="plain"),
     "verlet": lambda network, state, *rest, **_: motion(
         network, state, INTEGRATORS["velocity_verlet"], *rest
     ),

@@ -115,13 +115,27 @@ def test_forces_and_steps_are_those_of_the_plain_form(dim, cells, shuffled):
     assert stored == pytest.approx(energy(network, position), rel=1e-13)
     damping = np.random.default_rng(2).uniform(0, 1, len(u))
     state = State(position, v)
-    plain = euler_cromer(network, state, 0.02, 20, damping, compiled=False)
+    plain = euler_cromer(network, state, 0.02, 20, damping, path="plain")
     for threads in (1, 2):
         way = {"path": "general", "threads": threads}
         compiled = euler_cromer(network, state, 0.02, 20, damping, **way)
         # Positions of 20 m are rounded to 4e-15 m, forces to as much, in each of 20 steps.
         np.testing.assert_allclose(compiled.position, plain.position, rtol=0, atol=2e-13)
         np.testing.assert_allclose(compiled.velocity, plain.velocity, rtol=0, atol=2e-13)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_trajectories_of_all_paths_agree_after_2000_steps(dim):
+    """Plain, general, lattice and threads, within 1e-12 of the largest displacement."""
+    network = grid(dim, jitter=0.0, sides=(9, 8) if dim == 2 else (5, 4, 4))
+    network = replace(network, held=network.points[:, :1].repeat(dim, axis=1) < 0.5)
+    u, v, *_ = start(network)
+    state = State(network.points + 0.1 * u, 0.1 * v)
+    plain = euler_cromer(network, state, 0.02, 2000, 0.2, path="plain")
+    largest = np.abs(plain.position - network.points).max()
+    for path, threads in EVERY_WAY:
+        end = euler_cromer(network, state, 0.02, 2000, 0.2, path=path, threads=threads)
+        assert np.abs(end.position - plain.position).max() <= 1e-12 * largest, (path, threads)
 
 
 # To the bit -----------------------------------------------------------------------------------

@@ -78,13 +78,13 @@ def test_a_linear_answer_counts_its_folds_and_is_not_refused(lattice_body):
     assert equilibrium(replace(body, force=force)).folded > 0
 
 
-@pytest.mark.parametrize("compiled", [True, False])
-def test_a_motion_reports_the_cells_that_its_end_has_folded(lattice_body, compiled):
+@pytest.mark.parametrize("path", ["auto", "plain"])
+def test_a_motion_reports_the_cells_that_its_end_has_folded(lattice_body, path):
     body = lattice_body((1.0, 1.0), 4)
     velocity = np.zeros(body.points.shape)
     velocity[12] = [100.0, 0.0]  # the middle, past the point beside it in 3 ms
     start = State(body.points, velocity)
-    end = euler_cromer(body, start, 1e-3, 4, compiled=compiled, warn=False)
+    end = euler_cromer(body, start, 1e-3, 4, path=path, warn=False)
     grid = end.position.reshape(5, 5, 2)
     assert grid[2, 2, 0] > grid[2, 3, 0]
     assert end.folded == 2  # those above and below the side that it has run along

@@ -11,7 +11,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
 from msvalidate.linear_algebra import choice
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.network import configuration_at, cycles, inverse, spring_network, tangent
+from msvalidate.network import configuration_at, inverse, multigrid, spring_network, tangent
 from msvalidate.network.inverse import SOLVERS, Solver, elimination_order
 from msvalidate.problem import (
     Box,
@@ -162,9 +162,9 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
     network = BODIES["cube"]()
     expected = equilibrium(network, solver="direct").displacement
-    real = cycles.conjugate_gradients
+    real = multigrid.conjugate_gradients
     monkeypatch.setattr(
-        cycles, "conjugate_gradients", lambda *args, **rest: real(*args, **{**rest, "most": 2})
+        multigrid, "conjugate_gradients", lambda *args, **rest: real(*args, **{**rest, "most": 2})
     )
     with monkeypatch.context() as patch:  # a factor tells: no long search by multigrid before it
         patch.setattr(inverse, "softest_motion", None)

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from msvalidate.lattice import boundary_weights, fill, patterns
+from msvalidate.linear_algebra import choice
 from msvalidate.network import spring_network
 from msvalidate.network.laws.green import GREEN
 from msvalidate.network.laws.volumes import Volumes
@@ -112,7 +113,7 @@ def strip(crack=5, nx=12, ny=7):
 
 
 @pytest.mark.parametrize("solver", ["direct", "multigrid"])
-def test_neither_numbering_nor_solver_nor_side_matter(solver):
+def test_neither_numbering_nor_solver_nor_side_matter(solver, monkeypatch):
     network, crack = strip()
     rng = np.random.default_rng(1)
     p, s = rng.permutation(len(network.points)), rng.permutation(len(network.springs))
@@ -121,7 +122,10 @@ def test_neither_numbering_nor_solver_nor_side_matter(solver):
         held=network.held[p], displacement=network.displacement[p],
     )  # fmt: skip
     found = grow(network, 0.01, crack=crack)
-    same = grow(other, 0.01, crack=np.argsort(s)[crack], solver=solver)
+    if solver == "multigrid":
+        monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
+    same = grow(other, 0.01, crack=np.argsort(s)[crack])
+    assert same.equilibrium.solver.name == solver
     assert [set(one.springs) for one in found.breaks] == [
         set(s[one.springs]) for one in same.breaks
     ]
