@@ -74,14 +74,9 @@ def cut_network(
     ----------
     problem, lattice
         The lattice must be cut to the problem's domain.
-    constants
-        Spring constants (N/m) per kind of spring of a lattice without end, or a calibration; by
-        default those of the problem's isotropic material, if the lattice can be it by springs
-        alone. With zones a tuple of these, one for each of the problem's materials, as
-        `calibrate_zones` gives it.
-    volume
-        κ of a whole cell, in N/m with the thickness in the plane, in Pa in space: see
-        `msvalidate.network.laws.volumes`. A cut cell has the part of it that it has of the body.
+    constants, volume
+        As for `lattice_network`, of a lattice without end and of a whole cell: a cut cell has the
+        part of κ that it has of the body.
 
     Raises
     ------

@@ -13,6 +13,7 @@ rim one point more, for a cell there may be cut too.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.cut import CutLattice
@@ -30,7 +31,6 @@ from msvalidate.problem import (
     corners_of,
     vectors_at,
 )
-from msvalidate.problem.records import dataclass
 
 AWAY = 1e-3
 """Part of a cell by which bent facets may lie off the triangles that they are drawn by."""
@@ -47,33 +47,15 @@ AT_ONCE = 20_000
 """Places in cells that were left out, for which the nearest cell is looked up at once."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    """Places of a lattice by whole numbers, `low` (3,) in m being the first along each axis."""
+def _numbered(places: Array, low: Array, spacing: float) -> KDTree:
+    """Places (n, 3) in m of a lattice by whole numbers, `low` being the first along each axis."""
+    return KDTree(np.rint((places - low) / spacing))
 
-    low: Array
-    spacing: float
-    size: Index
-    key: Index
-    order: Index
 
-    @classmethod
-    def of(cls, places: Array, low: Array, spacing: float) -> _Grid:
-        number = np.rint((places - low) / spacing).astype(np.intp)
-        size = number.max(axis=0) + 1
-        key = np.ravel_multi_index(tuple(number.T), tuple(size))
-        order = np.argsort(key, kind="stable")
-        return cls(low, spacing, size, key[order], order)
-
-    def find(self, number: Index) -> Index:
-        """Which place (q,) has a number (q, 3), or -1."""
-        found = np.full(len(number), -1, dtype=np.intp)
-        (within,) = np.nonzero(((number >= 0) & (number < self.size)).all(axis=1))
-        key = np.ravel_multi_index(tuple(number[within].T), tuple(self.size))
-        at = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
-        there = self.key[at] == key
-        found[within[there]] = self.order[at[there]]
-        return found
+def _find(numbered: KDTree, number: Index) -> Index:
+    """Which place (q,) has a number (q, 3), or -1."""
+    found = numbered.query(number, distance_upper_bound=0.5)[1]
+    return np.where(found < numbered.n, found, -1)
 
 
 def points_held(part: Part, lattice: CutLattice) -> Mask:
@@ -85,17 +67,18 @@ def points_held(part: Part, lattice: CutLattice) -> Mask:
         If it is no part of the surface.
     """
     facets, h = _facets(part, lattice.domain), lattice.spacing
-    grid = _Grid.of(lattice.points, lattice.points.min(axis=0), h)
-    level, room = (facets - grid.low) / h, lattice.domain.tolerance / h
+    low = lattice.points.min(axis=0)
+    numbered = _numbered(lattice.points, low, h)
+    level, room = (facets - low) / h, lattice.domain.tolerance / h
     off_plane = np.abs(level - np.rint(level[:, :1])).max(axis=1)
     axis_of = np.where((off_plane <= room).any(axis=1), off_plane.argmin(axis=1), -1)
     held = np.zeros(len(lattice.points), dtype=bool)
     for axis in np.unique(axis_of).tolist():
-        corners = _touched_corners(facets[axis_of == axis], lattice, grid.low, axis)
-        found = grid.find(corners)
+        corners = _touched_corners(facets[axis_of == axis], lattice, low, axis)
+        found = _find(numbered, corners)
         held[found[found >= 0]] = True
         if axis >= 0:
-            held[_beyond_rim(corners, lattice, grid, axis)] = True
+            held[_beyond_rim(corners, lattice, numbered, axis)] = True
     return held
 
 
@@ -109,7 +92,7 @@ def traction_on_solid(load: Traction, lattice: CutLattice) -> Array:
     """
     facets, h = _facets(load.region, lattice.domain), lattice.spacing
     low = lattice.points.min(axis=0)
-    cells = _Grid.of(lattice.points[lattice.cells[:, 0]], low, h)
+    cells = _numbered(lattice.points[lattice.cells[:, 0]], low, h)
     drawn = draw_surface(facets, lattice.domain.tolerance, away=AWAY * h)
     per_area = true_areas(facets, drawn) / triangle_areas(drawn.corners)
     force = np.zeros(lattice.points.shape)
@@ -175,16 +158,16 @@ def _areas_and_middles(corners: Array) -> Array:
     return np.concatenate([area, area * corners.mean(axis=1), vector], axis=1)
 
 
-def _beyond_rim(corners: Index, lattice: CutLattice, grid: _Grid, axis: int) -> Index:
+def _beyond_rim(corners: Index, lattice: CutLattice, numbered: KDTree, axis: int) -> Index:
     """Points beside some in a plane across an axis that lie in it and outside the body."""
     steps = np.array([s for s in np.ndindex(3, 3, 3) if s[axis] == 1]) - 1
-    beside = grid.find(np.unique((corners[:, None] + steps).reshape(-1, 3), axis=0))
+    beside = _find(numbered, np.unique((corners[:, None] + steps).reshape(-1, 3), axis=0))
     beside = beside[beside >= 0]
     return beside[~lattice.domain.contains(lattice.points[beside])]
 
 
 def _weights_in(
-    pieces: Pieces, places: Array, lattice: CutLattice, cells: _Grid
+    pieces: Pieces, places: Array, lattice: CutLattice, cells: KDTree
 ) -> tuple[Index, Array]:
     """As `CutLattice.weights_at`, of places (q, 3) in m in pieces whose cells are known."""
     number, cell = _cells_beside(pieces, cells)
@@ -199,15 +182,15 @@ def _weights_in(
     return points, weights
 
 
-def _cells_beside(pieces: Pieces, cells: _Grid) -> tuple[Index, Index]:
+def _cells_beside(pieces: Pieces, cells: KDTree) -> tuple[Index, Index]:
     """Number (p, 3) of each piece's cell, and which cell it is, or -1.
 
     Of pieces in a plane between two cells that which is there; if both are, the one below.
     """
     middle = pieces.corners.mean(axis=1)
     number = np.floor(middle - TOUCHED).astype(np.intp)
-    cell = cells.find(number)
+    cell = _find(cells, number)
     other = np.floor(middle + TOUCHED).astype(np.intp)[cell < 0]
     number[cell < 0] = other
-    cell[cell < 0] = cells.find(other)
+    cell[cell < 0] = _find(cells, other)
     return number, cell

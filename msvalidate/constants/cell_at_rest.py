@@ -4,7 +4,7 @@ Of all motions of the points those at rest leave the least energy, so an energy 
 of what the elongations are: a way to relax them need not be exact, only known to be near. It is
 asked again until it finds nothing more, and tried on a motion that is known.
 
-Small cells are solved by least squares, which count motions without stiffness, large ones by a
+Small cells are solved by dense matrices, which count motions without stiffness, large ones by a
 factor of their stiffness, or conjugate gradients with multigrid cycles, whose work is in proportion
 to the points: a factor's grows with the power 2 of them in space, 1.3 in the plane. Coarse spaces
 are of translations alone: these are all that a periodic cell has without stiffness. Rotations,
@@ -13,11 +13,13 @@ which are not periodic, make coarse spaces twice as large for an eighth fewer st
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import qr, solve_triangular
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, qr, solve_triangular
+from scipy.linalg.lapack import dpocon
 from scipy.sparse import csr_array, diags_array
 
 from msvalidate.linear_algebra.conjugate_gradients import (
@@ -41,6 +43,9 @@ AFFORDED = {2: 600_000, 3: 15_000}
 a minute of work."""
 NO_STIFFNESS = 1e-10
 """Stiffness of a motion, relative to the stiffest, below which it has none."""
+WELL_POSED = 1e-6
+"""Reciprocal condition, as LAPACK estimates it, above which no motion is without stiffness: it
+is `DENSE` times off at the most, and the estimate some tens."""
 NEAR = 1e4
 """Times that stiffnesses may be apart for `NO_STIFFNESS`: rounding is 1e-12 of the softest."""
 SOFTEST = 1e-6
@@ -228,15 +233,21 @@ def _remedy(k: Array) -> str:
 
 
 def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
-    """By least squares, and the number of motions without stiffness.
+    """By Cholesky's factor, or least squares; and the number of motions without stiffness.
 
-    Rows are springs, the stiff ones first: rounded by themselves, not by each other. Householder's
-    method with columns exchanged.
+    Of least squares, where some motion may be without stiffness, rows are springs, the
+    stiff ones first: rounded by themselves, not by each other. Householder's method with columns
+    exchanged.
 
-    Source: [CoxHigham1998].
+    Source: [GolubVanLoan2013], section 4.2, and [CoxHigham1998].
     """
     if not B.shape[1]:
         return lambda stretch: np.zeros((0, stretch.shape[1])), 0
+    K = _stiffness(B, k).toarray()
+    with contextlib.suppress(LinAlgError):
+        factor = cho_factor(K)
+        if dpocon(factor[0], np.abs(K).sum(axis=0).max())[0] > WELL_POSED:
+            return lambda stretch: -cho_solve(factor, B.T @ (k[:, None] * stretch)), 0
     order = np.argsort(-k, kind="stable")
     root = np.sqrt(k[order])[:, None]
     Q, R, exchanged = qr(root * B.toarray()[order], mode="economic", pivoting=True)

@@ -55,19 +55,20 @@ def directional_modulus(tensor: Array, directions: Array) -> Array:
 def directional_ratio(tensor: Array, angle: float) -> float:
     """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
 
-    nu = -S12/S11 of the compliance S along axes turned by the angle.
+    nu = -w S v/(v S v), v and w the Voigt vectors of n⊗n along and across, and S the compliance.
 
-    Source: [Nye1957], chapter VIII, by the rotated compliance.
+    Source: [Nye1957], chapter VIII: -S12/S11 of the rotated compliance.
 
     Raises
     ------
     ProblemError
         If it is no plane tensor, is singular, or the angle is not one finite number.
     """
-    C, turn = check_voigt(tensor, 2), finite_angle("angle", angle)
-    S = _compliance(rotate_tensor(C, -turn))
+    S, turn = _compliance(check_voigt(tensor, 2)), finite_angle("angle", angle)
+    c, s = np.cos(turn), np.sin(turn)
+    along, across = voigt_directions(np.array([[c, s], [-s, c]]))
     with np.errstate(all="ignore"):
-        return finite_number("directional ratio", -S[1, 0] / S[0, 0])
+        return finite_number("directional ratio", -(across @ S @ along) / (along @ S @ along))
 
 
 def _compliance(C: Array) -> Array:

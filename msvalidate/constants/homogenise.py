@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.constants.cell_at_rest import relax_cell
+from msvalidate.constants.cell_at_rest import elongations, relax_cell
 from msvalidate.constants.stiffness import ALIKE, spring_tensor, voigt_directions
 from msvalidate.lattice import (
     WEIGHTS,
@@ -26,7 +26,7 @@ from msvalidate.lattice import (
 )
 from msvalidate.lattice.filled import cells_bordered
 from msvalidate.network.inverse import SOLVERS
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import (
     finite,
     format_value,
@@ -72,9 +72,7 @@ class Homogenised(ReadOnly):
 def homogenise(
     pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
 ) -> Homogenised:
-    """The solid that an endless lattice is, its points at rest.
-
-    Source: [Hill1963] (energies of means), [BornHuang1954] (points at rest inside a cell).
+    """The solid that an endless lattice is, its points at rest, by `homogenise_network`.
 
     Parameters
     ----------
@@ -82,15 +80,11 @@ def homogenise(
         What repeats, and its spring constants (N/m), one a kind.
     spacing
         Length (m) of the pattern's unit; a plane tensor does not depend on it.
-    solver
-        As in `homogenise_network`.
 
     Raises
     ------
     ProblemError
-        If the constants are not one a kind, or the spacing is no length.
-    SolverError
-        As `homogenise_network`.
+        If the constants are not one a kind, or the spacing is no length; and as there.
     """
     require_type("pattern", pattern, Pattern)
     a = length_in_metres("spacing", spacing)
@@ -152,26 +146,17 @@ def deforms_affinely(pattern: Pattern) -> bool:
         If it is no pattern.
     """
     require_type("pattern", pattern, Pattern)
+    length = np.linalg.norm(pattern.vectors, axis=1)
+    normal = pattern.vectors / length[:, None]
+    # A unit strain stretches a spring by L v, and it pulls at both ends.
+    moved = elongations(len(pattern.points), pattern.springs, normal)
+    stretch = length[:, None] * voigt_directions(normal)
     for kind in range(pattern.kinds):
         k = np.where(pattern.kind == kind, pattern.factor, 0.0)
-        force = strain_forces(len(pattern.points), pattern.springs, pattern.vectors, k)
-        most = float((k * np.linalg.norm(pattern.vectors, axis=1)).max())
-        if np.abs(force).max() > ALIKE * most:
+        force = moved.T @ (k[:, None] * stretch)
+        if np.abs(force).max() > ALIKE * float((k * length).max()):
             return False
     return True
-
-
-def strain_forces(count: int, springs: Index, vectors: Array, stiffness: Array) -> Array:
-    """Forces (n, d, v) in N on the points of a periodic cell under the unit Voigt strains."""
-    length = np.linalg.norm(vectors, axis=1)
-    normal = vectors / length[:, None]
-    # A unit strain stretches a spring by L v, and it pulls at both ends.
-    tension = (stiffness * length)[:, None, None] * normal[:, :, None]
-    pull = tension * voigt_directions(normal)[:, None, :]
-    force = np.zeros((count, *pull.shape[1:]))
-    np.add.at(force, springs[:, 0], pull)
-    np.add.at(force, springs[:, 1], -pull)
-    return force
 
 
 def homogenise_network(

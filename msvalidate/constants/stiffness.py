@@ -280,7 +280,6 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     """
     C = check_voigt(tensor)
     d = AXES_OF[len(C)]
-    normal, shear = C[:d, :d], np.diag(C)[d:]
     largest = np.abs(C).max()
     lowest = np.linalg.eigvalsh(C / largest)[0] if largest else 0.0
     if lowest <= ALIKE:
@@ -288,11 +287,10 @@ def isotropic_moduli(tensor: Array) -> Moduli:
             f"moduli: lowest eigenvalue {lowest * largest:g} {UNIT[d]}; some strain costs no energy"
         )
     bulk, mu = _invariant_moduli(C)
-    mean11 = np.trace(normal) / d
-    mean12 = (normal.sum() - np.trace(normal)) / (d * (d - 1))
+    mean = cubic_part(C)
     C12 = bulk - 2 * mu / d
     nu = C12 / ((d - 1) * C12 + 2 * mu)
-    found = (2 * mu * (1 + nu), nu, 2 * shear.mean() / (mean11 - mean12))
+    found = (2 * mu * (1 + nu), nu, 2 * mean[-1, -1] / (mean[0, 0] - mean[0, 1]))
     E, nu, zener = finite("moduli E, nu and zener", found).tolist()
     return Moduli(E=E, nu=nu, zener=zener)
 

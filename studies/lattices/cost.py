@@ -20,7 +20,6 @@ from functools import partial
 import numpy as np
 import pandas as pd
 from scipy.linalg import eigvalsh
-from scipy.optimize import brentq
 
 from msvalidate import kit
 from msvalidate.bodies.lattice_network import lattice_network
@@ -28,7 +27,7 @@ from msvalidate.dynamics.relax import relax
 from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.run import Run
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate.judging.counting import predict_steps
 from msvalidate.lattice import fill
 from msvalidate.network import tangent
 from msvalidate.statics.equilibrium import equilibrium
@@ -132,7 +131,7 @@ def measure(solid: Solid, todo: tuple[Case, float]) -> dict[str, object]:
         if edges.crosses(case)
         else of_one_cell(case, body, lattice.spacing) / endless,
         "steps": found.steps,
-        "steps_predicted": predict(high / low),
+        "steps_predicted": predict_steps(high / low, ERROR),
         "springs_a_point": springs,
         "work_a_point": found.steps * springs,
         "work_of_body": found.steps * int((network.stiffness > 0).sum()),
@@ -154,9 +153,3 @@ def of_one_cell(case: Case, body: kit.Anisotropic, spacing: float) -> float:
 def near(rest: kit.Array, run: Run) -> bool:
     """Whether a run is as near to rest as it should come."""
     return bool(abs(run.displacement - rest).max() <= ERROR * abs(rest).max())
-
-
-def predict(root_kappa: float) -> int:
-    """Steps after which the slowest mode, critically damped, is left with the error."""
-    s = float(brentq(lambda s: math.log1p(s) - s - math.log(ERROR), 0.0, 100.0))
-    return math.ceil(s * root_kappa / (2 * SAFETY))

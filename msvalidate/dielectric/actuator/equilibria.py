@@ -89,7 +89,6 @@ def at_voltage(
     voltage: float,
     *,
     start: ActuatorEquilibrium | None = None,
-    tolerance: float = TOLERANCE,
     bracket: float = BRACKET,
 ) -> ActuatorEquilibrium:
     """Stable equilibrium at a voltage, on the branch that starts at zero voltage.
@@ -102,8 +101,6 @@ def at_voltage(
         V, from the bottom electrode to the top one.
     start
         An equilibrium to walk from; by default that at 0 V.
-    tolerance
-        Residual over the forces that meet at a point.
     bracket
         Step over the voltage at which the walk gives up.
 
@@ -116,7 +113,6 @@ def at_voltage(
     """
     require_type("actuator", actuator, Actuator)
     goal = finite_number("voltage", voltage)
-    finite_number("tolerance", tolerance, above=0, most=LOOSEST)
     finite_number("bracket", bracket, above=0, most=LOOSEST)
     if start is None:
         held = _rest_without_charge(actuator)
@@ -129,7 +125,7 @@ def at_voltage(
     while True:
         last = abs(goal - held.voltage) <= abs(step)
         target = goal if last else held.voltage + step
-        found = _step_to_voltage(actuator, held, target, tolerance)
+        found = _step_to_voltage(actuator, held, target)
         if found is not None:
             held = replace(found, iterations=held.iterations + found.iterations)
             if last:
@@ -177,7 +173,7 @@ def _rest_without_charge(actuator: Actuator) -> ActuatorEquilibrium:
 
 
 def _step_to_voltage(
-    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, tolerance: float
+    actuator: Actuator, held: ActuatorEquilibrium, voltage: float
 ) -> ActuatorEquilibrium | None:
     """Stable equilibrium at a voltage near that of `held`, None if none is found."""
     network = actuator.network
@@ -185,7 +181,7 @@ def _step_to_voltage(
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # refused by the residual
             found = find_equilibrium(
-                actuator, u, lambda place: charge_actuator(actuator, place, voltage), tolerance
+                actuator, u, lambda place: charge_actuator(actuator, place, voltage), TOLERANCE
             )
     except (ProblemError, SolverError):  # electrodes touch, or springs have no length
         return None
@@ -234,7 +230,6 @@ def sweep(
     actuator: Actuator,
     voltages: ArrayLike,
     *,
-    tolerance: float = TOLERANCE,
     bracket: float = BRACKET,
 ) -> Sweep:
     """Equilibria at rising voltages, each found from the one before.
@@ -245,8 +240,8 @@ def sweep(
         At 0 V it must be stable.
     voltages
         (k,) in V, rising from above 0.
-    tolerance, bracket
-        As in `at_voltage`; pull-in is known to `bracket` times the voltage.
+    bracket
+        As in `at_voltage`; pull-in is known to this times the voltage.
 
     Raises
     ------
@@ -257,12 +252,10 @@ def sweep(
     """
     require_type("actuator", actuator, Actuator)
     asked = _check_voltages(voltages)
-    held = [at_voltage(actuator, 0.0, tolerance=tolerance)]
+    held = [at_voltage(actuator, 0.0)]
     for voltage in asked:
         try:
-            found = at_voltage(
-                actuator, voltage, start=held[-1], tolerance=tolerance, bracket=bracket
-            )
+            found = at_voltage(actuator, voltage, start=held[-1], bracket=bracket)
         except PulledIn as error:
             if error.last.voltage > held[-1].voltage:
                 held.append(error.last)

@@ -27,7 +27,7 @@ from msvalidate.dielectric.charges import (
     tangent_in_air,
 )
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import ReadOnly, dataclass
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,63 +68,11 @@ class Electric:
 
 
 @dataclass(frozen=True, eq=False)
-class PlateCharges:
-    """Charges between parallel plates, by the points of the top one.
+class PlateCharges(ReadOnly):
+    """Charges between parallel plates: (2,) of top and bottom, per depth (C/m), and ½QV (J/m)."""
 
-    The field is V/h at each place: W = ½εV² ∫ dx/h, h the gap there, by the trapezoidal rule. That
-    is the limit of waves long beside the gap. W depends on widths too: the ends are drawn outwards
-    with ½εV²/h, as a dielectric is drawn into a capacitor.
-
-    Parameters
-    ----------
-    voltage
-        V.
-    gap
-        (k,) from the bottom plate up to each point (m).
-    width
-        (k,) half of what lies between its neighbours, along x (m).
-    permittivity
-        F/m.
-    spread
-        (k, k) widths from places along x.
-    """
-
-    voltage: float
-    gap: Array
-    width: Array
-    permittivity: float
-    spread: Array
-
-    @property
-    def totals(self) -> Array:
-        """(2,) of top and bottom, per depth (C/m)."""
-        whole = self.permittivity * self.voltage * float((self.width / self.gap).sum())
-        return np.array([whole, -whole])
-
-    @property
-    def energy(self) -> float:
-        """½QV per depth (J/m)."""
-        return 0.5 * float(self.totals[0]) * self.voltage
-
-    @property
-    def _scale(self) -> float:
-        return 0.5 * self.permittivity * self.voltage**2
-
-    def forces(self) -> Array:
-        """(k, 2) per depth (N/m) on the top's points."""
-        inverse = 1 / self.gap
-        along = self.spread.T @ inverse
-        return self._scale * np.column_stack([along, -self.width * inverse**2])
-
-    def tangent(self) -> Array:
-        """(2k, 2k) per depth (N/m²)."""
-        k, inverse = len(self.gap), 1 / self.gap
-        bend = np.zeros((k, 2, k, 2))
-        bend[:, 1, :, 1] = np.diag(2 * self.width * inverse**3)
-        # Forces along x change with gaps, and the other way round those along y with widths.
-        bend[:, 1, :, 0] = cross = -(inverse**2)[:, None] * self.spread
-        bend[:, 0, :, 1] = cross.T
-        return self._scale * bend.reshape(2 * k, 2 * k)
+    totals: Array
+    energy: float
 
 
 def _plane(actuator: Actuator, position: Array, voltage: float) -> Electric:
@@ -135,16 +83,30 @@ def _plane(actuator: Actuator, position: Array, voltage: float) -> Electric:
 
 
 def _plates(actuator: Actuator, position: Array, voltage: float) -> Electric:
-    """The field between plates at each place: the bottom electrode must be flat and held."""
+    """The field between plates is V/h at each place: the bottom electrode must be flat and held.
+
+    W = ½εV² ∫ dx/h, h the gap up to each point of the top, by the trapezoidal rule. That is the
+    limit of waves long beside the gap. W depends on widths too: the ends are drawn outwards with
+    ½εV²/h, as a dielectric is drawn into a capacitor.
+    """
     top, bottom = actuator.electrodes
     x, y = position[top].T
-    gap = y - position[bottom[0], 1]
-    spread = _trapezoidal_weights(len(top)) * (1.0 if x[-1] > x[0] else -1.0)
+    gap, k = y - position[bottom[0], 1], len(top)
+    spread = _trapezoidal_weights(k) * (1.0 if x[-1] > x[0] else -1.0)
     width = spread @ x
     if not (gap > 0).all() or not (width > 0).all():
         raise ProblemError("electrodes: they cross or touch; leave a gap")
-    charges = PlateCharges(voltage, gap, width, actuator.permittivity, spread)
-    return Electric(charges, top, actuator.depth, PlateCharges.forces, PlateCharges.tangent)
+    inverse, scale = 1 / gap, 0.5 * actuator.permittivity * voltage**2
+    pull = scale * np.column_stack([spread.T @ inverse, -width * inverse**2])
+    bend = np.zeros((k, 2, k, 2))
+    bend[:, 1, :, 1] = np.diag(2 * width * inverse**3)
+    # Forces along x change with gaps, and the other way round those along y with widths.
+    bend[:, 1, :, 0] = cross = -(inverse**2)[:, None] * spread
+    bend[:, 0, :, 1] = cross.T
+    bend = scale * bend.reshape(2 * k, 2 * k)
+    whole = actuator.permittivity * voltage * float((width / gap).sum())
+    charges = PlateCharges(np.array([whole, -whole]), 0.5 * whole * voltage)
+    return Electric(charges, top, actuator.depth, lambda _: pull, lambda _: bend)
 
 
 def _trapezoidal_weights(k: int) -> Array:

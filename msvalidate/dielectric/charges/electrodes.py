@@ -30,7 +30,7 @@ Moved = TypeVar("Moved", bound="Segments")
 
 
 class Segments:
-    """Straight segments that electrodes, or the faces of a body, are made of."""
+    """Straight segments (m, 2), pairs of points (n, 2) in m, of electrodes or of a body's faces."""
 
     points: Array
     segments: Index

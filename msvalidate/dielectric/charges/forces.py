@@ -20,6 +20,8 @@ so one solve with as many columns as there are components gives all of it.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from msvalidate.dielectric.charges.dielectric import ChargesInAir
@@ -33,6 +35,7 @@ from msvalidate.problem.checks import require_type
 
 def forces(charges: Charges) -> Array:
     """Force (n, 2) per depth (N/m) on each point of the electrodes."""
+    require_type("charges", charges, Charges)
     slope, _ = _derivatives(charges)
     return -0.5 * (charges.charge @ slope).reshape(-1, 2)
 
@@ -48,18 +51,19 @@ def tangent(charges: Charges) -> Array:
     ProblemError
         If charges are those of collocation, whose forces are no energy's derivative.
     """
-    slope, bend = _derivatives(charges)
+    require_type("charges", charges, Charges)
     moments = charges.moments
     if moments.weighting != "galerkin":
         raise ProblemError(
             f'charges: their weighting is {moments.weighting}; a tangent takes weighting="galerkin"'
         )
+    slope, bend = _derivatives(charges)
     return slope.T @ moments.solve(slope) - 0.5 * bend
 
 
+@lru_cache(maxsize=1)
 def _derivatives(charges: Charges) -> tuple[Array, Array]:
-    """(∂P/∂x) q (m, 2n), and q'(∂²P/∂x²) q (2n, 2n)."""
-    require_type("charges", charges, Charges)
+    """(∂P/∂x) q (m, 2n), and q'(∂²P/∂x²) q (2n, 2n), kept for what is asked next."""
     electrodes, q = charges.moments.electrodes, charges.charge
     lines, n = electrodes.lines, len(electrodes.points)
     first, _, second = integrals.turned(*lines, electrodes.segments, q, q, n)
@@ -81,10 +85,10 @@ def forces_in_air(charges: ChargesInAir) -> Array:
     1: inwards on the electrode, outwards beside it. Together they have a limit, each alone has
     none: sums over a finer and finer electrode without its neighbourhood do not converge.
     """
+    require_type("charges", charges, ChargesInAir)
     on_covered, weight = _adjoint_weights(charges)
-    potential, flux = _derivatives_in_air(charges, on_covered, weight)
-    around = charges.moments.around
-    total = on_covered @ potential[0] / (2 * around) + weight @ flux[0]
+    potential, flux = _derivatives_in_air(charges)
+    total = on_covered @ potential[0] / (2 * charges.moments.around) + weight @ flux[0]
     return _slopes(total[None]).reshape(-1, 2)
 
 
@@ -93,8 +97,8 @@ def tangent_in_air(charges: ChargesInAir) -> Array:
 
     Symmetric, being of a second derivative. Components of a point stand together.
     """
-    on_covered, weight = _adjoint_weights(charges)
-    potential, flux = _derivatives_in_air(charges, on_covered, weight)
+    require_type("charges", charges, ChargesInAir)
+    potential, flux = _derivatives_in_air(charges)
     moments = charges.moments
     bare = moments.electrodes.bare[:, None]
     right = -np.where(bare, 2 * moments.contrast * _slopes(flux[0]), _slopes(potential[0]))
@@ -108,10 +112,10 @@ Derivatives = tuple[Complex, ...]
 """In the nodes, of what charges make (m, n), of what weights make, and second ones (n, n)."""
 
 
-def _derivatives_in_air(
-    charges: ChargesInAir, on_covered: Array, weight: Array
-) -> tuple[Derivatives, Derivatives]:
+@lru_cache(maxsize=1)
+def _derivatives_in_air(charges: ChargesInAir) -> tuple[Derivatives, Derivatives]:
     """Of ln r/(2π) between charges and the first weights, and of fluxes Φ with the second."""
+    on_covered, weight = _adjoint_weights(charges)
     faces, q, n = charges.moments.electrodes, charges.charge, len(weight)
     potential = integrals.turned(*faces.lines, faces.segments, on_covered, q, n)
     flux = fluxes.twisted(*faces.lines, faces.segments, weight, q, n)
@@ -121,7 +125,6 @@ def _derivatives_in_air(
 
 def _adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:
     """The weights (n,) of (dP)q, times the air's permittivity, and of (dΦ)q in `forces_in_air`."""
-    require_type("charges", charges, ChargesInAir)
     moments = charges.moments
     faces, ratio = moments.electrodes, moments.ratio
     volt = np.where(faces.bare, 0.0, charges.voltages[faces.electrode])

@@ -58,6 +58,14 @@ class Patches(ReadOnly):
     conductor: Index
     middle: Array
 
+    @property
+    def area(self) -> Array:
+        """(n,) in m², positive where corners are in counter-clockwise order."""
+        first = self.corners[..., :2] - self.corners[:, :1, :2]
+        second = np.roll(first, -1, axis=1)
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        return np.asarray(0.5 * cross.sum(axis=1))
+
 
 def patch_charges(patches: Patches, voltages: ArrayLike) -> Array:
     """Charges (n,) over the permittivity (V·m) of conductors at potentials (k,) in V.
@@ -75,7 +83,7 @@ def patch_charges(patches: Patches, voltages: ArrayLike) -> Array:
     refuse_dense("patches", len(patches.corners))
     given = check_voltages("a conductor", int(patches.conductor.max()) + 1, voltages)
     # Signed as the way round that corners are given in, as what is seen is.
-    seen = polygons.seen(patches.middle, patches.corners) / _areas(patches.corners)
+    seen = polygons.seen(patches.middle, patches.corners) / patches.area
     inverse, condition = factorise(seen / (4 * np.pi), symmetric=False)
     check_error(ROUNDED * condition)
     return np.asarray(inverse(given[patches.conductor]))
@@ -85,14 +93,6 @@ def patch_capacitance(patches: Patches) -> float:
     """Capacitance over the permittivity (m) of one conductor to far away, or between two."""
     voltages = (0.5, -0.5) if patches.conductor.any() else (1.0,)
     return float(patch_charges(patches, voltages)[patches.conductor == 0].sum())
-
-
-def _areas(corners: Array) -> Array:
-    """(n,) in m², positive where corners are in counter-clockwise order."""
-    first = corners[..., :2] - corners[:, :1, :2]
-    second = np.roll(first, -1, axis=1)
-    cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    return np.asarray(0.5 * cross.sum(axis=1))
 
 
 def conductors(first: Patches, second: Patches) -> Patches:

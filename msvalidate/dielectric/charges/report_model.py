@@ -82,7 +82,6 @@ class ReportModel:
             check_electrodes(electrodes)
         self.electrodes = electrodes
         self.kernel: Kernel = kernel
-        self.charges_on: Place = charges_on
         self.permittivity = check_positive("permittivity", permittivity, "F/m")
         self.depth = length_in_metres("depth", depth)
         self.pieces = pieces(electrodes, charges_on)

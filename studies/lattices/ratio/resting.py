@@ -23,6 +23,7 @@ from msvalidate import kit
 from msvalidate.dynamics.relax import relax
 from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.counting import predict_steps
 from msvalidate.statics.equilibrium import equilibrium
 
 from .. import cost, loading
@@ -112,5 +113,5 @@ def measure(nu: float) -> dict[str, object]:
         "omega_high_over": high / unit / np.sqrt(4 * (lame + 2)),
         "omega_high_cell": high / unit / np.sqrt(8 * (lame + 1)),
         "step_limit": 2 * unit / high,
-        "steps_foreseen": cost.predict(high / low),
+        "steps_foreseen": predict_steps(high / low, cost.ERROR),
     } | steps

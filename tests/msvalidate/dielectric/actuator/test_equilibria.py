@@ -66,7 +66,7 @@ def test_beyond_pull_in_one_line_names_both_voltages(plates):
         ({"voltage": np.nan}, "voltage: nan"),
         ({"voltage": np.inf}, "voltage: inf"),
         ({"voltage": "high"}, "voltage"),
-        ({"tolerance": 0.1}, "at most"),
+        ({"bracket": 0.1}, "at most"),
         ({"bracket": -1.0}, "bracket"),
         ({"start": 3}, "start: 3; give an ActuatorEquilibrium"),
     ],
