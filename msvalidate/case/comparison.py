@@ -27,7 +27,7 @@ from msvalidate.case.springs import (
 from msvalidate.case.supports import held_as
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
-from msvalidate.lattice.gaps import bridged_gaps
+from msvalidate.lattice.cut import bridged_gaps
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Anisotropic,

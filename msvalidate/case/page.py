@@ -23,7 +23,7 @@ from msvalidate.case.mesh_springs import locking
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, Row
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice
-from msvalidate.lattice.gaps import narrow_holes
+from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures

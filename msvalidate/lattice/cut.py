@@ -19,11 +19,13 @@ slit or crack narrower than a cell, it joins them: take cells smaller than the g
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.cut_cells import ROUNDING, CutCells, cut_cells
 from msvalidate.lattice.filled import PatternLattice
+from msvalidate.lattice.outline import outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers
 from msvalidate.problem import Array, Domain, Index, Mask, Mesh, ProblemError
@@ -42,6 +44,12 @@ conditioned as an uncut lattice's, and errors are as without. From 0.1 on what i
 BESIDE = 0.1
 """Part of a cell from bent facets within which the body itself is asked whether it holds a point:
 far more than lies between a bent facet and what it is drawn by."""
+
+
+FILLED = 0.25
+"""Part of a cell from which it is no sliver beside a curve."""
+NARROW = 2.0
+"""Cells across a hole below which it is hardly one: no whole cell lies in it wherever it is."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -304,3 +312,46 @@ def _gifts(
 def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
     """Whether two corners are alike in all axes along which a spring makes no step."""
     return all(a == b or s for a, b, s in zip(other, corner, step, strict=True))
+
+
+# Gaps and holes narrower than cells ---------------------------------------------------------------
+
+
+def narrow_holes(lattice: CutLattice) -> Array:
+    """Middle (h, 2) and width (h,) in m, as rows (h, 3), of holes narrower than `NARROW` cells.
+
+    Of bodies in the plane, and of prisms along z; none are looked for in others.
+    """
+    try:
+        area = outline(lattice.domain)
+    except ProblemError:
+        return np.empty((0, 3))
+    rings = [r for part in shapely.get_parts(area) for r in part.interiors]
+    if not rings:
+        return np.empty((0, 3))
+    inscribed = shapely.maximum_inscribed_circle(shapely.polygons(rings))
+    middle = shapely.get_coordinates(inscribed)[::2]
+    found = np.column_stack([middle, 2 * shapely.length(inscribed)])
+    return np.asarray(found[found[:, 2] < NARROW * lattice.spacing])
+
+
+def bridged_gaps(lattice: CutLattice) -> Array:
+    """Middles (g, 2) in m of sides between neighbouring cells that the body reaches nowhere.
+
+    Both cells have the body in them and share points off it, so their springs join what the body
+    does not. None are looked for in space.
+    """
+    if lattice.domain.dim != 2:
+        return np.empty((0, 2))
+    around = np.stack([lattice.cells, np.roll(lattice.cells, -1, axis=1)], axis=2)
+    sides = np.sort(around, axis=2)
+    filled = np.repeat(lattice.fraction >= FILLED, 4)
+    ends = sides.reshape(-1, 2)[filled]
+    pairs, count = np.unique(ends, axis=0, return_counts=True)
+    shared = pairs[(count == 2) & ~lattice.inside[pairs].any(axis=1)]
+    if not len(shared):
+        return np.empty((0, 2))
+    body = outline(lattice.domain)
+    shapely.prepare(body)
+    away = ~shapely.intersects(body, shapely.linestrings(lattice.points[shared]))
+    return np.asarray(lattice.points[shared[away]].mean(axis=1))

@@ -34,8 +34,6 @@ from msvalidate.problem.checks import (
 
 POINT_SETS = ("uniform", "jittered", "blue_noise")
 LARGEST_SEED = 2**64 - 1
-JITTER = 0.5
-"""Part of its brick's edge by which a jittered point moves from the middle at most: anywhere."""
 CANDIDATES = 5
 """Uniform points for each blue-noise point that is kept (Yuksel's number)."""
 CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
@@ -122,8 +120,7 @@ def _draw_points(kind: str, count: int, size: Array, rng: np.random.Generator) -
     if kind != "jittered":
         return np.asarray(rng.random((count, len(size))) * size)
     low, edge = _equal_parts(count, size)
-    points = low + edge * (0.5 + JITTER * (2 * rng.random(low.shape) - 1))
-    return np.asarray(np.minimum(points, np.nextafter(size, 0)))
+    return np.asarray(np.minimum(low + edge * rng.random(low.shape), np.nextafter(size, 0)))
 
 
 def _equal_parts(count: int, size: Array) -> tuple[Array, Array]:

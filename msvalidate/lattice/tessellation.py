@@ -6,10 +6,9 @@ cell, so the sum of a·l over all springs is d times the volume of all cells (th
 for the position from the cell's point). It holds for the springs that are kept, or the points are
 refused.
 
-Both kinds of body come down to points without end (`msvalidate.lattice.images`): a periodic cell is
-repeated, a box is reflected across its sides, which clips cells exactly to it. The facets come from
-a Delaunay triangulation (`msvalidate.lattice.triangulation`), whose circumcentres are the vertices
-of cells.
+Both kinds of body come down to points without end: a periodic cell is repeated, a box is reflected
+across its sides, which clips cells exactly to it. The facets come from a Delaunay triangulation
+(`msvalidate.lattice.triangulation`), whose circumcentres are the vertices of cells.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.lattice.images import triangulate_with_images
 from msvalidate.lattice.ties import break_ties
 from msvalidate.lattice.triangulation import (
     FACES,
@@ -29,6 +27,7 @@ from msvalidate.lattice.triangulation import (
     relative_volume,
     signed_volumes,
     stabilise_centres,
+    triangulate_with_images,
     triangulation,
 )
 from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, format_point

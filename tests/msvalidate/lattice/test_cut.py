@@ -10,7 +10,7 @@ import pytest
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
-from msvalidate.lattice.gaps import bridged_gaps, narrow_holes
+from msvalidate.lattice.cut import bridged_gaps, narrow_holes
 from msvalidate.network import tangent
 from msvalidate.problem import (
     BodyForce,
