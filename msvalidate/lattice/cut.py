@@ -156,7 +156,13 @@ def cut_lattice(
         If the pattern is not such a one, no cell is left, the points or the triangles of a bent
         surface are too many, the surface crosses itself, or a value is out of range.
     """
-    steps, h = _steps(pattern), length_in_metres("cut lattice: spacing", spacing)
+    require_type("pattern", pattern, Pattern)
+    if not joins_corners(pattern):
+        raise ProblemError(
+            f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
+            "corners of one; cut square, cubic18 or such"
+        )
+    h = length_in_metres("cut lattice: spacing", spacing)
     require_type("body", domain, Domain)
     if pattern.dim != domain.dim:
         raise ProblemError(
@@ -168,7 +174,7 @@ def cut_lattice(
     kept = cut_cells(domain, h, base, sliver)
     number_of, cells = _number_points(kept.index)
     points = base + h * number_of
-    springs, kind, factor = _springs(pattern, steps, cells, kept.part)
+    springs, kind, factor = _springs(pattern, cells, kept.part)
     corner_volume = kept.part * h**d
     return CutLattice(
         name=f"{pattern.name}, cut",
@@ -227,17 +233,6 @@ def joins_corners(pattern: Pattern) -> bool:
     )
 
 
-def _steps(pattern: Pattern) -> Index:
-    """Steps (m, d) of the pattern's springs, in cells; refuses what does not stay in one cell."""
-    require_type("pattern", pattern, Pattern)
-    if not joins_corners(pattern):
-        raise ProblemError(
-            f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
-            "corners of one; cut square, cubic18 or such"
-        )
-    return pattern.image
-
-
 def _origin(origin: tuple[float, ...] | None, domain: Domain, h: float) -> Array:
     """A place of the lattice: one like that given, nearest to 0; at the low end of z in space."""
     base = np.zeros(domain.dim)
@@ -265,48 +260,40 @@ def _number_points(index: Index) -> tuple[Index, Index]:
     return points, cells.reshape(flat.shape)
 
 
-def cell_gifts(lattice: CutLattice) -> tuple[Index, Index, Array]:
-    """Numbers (g,) of a spring and of a cell, and what the cell brings to the spring's factor."""
+def cell_gifts(lattice: CutLattice) -> tuple[Index, Array]:
+    """Numbers (c, e) of each cell's springs, and what it brings to their factors."""
     part = lattice.corner_volume / lattice.spacing ** lattice.points.shape[1]
-    found = _gifts(lattice.pattern, _steps(lattice.pattern), lattice.cells, part)
-    cell = np.tile(np.arange(len(part)), len(found))
-    pairs = np.concatenate([pair for pair, _, _ in found])
+    pairs, _, gifts = _gifts(lattice.pattern, lattice.cells, part)
     n = len(lattice.points)
-    spring = np.searchsorted(lattice.springs @ (n, 1), pairs @ (n, 1))  # which are sorted
-    return spring, cell, np.concatenate([gift for _, _, gift in found])
+    return np.searchsorted(lattice.springs @ (n, 1), pairs @ (n, 1)), gifts  # springs are sorted
 
 
-def _springs(
-    pattern: Pattern, steps: Index, cells: Index, part: Array
-) -> tuple[Index, Index, Array]:
+def _springs(pattern: Pattern, cells: Index, part: Array) -> tuple[Index, Index, Array]:
     """Springs (m, 2), their kinds (m,) and their factors (m,): what all cells give them."""
-    found = _gifts(pattern, steps, cells, part)
-    pairs = np.concatenate([pair for pair, _, _ in found])
+    pairs, kinds, gifts = _gifts(pattern, cells, part)
     n = int(cells.max()) + 1
-    key, which = np.unique(pairs[:, 0] * n + pairs[:, 1], return_inverse=True)
-    springs = np.stack(np.divmod(key, n), axis=1)
-    kind_of = np.zeros(len(springs), dtype=np.intp)
-    kind_of[which] = np.repeat([kind for _, kind, _ in found], len(cells))
-    factor = np.bincount(which, np.concatenate([gift for _, _, gift in found]))
-    return springs, kind_of, factor.astype(float)
+    key, which = np.unique(pairs @ (n, 1), return_inverse=True)
+    kind_of = np.zeros(len(key), dtype=np.intp)
+    kind_of[which.reshape(gifts.shape)] = kinds
+    factor = np.bincount(which.ravel(), gifts.ravel())
+    return np.stack(np.divmod(key, n), axis=1), kind_of, factor.astype(float)
 
 
-def _gifts(
-    pattern: Pattern, steps: Index, cells: Index, part: Array
-) -> list[tuple[Index, int, Array]]:
-    """Springs (c, 2), their kind and what the cells give (c,), for each spring in a cell."""
+def _gifts(pattern: Pattern, cells: Index, part: Array) -> tuple[Index, Index, Array]:
+    """Ends (c, e, 2) of the springs in each cell, their kinds (e,), what it gives them (c, e)."""
     corners = corners_of_cell(pattern.dim).tolist()
-    found = []
-    for step, kind, factor in zip(steps, pattern.kind, pattern.factor, strict=True):
+    ends, kinds, gifts = [], [], []
+    for step, kind, factor in zip(pattern.image, pattern.kind, pattern.factor, strict=True):
         for start, corner in enumerate(corners):
             end = [a + b for a, b in zip(corner, step, strict=True)]
             if end not in corners:
                 continue
             # All corners that agree with the spring across it: N of those axes alone is left.
             near = [c for c, other in enumerate(corners) if _are_beside(other, corner, step)]
-            pair = np.sort(cells[:, [start, corners.index(end)]], axis=1)
-            found.append((pair, int(kind), factor * part[:, near].sum(axis=1)))
-    return found
+            ends.append((start, corners.index(end)))
+            kinds.append(kind)
+            gifts.append(factor * part[:, near].sum(axis=1))
+    return np.sort(cells[:, ends], axis=2), np.array(kinds), np.stack(gifts, axis=1)
 
 
 def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:

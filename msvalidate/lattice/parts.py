@@ -26,17 +26,16 @@ def spring_parts(lattice: Lattice) -> csr_array:
     ProblemError
         If the lattice has no cells that its springs belong to.
     """
-    if isinstance(lattice, EdgeLattice):
-        spring, cell = lattice.of.ravel(), _numbered(lattice.of)
-        part = lattice.gifts.ravel() / np.where(lattice.factor, lattice.factor, 1.0)[spring]
-        return csr_array((part, (spring, cell)), shape=(len(lattice.springs), len(lattice.cells)))
+    size = len(lattice.springs), len(lattice.cells)
     if isinstance(lattice, CutLattice):
-        spring, cell, gift = cell_gifts(lattice)
+        of, gifts = cell_gifts(lattice)
+    elif isinstance(lattice, EdgeLattice):
+        of, gifts = lattice.of, lattice.gifts
     else:
-        middle = lattice.points[lattice.springs].mean(axis=1)
-        spring, cell = _holding_cells(lattice, middle)
-        gift = np.ones(len(spring))
-    return _shared(spring, cell, gift, (len(lattice.springs), len(lattice.cells)), lattice)
+        spring, cell = _holding_cells(lattice, lattice.points[lattice.springs].mean(axis=1))
+        return _shared(spring, cell, np.ones(len(spring)), size, lattice)
+    part = gifts / np.where(lattice.factor, lattice.factor, 1.0)[of]
+    return csr_array((part.ravel(), (of.ravel(), _numbered(of))), shape=size)
 
 
 def point_parts(lattice: Lattice) -> csr_array:

@@ -142,7 +142,8 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     i, j, across = low[between], high[between], area[between]
     across *= 0.5 ** ((on_low[i] & on_low[j]) | (on_high[i] & on_high[j])).sum(axis=1)
     sides = np.zeros((len(x), 2 * box.dim))
-    owner, (axis, way) = low[~between], _axis_and_direction(shift[~between])
+    owner, image = low[~between], shift[~between]
+    axis, way = np.abs(image).argmax(axis=1), image.sum(axis=1)
     on = on_low | on_high
     halved = 0.5 ** (on[owner].sum(axis=1) - on[owner, axis])
     np.add.at(sides, (owner, 2 * axis + (way > 0)), area[~between] * halved)
@@ -156,7 +157,11 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     volume = _pyramid_volumes(i, j, across * length[between], len(x))
     volume += (sides * np.stack([x, edges - x], axis=2).reshape(len(x), -1)).sum(axis=1)
     volume /= box.dim
-    _refuse_wrong_volume(volume, box)
+    if not abs(volume.sum() - box.volume) <= 1e-9 * box.volume:
+        raise SolverError(
+            f"cells of {len(x)} points make up {format_value(float(volume.sum()))} of {box}: some "
+            "points are too close"
+        )
     sides[np.abs(sides) <= ALIKE[0] * _spacing(x, box) ** (box.dim - 1)] = 0.0
     springs, none = np.column_stack([i, j]), np.zeros_like(shift[between])
     return BoundedTessellation(box.size, x, springs, none, across, volume, sides)
@@ -266,11 +271,6 @@ def _pyramid_volumes(i: Index, j: Index, content: Array, count: int) -> Array:
     return np.asarray(0.5 * halves, dtype=float)
 
 
-def _axis_and_direction(shift: Index) -> tuple[Index, Index]:
-    axis = np.abs(shift).argmax(axis=1)
-    return axis, shift[np.arange(len(shift)), axis]
-
-
 def _spacing(points: Array, box: Box) -> float:
     return float((box.volume / len(points)) ** (1 / box.dim))
 
@@ -305,12 +305,4 @@ def _refuse_coincident(points: Array, box: Box, period: Array | None) -> None:
         i, j = min(twins)
         raise ProblemError(
             f"points: {i} and {j} are one place, {format_point(points[i])}; leave one out"
-        )
-
-
-def _refuse_wrong_volume(volume: Array, box: Box) -> None:
-    if not abs(volume.sum() - box.volume) <= 1e-9 * box.volume:
-        raise SolverError(
-            f"cells of {len(volume)} points make up {format_value(float(volume.sum()))} of {box}: "
-            "some points are too close"
         )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csr_array, triu
 from scipy.spatial import KDTree
 
 from msvalidate.problem.arrays import Array, Field, Index
 from msvalidate.problem.checks import finite_number
-from msvalidate.problem.domain import Box, Domain, Polygon
+from msvalidate.problem.domain import Box, Domain
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import Traction
 from msvalidate.problem.mesh import Mesh
@@ -53,18 +54,11 @@ def is_faceted(mesh: Mesh) -> bool:
 
 def _ridges(facets: Index, dim: int) -> Index:
     """Pairs (r, 2) of facets that share a corner, in space an edge."""
-    count = facets.shape[1]
-    if dim == 2:
-        corners = facets.reshape(-1, 1)
-    else:
-        corners = np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2)
-    each = np.repeat(np.arange(len(facets)), count)
-    _, which, many = np.unique(
-        np.sort(corners, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    order = np.argsort(which.ravel(), kind="stable")
-    starts = np.concatenate([[0], np.cumsum(many)[:-1]])[many == 2]
-    return np.column_stack([each[order[starts]], each[order[starts + 1]]])
+    facet = np.repeat(np.arange(len(facets)), facets.shape[1])
+    has = csr_array((np.ones(facets.size), (facet, facets.ravel())))
+    common = triu(has @ has.T, k=1)
+    beside = common.data == dim - 1
+    return np.column_stack([common.row[beside], common.col[beside]])
 
 
 def nearest_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
@@ -80,39 +74,20 @@ def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
     if isinstance(domain, Mesh):
         part = region if isinstance(region, Boundary) else domain.part(region)
         return part.places, _normals(part.places).reshape(-1, domain.dim)
-    if isinstance(domain, Polygon):
-        ends = _polygon_edge(region, domain)
-    elif isinstance(region, Region) and region.is_facet:
-        return region.corners(domain.span)[None], _box_normal(region, domain)
-    else:
-        ends = region.corners(domain.span)
-        ends = ends if _is_ahead(ends, domain) else ends[::-1]
-    along = ends[1] - ends[0]
-    return ends[None], np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
-
-
-def _box_normal(region: Region, box: Box) -> Array:
-    (axis,) = region.normal_axes
-    low, high = box.span[axis]
-    at = region.corners(box.span)[0, axis]
-    normal = np.zeros((1, box.dim))
-    normal[0, axis] = 1.0 if abs(at - high) < abs(at - low) else -1.0
-    return normal
-
-
-def _is_ahead(ends: Array, box: Box) -> bool:
-    """Whether the body lies to the left of the way from one end to the other."""
-    along = ends[1] - ends[0]
-    inwards = np.array(box.size) / 2 - ends.mean(axis=0)
-    return bool(along[0] * inwards[1] - along[1] * inwards[0] > 0)
-
-
-def _polygon_edge(region: Part, domain: Polygon) -> Array:
-    """The edge (2, 2) in m, with the body to its left, that a part of the outline lies on."""
-    edge = domain.edge_with(region.corners(domain.span))
+    corners = region.corners(domain.span)
+    if isinstance(domain, Box):
+        outward = corners.mean(axis=0) - np.array(domain.size) / 2
+        if isinstance(region, Region) and region.is_facet:
+            (axis,) = region.normal_axes
+            return corners[None], np.sign(outward[axis]) * np.eye(domain.dim)[[axis]]
+        along = corners[1] - corners[0]
+        normal = np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
+        return corners[None], np.copysign(1.0, normal @ outward) * normal
+    edge = domain.edge_with(corners)
     if edge is None:
         raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
-    return edge
+    along = edge[1] - edge[0]
+    return edge[None], np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
 
 
 def _normals(places: Array) -> Array:
