@@ -83,10 +83,7 @@ class CutLattice(PatternLattice):
         Linear along each axis of the cell at the place, or of the nearest cell that is there; of
         cells as near, the first along x, then y, then z.
 
-        Raises
-        ------
-        ProblemError
-            If the places do not fit the lattice's dimension, or are not finite.
+        Raises `ProblemError` if the places do not fit the lattice's dimension, or are not finite.
         """
         places = finite_coordinates("places", places, "q", self.points.shape[1])
         return cell_weights(self.points, self.cells, self.spacing, places)

@@ -50,10 +50,8 @@ class CutCells:
 def cut_cells(domain: Domain, h: float, base: Array, sliver: float) -> CutCells:
     """Cells of side h (m) of a grid from `base` (d,) with more than a sliver inside.
 
-    Raises
-    ------
-    ProblemError
-        If there is none, there are too many, or the body's surface crosses itself.
+    Raises `ProblemError` if there is none, there are too many, or the body's surface crosses
+    itself.
     """
     layers = _layers(domain, h, base)
     found = (

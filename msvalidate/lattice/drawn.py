@@ -45,10 +45,7 @@ def draw_surface(
     others and their triangles lies no more than a volume `gap` (m³), and the middles of edges are
     no further `away` (m).
 
-    Raises
-    ------
-    ProblemError
-        If that takes too many triangles.
+    Raises `ProblemError` if that takes too many triangles.
     """
     shape = FACETS[3, places.shape[1]]
     flat = _is_flat(shape, places, tolerance)

@@ -130,10 +130,7 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     code. ``per_cell``: every cell brings springs of its own, so an inner axial spring of the plane
     counts 2, which is what the report's formula k2/(2k1 + k2) assumes.
 
-    Raises
-    ------
-    ProblemError
-        If the rule is none of `WEIGHTS`.
+    Raises `ProblemError` if the rule is none of `WEIGHTS`.
     """
     require_type("lattice", lattice, Lattice)
     require_one_of("boundary weights", rule, WEIGHTS)

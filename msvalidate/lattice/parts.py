@@ -21,10 +21,7 @@ def spring_parts(lattice: Lattice) -> csr_array:
     that repeats every cell that holds the spring's middle brings the same: half in each of the two
     beside it in the plane, a quarter along an edge in space, all in the cell that it runs inside.
 
-    Raises
-    ------
-    ProblemError
-        If the lattice has no cells that its springs belong to.
+    Raises `ProblemError` if the lattice has no cells that its springs belong to.
     """
     size = len(lattice.springs), len(lattice.cells)
     if isinstance(lattice, CutLattice):
@@ -41,10 +38,7 @@ def spring_parts(lattice: Lattice) -> csr_array:
 def point_parts(lattice: Lattice) -> csr_array:
     """Part (n, c) of each point's area or volume that lies in each cell; a point's sum to 1.
 
-    Raises
-    ------
-    ProblemError
-        If the lattice has no cells that its points belong to.
+    Raises `ProblemError` if the lattice has no cells that its points belong to.
     """
     if isinstance(lattice, CutLattice):
         volume = lattice.corner_volume

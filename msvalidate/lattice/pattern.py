@@ -156,10 +156,7 @@ class Pattern:
     def stiffness(self, constants: Constants, rule: str = "constants") -> Array:
         """Stiffness (m,) in N/m of the springs under constants, one a kind.
 
-        Raises
-        ------
-        ProblemError
-            If they are not one a kind, or one is negative or not finite.
+        Raises `ProblemError` if they are not one a kind, or one is negative or not finite.
         """
         k = finite(f"{self.name}: spring constants", constants)
         if k.shape != (self.kinds,):
@@ -193,10 +190,7 @@ def pattern_by_shells(
 
     All else is as in `Pattern`.
 
-    Raises
-    ------
-    ProblemError
-        If no two points are at a distance, or as for `Pattern`.
+    Raises `ProblemError` if no two points are at a distance, or as for `Pattern`.
     """
     edges = _cell_edges(f"pattern {name}", size)
     d, x = len(edges), finite_coordinates(f"pattern {name}: points", points)
@@ -244,10 +238,7 @@ def pattern_by_shells(
 def repeat_cell(pattern: Pattern, times: int) -> Pattern:
     """The same lattice with a cell of `times` the edges: its points may move apart from each other.
 
-    Raises
-    ------
-    ProblemError
-        If `times` is not a positive integer.
+    Raises `ProblemError` if `times` is not a positive integer.
     """
     require_type("pattern", pattern, Pattern)
     d, n = pattern.dim, len(pattern.points)

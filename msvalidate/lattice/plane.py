@@ -57,10 +57,8 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     give. Its first vertex is a point of the lattice, its first edge one of the lattice's
     directions.
 
-    Raises
-    ------
-    ProblemError
-        If whole triangles of that side don't make up the outline, or are too many.
+    Raises `ProblemError` if whole triangles of that side don't make up the outline, or are too
+    many.
     """
     if not isinstance(outline, Polygon):
         raise ProblemError(
@@ -110,10 +108,7 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
     second column of points is one point shorter, so the block is symmetric about its middle line;
     it is cells[0]·√3/2·height/cells[1] wide.
 
-    Raises
-    ------
-    ProblemError
-        If the number of strips is odd, or a value is out of range.
+    Raises `ProblemError` if the number of strips is odd, or a value is out of range.
     """
     strips, sides = _pair("zigzag block", cells, "(strips, sides)")
     if strips % 2 or sides < 2:
@@ -134,10 +129,7 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     Triangles have sides of `spacing` (m). Cells are the number of their sides along the top and of
     their rows; the bottom has the sum.
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of range.
+    Raises `ProblemError` if a value is out of range.
     """
     h = length_in_metres("trapezium: spacing", spacing)
     sides, rows = _pair("trapezium", cells, "(sides, rows)")

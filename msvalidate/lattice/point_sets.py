@@ -55,10 +55,7 @@ def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -
 
     Source: jittered points [Cook1986], blue noise [Yuksel2015].
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of its range or the points are too many.
+    Raises `ProblemError` if a value is out of its range or the points are too many.
     """
     require_one_of("point set", kind, POINT_SETS)
     edges = np.array(Box(size).size, dtype=float)
@@ -83,10 +80,7 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
 
     Source: jittered points [Cook1986], blue noise [Yuksel2015].
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of its range or the points are too many.
+    Raises `ProblemError` if a value is out of its range or the points are too many.
     """
     require_one_of("point set", kind, POINT_SETS)
     require_type("box", box, Box)

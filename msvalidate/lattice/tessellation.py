@@ -105,12 +105,8 @@ def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellatio
 
     Points (n, d) in m outside the cell, whose edges have lengths `size` (m), are wrapped into it.
 
-    Raises
-    ------
-    ProblemError
-        If the points are not as described, two are one place, or too many images are needed.
-    SolverError
-        If points lie so close that their cells can't be told apart.
+    Raises `ProblemError` if the points are not as described, two are one place, or too many images
+    are needed; `SolverError` if points lie so close that their cells can't be told apart.
     """
     box = Box(size)
     x = _check_points(points, box.dim)
@@ -130,10 +126,8 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     are put on it. The facet between two points on one side is halved by it, and between two on one
     edge of a box in space quartered, as their cells are.
 
-    Raises
-    ------
-    ProblemError, SolverError
-        As `periodic_tessellation`; `ProblemError` if a point is outside the box.
+    Raises `ProblemError` or `SolverError` as `periodic_tessellation`; `ProblemError` if a point is
+    outside the box.
     """
     x, edges = _snap_to_box(points, box)
     low, high, shift, area, length = _facets(x, edges, mirrored=True)
@@ -175,12 +169,8 @@ def delaunay_simplices(points: Array, box: Box) -> tuple[Index, Index]:
 
     Source: [Delaunay1934].
 
-    Raises
-    ------
-    ProblemError
-        If a corner is missing, a point is outside the box or two are one place.
-    SolverError
-        If points lie so close that their simplices can't be told apart.
+    Raises `ProblemError` if a corner is missing, a point is outside the box or two are one place;
+    `SolverError` if points lie so close that their simplices can't be told apart.
     """
     x, edges = _snap_to_box(points, box)
     for ends in product((0.0, 1.0), repeat=box.dim):

@@ -189,12 +189,8 @@ def triangulate_with_images(
     Of these, as `_cells`, the corners, those beyond their faces and the circumcentres. What is
     measured is in parts of 1/unit (m).
 
-    Raises
-    ------
-    ProblemError
-        If too many images are needed: the body is long or flat for its points.
-    SolverError
-        If points lie so close that their cells can't be told apart.
+    Raises `ProblemError` if too many images are needed: the body is long or flat for its points;
+    `SolverError` if points lie so close that their cells can't be told apart.
     """
     n, dim = x.shape
     box = Box(tuple((edges / unit).tolist()))

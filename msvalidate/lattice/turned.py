@@ -159,10 +159,7 @@ def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
 def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
     """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
 
-    Raises
-    ------
-    ProblemError
-        If it is neither.
+    Raises `ProblemError` if it is neither.
     """
     if dim == 2 and np.shape(turn) == ():
         angle = finite_angle("angle", turn)

@@ -79,10 +79,7 @@ def voronoi(
 def pattern_of_tessellation(tessellation: Tessellation, stiffness: str) -> Pattern:
     """The periodic lattice of a tessellation whose mean spacing is the unit of length.
 
-    Raises
-    ------
-    ProblemError
-        If there is no such stiffness.
+    Raises `ProblemError` if there is no such stiffness.
     """
     require_type("tessellation", tessellation, Tessellation)
     m = len(tessellation.springs)
@@ -102,10 +99,7 @@ def pattern_of_tessellation(tessellation: Tessellation, stiffness: str) -> Patte
 def relative_stiffness(vectors: Array, area: Array, rule: str) -> Array:
     """Stiffness (m,) of springs relative to their constant, from vectors and areas in spacings.
 
-    Raises
-    ------
-    ProblemError
-        If there is no such rule.
+    Raises `ProblemError` if there is no such rule.
     """
     require_one_of("stiffness", rule, STIFFNESS_RULES)
     length = np.linalg.norm(vectors, axis=1)

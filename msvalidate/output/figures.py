@@ -78,10 +78,7 @@ def new_figure(
 def widen_third(figure: Figure, axes: list[Axes]) -> list[Axes]:
     """The first three of two by two axes, the third over the whole lower row.
 
-    Raises
-    ------
-    ValueError
-        If the axes belong to no grid.
+    Raises `ValueError` if the axes belong to no grid.
     """
     *kept, unused = axes
     figure.delaxes(unused)

@@ -48,10 +48,7 @@ class Results:
 
         Columns of times are not in the committed baseline; see `evidence.UNGATED`.
 
-        Raises
-        ------
-        ProblemError
-            If no study left such a table.
+        Raises `ProblemError` if no study left such a table.
         """
         source = self.source(study)
         if source == THIS_RUN:
@@ -95,10 +92,7 @@ class Results:
 def check_results(candidate: Results | None, *, quick: bool) -> Results:
     """The candidate of a study that reads results; None is the committed baseline of its form.
 
-    Raises
-    ------
-    ProblemError
-        If it is neither.
+    Raises `ProblemError` if it is neither.
     """
     if candidate is None:
         return Results("quick" if quick else "full")

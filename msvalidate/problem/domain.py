@@ -246,11 +246,8 @@ def corners_of(region: Part, domain: Domain) -> Array:
     On a mesh, whose sides need not reach the ends of its span, a part of a side has the corners of
     the facets that lie in it.
 
-    Raises
-    ------
-    ProblemError
-        If the region is not of this dimension, reaches outside the body's span, or is no part of a
-        mesh's sides.
+    Raises `ProblemError` if the region is not of this dimension, reaches outside the body's span,
+    or is no part of a mesh's sides.
     """
     _refuse_misfit(region, domain)
     corners = region.corners(domain.span)
@@ -270,10 +267,7 @@ def corners_of(region: Part, domain: Domain) -> Array:
 def measure_of(region: Part, domain: Domain) -> float:
     """Length (m) or area (m²) of a part of a domain's sides; as for `corners_of` on a mesh.
 
-    Raises
-    ------
-    ProblemError
-        If the region is not of this dimension, or is no part of a mesh's sides.
+    Raises `ProblemError` if the region is not of this dimension, or is no part of a mesh's sides.
     """
     _refuse_misfit(region, domain)
     if isinstance(domain, Mesh) and not isinstance(region, Boundary):

@@ -180,10 +180,8 @@ class Mesh:
     def part(self, region: Region | Segment) -> Boundary:
         """Facets of the surface that lie in a part of a side given by its coordinates.
 
-        Raises
-        ------
-        ProblemError
-            If none does, the part goes on inside the body, or ends between the ends of a facet.
+        Raises `ProblemError` if none does, the part goes on inside the body, or ends between the
+        ends of a facet.
         """
         inside = region.select(self.points, self.tolerance)
         facets = self.surface[inside[self.surface].all(axis=1)]
@@ -211,10 +209,7 @@ class Mesh:
     def places_in(self, region: Region) -> Array:
         """Nodes (k, d) in m that lie in a region which is no part of a side.
 
-        Raises
-        ------
-        ProblemError
-            If none does, or it ends between two of them.
+        Raises `ProblemError` if none does, or it ends between two of them.
         """
         extent = tuple(None if isinstance(entry, tuple) else entry for entry in region.extent)
         whole = self.points[Region(extent).select(self.points, self.tolerance)]

@@ -28,10 +28,7 @@ MISSED = 1e-2
 def pressure(region: Part, domain: Domain, value: float) -> Traction:
     """Traction of a pressure (Pa) on a part of a body's sides: -p n, positive inwards.
 
-    Raises
-    ------
-    ProblemError
-        If the pressure is not finite, or the part is not on the body's sides.
+    Raises `ProblemError` if the pressure is not finite, or the part is not on the body's sides.
     """
     p = finite_number("pressure", value)
     places, normals = _facets(region, domain)

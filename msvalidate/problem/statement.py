@@ -183,10 +183,8 @@ class Problem:
 def prescribed_displacements(problem: Problem, points: Array) -> tuple[Mask, Array]:
     """Components held (n, d) and the displacement (n, d) in m prescribed there, 0 elsewhere.
 
-    Raises
-    ------
-    ProblemError
-        If a support meets none of the points, or two supports contradict each other.
+    Raises `ProblemError` if a support meets none of the points, or two supports contradict each
+    other.
     """
 
     def on_region(support: Support) -> Mask:
@@ -205,10 +203,8 @@ def prescribed_displacements_at(
 
     For bodies whose points do not lie on the supports.
 
-    Raises
-    ------
-    ProblemError
-        If a support holds none of the points, or two supports contradict each other.
+    Raises `ProblemError` if a support holds none of the points, or two supports contradict each
+    other.
     """
     require_type("problem", problem, Problem)
     shape: tuple[int, ...] = getattr(points, "shape", ())
@@ -301,10 +297,7 @@ def _component_values(name: str, entry: float | Field, points: Array) -> Array:
 def vectors_at(name: str, entry: Sequence[float] | Field, points: Array) -> Array:
     """Vector quantity (n, d) at points (n, d): a field evaluated, a constant repeated.
 
-    Raises
-    ------
-    ProblemError
-        If a field returns another shape, or a value that is not finite.
+    Raises `ProblemError` if a field returns another shape, or a value that is not finite.
     """
     if not callable(entry):
         return np.tile(finite(name, entry), (len(points), 1))
