@@ -31,16 +31,12 @@ from msvalidate.lattice.ties import level_numbers
 from msvalidate.problem import Array, Domain, Index, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
-    finite_number,
     format_value,
     length_in_metres,
     require_type,
 )
 from msvalidate.problem.records import dataclass
 
-SLIVER = 1e-2
-"""Cells with less than this part of them inside are left out: the tangent is then as well
-conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
 BESIDE = 0.1
 """Part of a cell from bent facets within which the body itself is asked whether it holds a point:
 far more than lies between a bent facet and what it is drawn by."""
@@ -127,7 +123,6 @@ def cut_lattice(
     spacing: float,
     *,
     origin: tuple[float, ...] | None = None,
-    sliver: float = SLIVER,
 ) -> CutLattice:
     """Lattice cut to a body.
 
@@ -142,10 +137,6 @@ def cut_lattice(
     origin
         A place (m) of the lattice, by default (0, 0): lines or planes of it should run along
         supports. In space z may be given too; by default it is where the body begins.
-    sliver
-        Cells with less than this part inside are left out, 0 <= sliver < 1. A point of such a cell
-        alone is held by little, so its displacement says little; loads on the outline there go to
-        the nearest cell that is left.
 
     Raises
     ------
@@ -165,10 +156,9 @@ def cut_lattice(
         raise ProblemError(
             f"{pattern.name} lattice: a {format_value(domain)}; give one of {pattern.dim}D"
         )
-    finite_number("cut lattice: sliver", sliver, least=0, below=1)
     d = domain.dim
     base = _origin(origin, domain, h)
-    kept = cut_cells(domain, h, base, sliver)
+    kept = cut_cells(domain, h, base)
     number_of, cells = _number_points(kept.index)
     points = base + h * number_of
     springs, kind, factor = _springs(pattern, cells, kept.part)

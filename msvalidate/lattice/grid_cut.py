@@ -120,38 +120,30 @@ def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
 
 def cell_parts(
     corners: Array, count: Index, least: float
-) -> tuple[Index, Array, float, tuple[float, float], Array]:
+) -> tuple[Index, Array, tuple[float, float], Array]:
     """Cells (c, 3) of a grid with more than `least` of them inside a closed surface.
 
     The grid has `count` (3,) cells from 0, the surface triangles (t, 3, 3) in cells,
     counter-clockwise from outside. With the cells' indices come the part (c, 2, 2, 2) of a whole
-    cell that is each corner's, by steps along x, y and z; the volume inside in cells; the least and
-    largest part of any cell, 0 and 1 but for rounding unless the surface crosses itself; and what
-    `are_enclosed` goes by.
+    cell that is each corner's, by steps along x, y and z; the least and largest part of any cell, 0
+    and 1 but for rounding unless the surface crosses itself; and what `are_enclosed` goes by.
     """
     key, own, over, crossings = _surface_cells(corners, count)
     layer = int(count[1] * count[2])
     step = max(SLAB // layer, 1)
-    index, part, volume, extremes = [], [], 0.0, [0.0, 0.0]
+    index, part, lowest, highest = [], [], 0.0, 0.0
     for start in range(0, int(count[0]), step):
         end = min(start + step, int(count[0]))
         some = slice(*np.searchsorted(key, [start * layer, end * layer]))
         shape = (end - start, int(count[1]), int(count[2]))
         found = _fill_columns(key[some] - start * layer, own[some], over[some], shape)
         inside = found.sum(axis=(1, 2, 3))
-        volume += float(inside.sum())
-        extremes = [min(extremes[0], inside.min()), max(extremes[1], inside.max())]
+        lowest, highest = min(lowest, inside.min()), max(highest, inside.max())
         kept = np.flatnonzero(inside > least)
         i, j, k = np.unravel_index(kept, shape)
         index.append(np.stack([i + start, j, k], axis=1))
         part.append(np.maximum(found[kept], 0.0))
-    return (
-        np.concatenate(index),
-        np.concatenate(part),
-        volume,
-        (extremes[0], extremes[1]),
-        crossings,
-    )
+    return np.concatenate(index), np.concatenate(part), (lowest, highest), crossings
 
 
 def _fill_columns(key: Index, own: Array, over: Array, shape: tuple[int, int, int]) -> Array:

@@ -60,10 +60,9 @@ def _ridges(facets: Index, dim: int) -> Index:
 
 def nearest_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
     """Places (n, d) in m on facets (f, k, d) nearest to points (n, d), and distances (n,) in m."""
-    shape = FACETS[places.shape[2], places.shape[1]]
-    facet = _nearest_facet(KDTree(places.mean(axis=1)), places, points, CANDIDATES)[0]
-    at, distance = project_on_facets(places[facet], points)
-    return np.einsum("nk,nkd->nd", shape.values(at), places[facet]), distance
+    tree = KDTree(places.mean(axis=1))
+    facet, distance, at = _nearest_facet(tree, places, points, CANDIDATES)
+    return map_facets(places[facet], at[:, None])[0][:, 0], distance
 
 
 def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
@@ -105,11 +104,12 @@ def _normal_field(places: Array, factor: float) -> Field:
     size = np.linalg.norm(places - places.mean(axis=1, keepdims=True), axis=2).max(axis=1)
 
     def field(points: Array) -> Array:
-        facet, distance, normal = _nearest_facet(tree, places, points, CANDIDATES)
+        facet, distance, at = _nearest_facet(tree, places, points, CANDIDATES)
         (doubtful,) = np.nonzero(distance > MISSED * size[facet])
         if len(doubtful):  # facets of very unequal size: the middle of the right one is far
-            normal[doubtful] = _nearest_facet(tree, places, points[doubtful], len(places))[2]
-        return factor * normal
+            found = _nearest_facet(tree, places, points[doubtful], len(places))
+            facet[doubtful], at[doubtful] = found[0], found[2]
+        return factor * _unit_normals(places[facet], at[:, None])[:, 0]
 
     return field
 
@@ -117,16 +117,16 @@ def _normal_field(places: Array, factor: float) -> Field:
 def _nearest_facet(
     tree: KDTree, places: Array, points: Array, many: int
 ) -> tuple[Index, Array, Array]:
-    """Nearest facet (n,) of those whose middles are, its distance (n,) in m, its normal (n, d)."""
+    """Nearest facet (n,) of those whose middles are, its distance (n,) in m, and where (n, e).
+
+    The place is one of the unit facet.
+    """
     count = min(many, len(places))
     near = tree.query(points, k=np.arange(count) + 1)[1]
-    best = np.zeros(len(points), dtype=np.intp)
-    normal, least = np.empty(points.shape), np.full(len(points), np.inf)
+    best, least = np.zeros(len(points), dtype=np.intp), np.full(len(points), np.inf)
+    where = np.zeros((len(points), places.shape[2] - 1))
     for facet in near.T:
         at, distance = project_on_facets(places[facet], points)
         better = distance < least
-        if better.any():
-            there = places[facet[better]]
-            normal[better] = _unit_normals(there, at[better][:, None])[:, 0]
-            least[better], best[better] = distance[better], facet[better]
-    return best, least, normal
+        where[better], least[better], best[better] = at[better], distance[better], facet[better]
+    return best, least, where
