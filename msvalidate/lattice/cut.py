@@ -171,8 +171,6 @@ def cut_lattice(
         kind=kind,
         cells=cells,
         facets=np.empty((0, 2 ** (d - 1)), dtype=np.intp),
-        share=np.ones(len(springs)),
-        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=np.bincount(cells.ravel(), corner_volume.ravel()).astype(float),
         factor=factor,
         pattern=pattern,

@@ -45,7 +45,7 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
         cells=np.concatenate(quarters),
         facets=whole.facets,
         share=whole.share,
-        sharing=np.full(len(whole.springs), 2),
+        sharing=np.array(2),
         point_volume=whole.point_volume,
     )
 
@@ -91,11 +91,10 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         domain=outline,
         points=points[used],
         springs=springs,
-        kind=np.zeros(len(springs), dtype=int),
         cells=cells,
         facets=springs[borders == 1],
         share=borders / 2,
-        sharing=np.full(len(springs), 2),
+        sharing=np.array(2),
         point_volume=np.bincount(cells.ravel()).astype(float) * outline.volume / (3 * len(cells)),
     )
 

@@ -50,23 +50,13 @@ negligible."""
 
 @dataclass(frozen=True, eq=False)
 class Tessellation(ReadOnly):
-    """Voronoi cells that fill a body, and the springs across their facets.
+    """Voronoi cells that fill a periodic cell or box of some `size` (m), and springs across facets.
 
-    Parameters
-    ----------
-    size
-        Edge lengths (m) of the periodic cell or box.
-    points
-        (n, d) positions (m): wrapped into [0, size) where periodic.
-    springs
-        (m, 2) pairs of points whose cells share a facet, the lower index first. A periodic cell
-        may join two points more than once, and a point to its own image.
-    image
-        (m, d) whole numbers: the second point is at points[j] + image·size. Zeros in a box.
-    area
-        (m,) area of that facet: m in the plane, m² in space.
-    volume
-        (n,) size of each point's cell: m² in the plane, m³ in space.
+    Points (n, d) in m are wrapped into [0, size) where periodic. Springs (m, 2) are pairs of points
+    whose cells share a facet of `area` (m,), in m in the plane and m² in space, the lower index
+    first. A periodic cell may join two points more than once, and a point to its own image: the
+    second point is at points[j] + image·size, `image` (m, d) of whole numbers, zeros in a box.
+    `volume` (n,) is the size of each point's cell, in m² or m³.
     """
 
     size: tuple[float, ...]

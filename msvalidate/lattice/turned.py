@@ -92,7 +92,6 @@ def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array
         cells=cells,
         facets=facets,
         share=side_share(points, springs, box),
-        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=np.asarray(np.bincount(cells.ravel(), each, len(points)), dtype=float),
         factor=np.concatenate([pattern.factor[which], np.ones(len(braces))]),
         regular=False,

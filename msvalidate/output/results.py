@@ -27,16 +27,10 @@ THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
 
 @dataclass(frozen=True)
 class Results:
-    """What the studies found.
+    """What the studies found: of those in `run`, which have just run, else stored, else committed.
 
-    Parameters
-    ----------
-    form
-        Of the baseline, "quick" or "full".
-    run
-        Study -> its tables, of those that have just run.
-    folder
-        Of stored results; None looks at none. Those of the other form count as none.
+    `run` is study -> its tables; a `folder` of stored results may be None, and those of the other
+    form than "quick" or "full", that of the baseline, count as none.
     """
 
     form: str

@@ -39,12 +39,9 @@ MOST_VERTICES = 10_000
 
 @dataclass(frozen=True)
 class Box:
-    """Axis-aligned box with one corner at the origin.
+    """Axis-aligned box with one corner at the origin, and edges of lengths `size` (m).
 
-    Parameters
-    ----------
-    size
-        Edge lengths (m): (width,  height) or (width, height, depth).
+    That is (width, height) or (width, height, depth).
     """
 
     size: tuple[float, ...]
@@ -111,17 +108,11 @@ class Box:
 class Polygon:
     """Plane body with a straight-edged outline.
 
-    Parameters
-    ----------
-    vertices
-        Corners (m) in counter-clockwise order, two coordinates each, none on a straight line
-        between its neighbours.
+    Its vertices are corners (m) in counter-clockwise order, two coordinates each, none on a
+    straight line between its neighbours.
 
-    Raises
-    ------
-    ProblemError
-        If the outline is not such a polygon: clockwise, crossing or touching itself, with a flat
-        corner or a vertex listed twice.
+    Raises `ProblemError` if the outline is not such a polygon: clockwise, crossing or touching
+    itself, with a flat corner or a vertex listed twice.
     """
 
     vertices: tuple[tuple[float, float], ...]

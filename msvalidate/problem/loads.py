@@ -46,12 +46,8 @@ class PointForce:
 class Traction:
     """Force per area (Pa) on a face (d = 3) or an edge (d = 2) of the body, or on a part of it.
 
-    Parameters
-    ----------
-    region
-        A region with exactly one flat axis, or a segment.
-    traction
-        d components (Pa), or a field of points (n, d) -> (n, d).
+    The region has exactly one flat axis, or is a segment or boundary. The traction has d components
+    (Pa), or is a field of points (n, d) -> (n, d).
     """
 
     region: Part
@@ -113,10 +109,7 @@ class BodyForce:
 class Weight:
     """Weight of a body: the density of its material, or of each zone's, times an acceleration.
 
-    Parameters
-    ----------
-    acceleration
-        d components (m/s²), such as (0.0, -9.81): downwards along y.
+    That has d components (m/s²), such as (0.0, -9.81): downwards along y.
     """
 
     acceleration: tuple[float, ...]

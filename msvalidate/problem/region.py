@@ -113,13 +113,7 @@ class Region:
 
 @dataclass(frozen=True)
 class Segment:
-    """The points of a plane body on the straight line between two places.
-
-    Parameters
-    ----------
-    start, end
-        Places (m), two coordinates each.
-    """
+    """The points of a plane body on the straight line between two places (m) of two coordinates."""
 
     start: tuple[float, float]
     end: tuple[float, float]

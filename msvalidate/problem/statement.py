@@ -148,14 +148,14 @@ class Problem:
 
         A rigid motion is affine, so it vanishes on a region when it vanishes on its corners.
         """
-        corners, held = [], []
+        corners: list[Array] = []
+        held: list[list[bool]] = []
         for support in self.supports:
             ends = corners_of(support.region, self.domain)
             if support.region.is_facet and not _is_inner_face(support.region, self.domain):
                 _refuse_off_side("support", support.region, self.domain, ends)
-            for corner in ends:
-                corners.append(corner)
-                held.append([value is not None for value in support.displacement])
+            corners.extend(ends)
+            held += [[value is not None for value in support.displacement]] * len(ends)
         d = self.domain.dim
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
 

@@ -25,12 +25,7 @@ from msvalidate.problem.shapes import CELLS, FACETS, SHAPES, is_on_any
 class Ball:
     """The points within a distance of a place: a disc in the plane, a ball in space.
 
-    Parameters
-    ----------
-    centre
-        Place (m), two or three coordinates.
-    radius
-        Distance (m).
+    The centre has two or three coordinates in m, the radius is in m.
     """
 
     centre: tuple[float, ...]
