@@ -23,8 +23,8 @@ import shapely
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
-from msvalidate.lattice.cut_cells import ROUNDING, CutCells, cut_cells
 from msvalidate.lattice.filled import PatternLattice
+from msvalidate.lattice.grid_cut import ROUNDING, CutCells, cut_cells
 from msvalidate.lattice.outline import outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers

@@ -41,8 +41,6 @@ CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
 RISE = 0.1
 """Part of the distance that still counts among such pairs: in his rule none does, and next to
 points that stay where they are two may then be left almost in one place."""
-
-
 UNIT = 2.0**-44
 """Of crowding: sums and differences of a point's are then exact, up to 512 of the most crowding
 pairs, and two points that crowd nobody but each other are equally crowded, not by rounding."""

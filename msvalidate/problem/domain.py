@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import shapely
@@ -116,6 +117,7 @@ class Polygon:
     """
 
     vertices: tuple[tuple[float, float], ...]
+    dim: ClassVar[int] = 2
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertices, tuple) or len(self.vertices) < 3:
@@ -151,11 +153,6 @@ class Polygon:
     def __str__(self) -> str:
         sizes = " x ".join(f"{high - low:g}" for low, high in self.span)
         return f"polygon of {len(self.vertices)} vertices, {sizes} m"
-
-    @property
-    def dim(self) -> int:
-        """Number of axes: 2."""
-        return 2
 
     @cached_property
     def corners(self) -> Array:

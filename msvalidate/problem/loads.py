@@ -75,21 +75,14 @@ class BodyForce:
 
     @classmethod
     def gravity(cls, density: float, acceleration: tuple[float, ...]) -> BodyForce:
-        """The weight of a body, or what else accelerates all of its mass alike.
+        """Weight of a body of one density (kg/m³), or what else accelerates all of its mass alike.
 
-        Parameters
-        ----------
-        density
-            Mass density (kg/m³), one for all of the body; `Weight` has that of each zone.
-        acceleration
-            d components (m/s²), such as (0.0, -9.81): downwards along y.
+        The acceleration has d components (m/s²), such as (0.0, -9.81): downwards along y. `Weight`
+        has the density of each zone.
 
-        Raises
-        ------
-        ProblemError
-            If the density is not above zero, the acceleration not 2 or 3 finite numbers, or their
-            product beyond the largest number or below the smallest: a weight that is none would
-            pass for a body without weight.
+        Raises `ProblemError` if the density is not above zero, the acceleration not 2 or 3 finite
+        numbers, or their product beyond the largest number or below the smallest: a weight that is
+        none would pass for a body without weight.
         """
         rho = positive_number("gravity: density", density, "kg/m³")
         need = "give 2 or 3 components in m/s², such as (0.0, -9.81)"

@@ -152,7 +152,9 @@ class Problem:
         held: list[list[bool]] = []
         for support in self.supports:
             ends = corners_of(support.region, self.domain)
-            if support.region.is_facet and not _is_inner_face(support.region, self.domain):
+            # A plane that cuts a box holds it wherever it is; other bodies may end on its way.
+            inner = isinstance(self.domain, Box) and isinstance(support.region, Region)
+            if support.region.is_facet and not inner:
                 _refuse_off_side("support", support.region, self.domain, ends)
             corners.extend(ends)
             held += [[value is not None for value in support.displacement]] * len(ends)
@@ -268,19 +270,14 @@ def _refuse_centre_inside(contact: Contact, domain: Domain) -> None:
         )
 
 
-def _is_inner_face(region: Part, domain: Domain) -> bool:
-    """Whether it cuts a box, which holds it wherever it is; other bodies may end on its way."""
-    return isinstance(domain, Box) and isinstance(region, Region)
-
-
 def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) -> None:
     if isinstance(region, Boundary):  # all nodes of a facet may be on sides that it joins
         corners = np.concatenate([corners, facet_middles(region.places)])
     if not domain.on_boundary(corners):
         raise ProblemError(
             f"{what} on {region}: from {format_point(corners[0])} to {format_point(corners[-1])} m "
-            f"it "
-            "is not on one side of the body all the way; give a part of a side, such as a Segment"
+            "it is not on one side of the body all the way; give a part of a side, such as a "
+            "Segment"
         )
 
 

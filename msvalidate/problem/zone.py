@@ -83,8 +83,7 @@ class CellSet:
         said = f"cell set {format_value(self.name)}"
         require_one_of(f"{said}: shape", self.shape, CELLS)
         for which in ("places", "rim"):
-            given = np.array(finite_coordinates(f"{said}: {which}", getattr(self, which)))
-            given.setflags(write=False)
+            given = finite_coordinates(f"{said}: {which}", getattr(self, which))
             object.__setattr__(self, which, given)
         kind = SHAPES[self.shape]
         wanted = (len(kind.nodes), kind.dim), (kind.facets.shape[1], kind.dim)

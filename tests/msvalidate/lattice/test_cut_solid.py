@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.lattice import cut_cells, cut_lattice, patterns
-from msvalidate.lattice.cut_cells import DRAWING
+from msvalidate.lattice import cut_lattice, grid_cut, patterns
 from msvalidate.lattice.drawn import draw_surface, solid_facets
-from msvalidate.lattice.grid_cut import cell_parts
+from msvalidate.lattice.grid_cut import DRAWING, cell_parts
 from msvalidate.problem import Box
 from tests.msvalidate.solids import ball, bar, rotation
 from tests.table import refused
@@ -18,7 +17,7 @@ HALF = np.array([0.1, 0.2, 0.3])
 
 @pytest.fixture
 def all_slivers_count(monkeypatch):
-    monkeypatch.setattr(cut_cells, "SLIVER", 0.0)
+    monkeypatch.setattr(grid_cut, "SLIVER", 0.0)
 
 
 @pytest.mark.usefixtures("all_slivers_count")
