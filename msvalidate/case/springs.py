@@ -121,10 +121,8 @@ class SpringAnswer:
     def _between(self, places: Array) -> Array:
         lattice = self.lattice
         if isinstance(lattice, EdgeLattice):
-            x, mesh = lattice.points[lattice.cells], lattice.domain
-            cell, weights = weights_at(
-                cell_shape(lattice.cells, mesh.dim), x, places, mesh.tolerance
-            )
+            x, room = lattice.points[lattice.cells], lattice.domain.tolerance
+            cell, weights = weights_at(cell_shape(lattice.cells, x.shape[2]), x, places, room)
             if cell.min() < 0:
                 raise ProblemError(
                     f"springs on the mesh: place {format_point(places[cell.argmin()])} m is in "

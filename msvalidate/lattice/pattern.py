@@ -133,8 +133,7 @@ class Pattern:
         there = np.column_stack([self.springs, self.image])
         back = np.column_stack([self.springs[:, ::-1], -self.image])
         both = np.concatenate([there, back])
-        both = both[np.lexsort(both.T)]
-        if (both[1:] == both[:-1]).all(axis=1).any():
+        if len(np.unique(both, axis=0)) < len(both):
             raise ProblemError(f"{said}: a spring is listed twice; list each from one end")
 
     @property
@@ -159,15 +158,11 @@ class Pattern:
         Raises `ProblemError` if they are not one a kind, or one is negative or not finite.
         """
         k = finite(f"{self.name}: spring constants", constants)
+        said = f"{self.name}: spring {rule} {format_value(constants)}"
         if k.shape != (self.kinds,):
-            raise ProblemError(
-                f"{self.name}: spring {rule} {format_value(constants)}; give {self.kinds}, one a "
-                f"kind"
-            )
+            raise ProblemError(f"{said}; give {self.kinds}, one a kind")
         if (k < 0).any():
-            raise ProblemError(
-                f"{self.name}: spring {rule} {format_value(constants)}; none may be negative"
-            )
+            raise ProblemError(f"{said}; none may be negative")
         return np.asarray(k[self.kind] * self.factor)
 
 
@@ -198,8 +193,7 @@ def pattern_by_shells(
     if x.shape != (len(x), d) or far.ndim != 1 or not len(far) or (far <= 0).any():
         raise ProblemError(
             f"pattern {name}: points {x.shape}, distances {format_value(distances)}; give (n, {d}) "
-            f"and "
-            "lengths above 0"
+            "and lengths above 0"
         )
     reach = np.ceil(far.max() / edges).astype(int).tolist()
     counted = len(x) ** 2 * math.prod(2.0 * r + 1 for r in reach)

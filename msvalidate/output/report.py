@@ -106,7 +106,7 @@ def publish(
     folder that gives them; results of others stay. Returned are those given, as they are stored
     now, whatever another run does next.
 
-    Raises `OSError` if a file cannot be written; what was there is then still there; `ProblemError`
+    Raises `OSError` if a file cannot be written, and what was there is still there; `ProblemError`
     if other people's files lie where a study's folder goes.
     """
     out = out.resolve()

@@ -120,8 +120,7 @@ def check_region(name: str, region: object) -> None:
     if not isinstance(region, Part):
         raise ProblemError(
             f"{name}: region {format_value(region)}; give a Region, such as box.side('left'), a "
-            f"Segment, "
-            "or a mesh.side(name)"
+            "Segment, or a mesh.side(name)"
         )
 
 

@@ -52,23 +52,23 @@ class Support:
 
     def __post_init__(self) -> None:
         check_region("support", self.region)
-        if not isinstance(self.displacement, tuple):
-            given = format_value(self.displacement)
-            raise ProblemError(f"support on {self.region}: {given}; give a tuple")
-        if len(self.displacement) != self.region.dim:
+        name, given = f"support on {self.region}", self.displacement
+        if not isinstance(given, tuple):
+            raise ProblemError(f"{name}: {format_value(given)}; give a tuple")
+        if len(given) != self.region.dim:
             raise ProblemError(
-                f"support on {self.region}: {len(self.displacement)} components for "
-                f"{self.region.dim} axes; give a value, a field or None for each"
+                f"{name}: {len(given)} components for {self.region.dim} axes; give a value, a "
+                "field or None for each"
             )
-        if all(value is None for value in self.displacement):
-            raise ProblemError(f"support on {self.region}: holds no component; leave it out")
-        for value in self.displacement:
-            if value is not None and not callable(value):
-                name = f"support on {self.region}"
-                if finite_coordinates(name, value).ndim:
-                    raise ProblemError(
-                        f"{name}: component {format_value(value)}; give one number, a field or None"
-                    )
+        if all(value is None for value in given):
+            raise ProblemError(f"{name}: holds no component; leave it out")
+        for value in given:
+            if value is None or callable(value):
+                continue
+            if finite_coordinates(name, value).ndim:
+                raise ProblemError(
+                    f"{name}: component {format_value(value)}; give one number, a field or None"
+                )
 
 
 @dataclass(frozen=True, eq=False)
