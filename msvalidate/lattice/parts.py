@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from msvalidate.lattice.corners import cell_shape, corner_volumes
+from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.cut import CutLattice, cell_gifts
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.lattice.filled import Lattice
 from msvalidate.lattice.voronoi import VoronoiLattice
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.shapes import incident_pairs
+from msvalidate.problem.shapes import STRAIGHT, incident_pairs
 
 
 def spring_parts(lattice: Lattice) -> csr_array:
@@ -66,7 +66,7 @@ def _holding_cells(lattice: Lattice, places: Array) -> tuple[Index, Index]:
             "one that repeats, or a mesh's edges"
         )
     room = lattice.domain.tolerance
-    shape = cell_shape(lattice.cells, lattice.points.shape[1])
+    shape = STRAIGHT[lattice.points.shape[1], lattice.cells.shape[1]]
     cell, place = incident_pairs(shape, lattice.points[lattice.cells], places, room)
     return place, cell
 

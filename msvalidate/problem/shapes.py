@@ -241,6 +241,8 @@ CELLS = tuple(name for name, shape in SHAPES.items() if shape.dim > 1)
 """Names of what a mesh may consist of."""
 FACETS = {(shape.dim + 1, len(shape.nodes)): shape for shape in SHAPES.values() if shape.dim < 3}
 """The shape of a facet by the body's number of axes and the facet's number of nodes."""
+STRAIGHT = {(shape.dim, shape.corners): shape for shape in SHAPES.values() if shape.degree == 1}
+"""The shape of straight cells by their number of axes and of corners."""
 
 
 def map_facets(places: Array, at: Array) -> tuple[Array, Array]:

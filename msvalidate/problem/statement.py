@@ -17,14 +17,7 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.contact import Contact
 from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.loads import (
-    BodyForce,
-    Load,
-    Traction,
-    Weight,
-    check_region,
-    check_vector,
-)
+from msvalidate.problem.loads import BodyForce, Load, Traction, Weight, check_region, check_vector
 from msvalidate.problem.material import Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
