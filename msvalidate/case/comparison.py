@@ -29,7 +29,7 @@ from msvalidate.case.springs import (
 )
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
-from msvalidate.lattice.gaps import bridged_gaps
+from msvalidate.lattice.cut import bridged_gaps
 from msvalidate.lattice.outline import outline
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length

@@ -24,7 +24,7 @@ from msvalidate.case.mesh_springs import locking
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
 from msvalidate.judging.columns import read_columns
 from msvalidate.lattice import CutLattice
-from msvalidate.lattice.gaps import narrow_holes
+from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures

@@ -36,14 +36,13 @@ from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
-from msvalidate.lattice.corners import cell_shape
 from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.problem.shapes import weights_at
+from msvalidate.problem.shapes import STRAIGHT, weights_at
 from msvalidate.statics.breaking import Growth
 from msvalidate.statics.contact import ContactEquilibrium, press
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
@@ -117,10 +116,8 @@ class SpringAnswer:
     def _between(self, places: Array) -> Array:
         lattice = self.lattice
         if isinstance(lattice, EdgeLattice):
-            x, mesh = lattice.points[lattice.cells], lattice.domain
-            cell, weights = weights_at(
-                cell_shape(lattice.cells, mesh.dim), x, places, mesh.tolerance
-            )
+            x, room = lattice.points[lattice.cells], lattice.domain.tolerance
+            cell, weights = weights_at(STRAIGHT[x.shape[:0:-1]], x, places, room)
             if cell.min() < 0:
                 raise ProblemError(
                     f"springs on the mesh: place {format_point(places[cell.argmin()])} m is in "

@@ -38,18 +38,11 @@ from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route, constants_of
 from msvalidate.constants.stiffness import shear_modulus
 from msvalidate.lattice import Constants, CutLattice, Lattice, Pattern
-from msvalidate.lattice.corners import cell_shape
 from msvalidate.lattice.outline import is_outside, outline
 from msvalidate.lattice.parts import point_parts, spring_parts
-from msvalidate.problem import (
-    Array,
-    CellSet,
-    Problem,
-    ProblemError,
-    cut_cells,
-    materials_at,
-)
+from msvalidate.problem import Array, CellSet, Problem, ProblemError, cut_cells, materials_at
 from msvalidate.problem.checks import finite_number, format_value, require_type
+from msvalidate.problem.shapes import STRAIGHT
 
 SAMPLES: Mapping[int, int] = {2: 16, 3: 8}
 """Places along each axis of a cell that a zone ends in; fractions are then off by a hundredth."""
@@ -227,9 +220,8 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
     ProblemError
         If a zone holds no part of a cell.
     """
-    places = lattice.points[lattice.cells]
-    shape = cell_shape(lattice.cells, places.shape[2])
-    count = len(problem.materials)
+    places, count = lattice.points[lattice.cells], len(problem.materials)
+    shape = STRAIGHT[places.shape[:0:-1]]
     cut = cut_cells(problem, places, shape)
     named = any(isinstance(zone.region, CellSet) for zone in problem.zones)
     if isinstance(lattice, CutLattice) and named:  # whose middle may be in no cell of the mesh

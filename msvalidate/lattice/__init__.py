@@ -11,13 +11,7 @@ from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.lattice.edges import EDGE_RULES, mesh_lattice
 from msvalidate.lattice.filled import WEIGHTS, Lattice, PatternLattice, boundary_weights, fill
 from msvalidate.lattice.pattern import Constants, Pattern, repeat_cell
-from msvalidate.lattice.plane import (
-    diagonal_square,
-    square,
-    trapezium,
-    triangular,
-    zigzag_block,
-)
+from msvalidate.lattice.plane import diagonal_square, square, trapezium, triangular, zigzag_block
 from msvalidate.lattice.turned import fill_rotated
 from msvalidate.lattice.voronoi import STIFFNESS_RULES, VoronoiLattice, voronoi, voronoi_box
 

@@ -8,21 +8,17 @@ from itertools import product
 import numpy as np
 
 from msvalidate.lattice.filled import VTK_ORDER
-from msvalidate.problem import SHAPES, Array, Index, Shape
+from msvalidate.problem import Array, Index, Shape
+from msvalidate.problem.shapes import STRAIGHT
 
 GAUSS = 3
 """Gauss's places along each axis: exact to degree 5; a hexahedron's integrals have 3, those of
 products over a flat quadrilateral 3."""
 
 
-def cell_shape(cells: Index, dim: int) -> Shape:
-    """The shape of cells (c, corners) with straight sides in so many axes."""
-    return next(s for s in SHAPES.values() if (s.dim, len(s.nodes)) == (dim, cells.shape[1]))
-
-
 def corners_of_cell(dim: int) -> Index:
     """Steps (2^d, d) from a cell's low corner to each of its corners, in VTK's order."""
-    return SHAPES["quad" if dim == 2 else "hexahedron"].nodes.astype(np.intp)
+    return STRAIGHT[dim, 2**dim].nodes.astype(np.intp)
 
 
 def corner_volumes(points: Array, cells: Index) -> Array:
@@ -32,7 +28,7 @@ def corner_volumes(points: Array, cells: Index) -> Array:
     quadrilaterals and hexahedra. Corners are in VTK's order; Gauss's places are exact.
     """
     corner, d = points[cells], points.shape[1]
-    shape = cell_shape(cells, d)
+    shape = STRAIGHT[d, cells.shape[1]]
     if shape.simplex:
         size = np.abs(np.linalg.det(corner[:, 1:] - corner[:, :1])) / math.factorial(d)
         return np.asarray(np.repeat(size[:, None], d + 1, axis=1) / (d + 1))
@@ -50,7 +46,7 @@ def quadrilateral_shares(corners: Array) -> Array:
     """
     order = VTK_ORDER[2]
     total = np.zeros((len(corners), 4, 4))
-    for weight, one, slope in _gauss_rule(SHAPES["quad"]):
+    for weight, one, slope in _gauss_rule(STRAIGHT[2, 4]):
         along = np.einsum("ka,fkd->fad", slope[order, :], corners)
         area = np.linalg.norm(np.cross(along[:, 0], along[:, 1]), axis=1)
         total += weight * area[:, None, None] * np.outer(one, one)[np.ix_(order, order)]

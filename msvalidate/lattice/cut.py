@@ -19,29 +19,33 @@ slit or crack narrower than a cell, it joins them: take cells smaller than the g
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
-from msvalidate.lattice.cut_cells import ROUNDING, CutCells, cut_cells
 from msvalidate.lattice.filled import PatternLattice
+from msvalidate.lattice.grid_cut import ROUNDING, CutCells, cut_cells
+from msvalidate.lattice.outline import outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers
 from msvalidate.problem import Array, Domain, Index, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
-    finite_number,
     format_value,
     length_in_metres,
     require_type,
 )
 from msvalidate.problem.records import dataclass
 
-SLIVER = 1e-2
-"""Cells with less than this part of them inside are left out: the tangent is then as well
-conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
 BESIDE = 0.1
 """Part of a cell from bent facets within which the body itself is asked whether it holds a point:
 far more than lies between a bent facet and what it is drawn by."""
+
+
+FILLED = 0.25
+"""Part of a cell from which it is no sliver beside a curve."""
+NARROW = 2.0
+"""Cells across a hole below which it is hardly one: no whole cell lies in it wherever it is."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,10 +79,7 @@ class CutLattice(PatternLattice):
         Linear along each axis of the cell at the place, or of the nearest cell that is there; of
         cells as near, the first along x, then y, then z.
 
-        Raises
-        ------
-        ProblemError
-            If the places do not fit the lattice's dimension, or are not finite.
+        Raises `ProblemError` if the places do not fit the lattice's dimension, or are not finite.
         """
         places = finite_coordinates("places", places, "q", self.points.shape[1])
         return cell_weights(self.points, self.cells, self.spacing, places)
@@ -122,7 +123,6 @@ def cut_lattice(
     spacing: float,
     *,
     origin: tuple[float, ...] | None = None,
-    sliver: float = SLIVER,
 ) -> CutLattice:
     """Lattice cut to a body.
 
@@ -137,10 +137,6 @@ def cut_lattice(
     origin
         A place (m) of the lattice, by default (0, 0): lines or planes of it should run along
         supports. In space z may be given too; by default it is where the body begins.
-    sliver
-        Cells with less than this part inside are left out, 0 <= sliver < 1. A point of such a cell
-        alone is held by little, so its displacement says little; loads on the outline there go to
-        the nearest cell that is left.
 
     Raises
     ------
@@ -148,19 +144,24 @@ def cut_lattice(
         If the pattern is not such a one, no cell is left, the points or the triangles of a bent
         surface are too many, the surface crosses itself, or a value is out of range.
     """
-    steps, h = _steps(pattern), length_in_metres("cut lattice: spacing", spacing)
+    require_type("pattern", pattern, Pattern)
+    if not joins_corners(pattern):
+        raise ProblemError(
+            f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
+            "corners of one; cut square, cubic18 or such"
+        )
+    h = length_in_metres("cut lattice: spacing", spacing)
     require_type("body", domain, Domain)
     if pattern.dim != domain.dim:
         raise ProblemError(
             f"{pattern.name} lattice: a {format_value(domain)}; give one of {pattern.dim}D"
         )
-    finite_number("cut lattice: sliver", sliver, least=0, below=1)
     d = domain.dim
     base = _origin(origin, domain, h)
-    kept = cut_cells(domain, h, base, sliver)
+    kept = cut_cells(domain, h, base)
     number_of, cells = _number_points(kept.index)
     points = base + h * number_of
-    springs, kind, factor = _springs(pattern, steps, cells, kept.part)
+    springs, kind, factor = _springs(pattern, cells, kept.part)
     corner_volume = kept.part * h**d
     return CutLattice(
         name=f"{pattern.name}, cut",
@@ -170,8 +171,6 @@ def cut_lattice(
         kind=kind,
         cells=cells,
         facets=np.empty((0, 2 ** (d - 1)), dtype=np.intp),
-        share=np.ones(len(springs)),
-        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=np.bincount(cells.ravel(), corner_volume.ravel()).astype(float),
         factor=factor,
         pattern=pattern,
@@ -219,17 +218,6 @@ def joins_corners(pattern: Pattern) -> bool:
     )
 
 
-def _steps(pattern: Pattern) -> Index:
-    """Steps (m, d) of the pattern's springs, in cells; refuses what does not stay in one cell."""
-    require_type("pattern", pattern, Pattern)
-    if not joins_corners(pattern):
-        raise ProblemError(
-            f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
-            "corners of one; cut square, cubic18 or such"
-        )
-    return pattern.image
-
-
 def _origin(origin: tuple[float, ...] | None, domain: Domain, h: float) -> Array:
     """A place of the lattice: one like that given, nearest to 0; at the low end of z in space."""
     base = np.zeros(domain.dim)
@@ -257,50 +245,85 @@ def _number_points(index: Index) -> tuple[Index, Index]:
     return points, cells.reshape(flat.shape)
 
 
-def cell_gifts(lattice: CutLattice) -> tuple[Index, Index, Array]:
-    """Numbers (g,) of a spring and of a cell, and what the cell brings to the spring's factor."""
+def cell_gifts(lattice: CutLattice) -> tuple[Index, Array]:
+    """Numbers (c, e) of each cell's springs, and what it brings to their factors."""
     part = lattice.corner_volume / lattice.spacing ** lattice.points.shape[1]
-    found = _gifts(lattice.pattern, _steps(lattice.pattern), lattice.cells, part)
-    cell = np.tile(np.arange(len(part)), len(found))
-    pairs = np.concatenate([pair for pair, _, _ in found])
+    pairs, _, gifts = _gifts(lattice.pattern, lattice.cells, part)
     n = len(lattice.points)
-    spring = np.searchsorted(lattice.springs @ (n, 1), pairs @ (n, 1))  # which are sorted
-    return spring, cell, np.concatenate([gift for _, _, gift in found])
+    return np.searchsorted(lattice.springs @ (n, 1), pairs @ (n, 1)), gifts  # springs are sorted
 
 
-def _springs(
-    pattern: Pattern, steps: Index, cells: Index, part: Array
-) -> tuple[Index, Index, Array]:
+def _springs(pattern: Pattern, cells: Index, part: Array) -> tuple[Index, Index, Array]:
     """Springs (m, 2), their kinds (m,) and their factors (m,): what all cells give them."""
-    found = _gifts(pattern, steps, cells, part)
-    pairs = np.concatenate([pair for pair, _, _ in found])
+    pairs, kinds, gifts = _gifts(pattern, cells, part)
     n = int(cells.max()) + 1
-    key, which = np.unique(pairs[:, 0] * n + pairs[:, 1], return_inverse=True)
-    springs = np.stack(np.divmod(key, n), axis=1)
-    kind_of = np.zeros(len(springs), dtype=np.intp)
-    kind_of[which] = np.repeat([kind for _, kind, _ in found], len(cells))
-    factor = np.bincount(which, np.concatenate([gift for _, _, gift in found]))
-    return springs, kind_of, factor.astype(float)
+    key, which = np.unique(pairs @ (n, 1), return_inverse=True)
+    kind_of = np.zeros(len(key), dtype=np.intp)
+    kind_of[which.reshape(gifts.shape)] = kinds
+    factor = np.bincount(which.ravel(), gifts.ravel())
+    return np.stack(np.divmod(key, n), axis=1), kind_of, factor.astype(float)
 
 
-def _gifts(
-    pattern: Pattern, steps: Index, cells: Index, part: Array
-) -> list[tuple[Index, int, Array]]:
-    """Springs (c, 2), their kind and what the cells give (c,), for each spring in a cell."""
+def _gifts(pattern: Pattern, cells: Index, part: Array) -> tuple[Index, Index, Array]:
+    """Ends (c, e, 2) of the springs in each cell, their kinds (e,), what it gives them (c, e)."""
     corners = corners_of_cell(pattern.dim).tolist()
-    found = []
-    for step, kind, factor in zip(steps, pattern.kind, pattern.factor, strict=True):
+    ends, kinds, gifts = [], [], []
+    for step, kind, factor in zip(pattern.image, pattern.kind, pattern.factor, strict=True):
         for start, corner in enumerate(corners):
             end = [a + b for a, b in zip(corner, step, strict=True)]
             if end not in corners:
                 continue
             # All corners that agree with the spring across it: N of those axes alone is left.
             near = [c for c, other in enumerate(corners) if _are_beside(other, corner, step)]
-            pair = np.sort(cells[:, [start, corners.index(end)]], axis=1)
-            found.append((pair, int(kind), factor * part[:, near].sum(axis=1)))
-    return found
+            ends.append((start, corners.index(end)))
+            kinds.append(kind)
+            gifts.append(factor * part[:, near].sum(axis=1))
+    return np.sort(cells[:, ends], axis=2), np.array(kinds), np.stack(gifts, axis=1)
 
 
 def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
     """Whether two corners are alike in all axes along which a spring makes no step."""
     return all(a == b or s for a, b, s in zip(other, corner, step, strict=True))
+
+
+# Gaps and holes narrower than cells ---------------------------------------------------------------
+
+
+def narrow_holes(lattice: CutLattice) -> Array:
+    """Middle (h, 2) and width (h,) in m, as rows (h, 3), of holes narrower than `NARROW` cells.
+
+    Of bodies in the plane, and of prisms along z; none are looked for in others.
+    """
+    try:
+        area = outline(lattice.domain)
+    except ProblemError:
+        return np.empty((0, 3))
+    rings = [r for part in shapely.get_parts(area) for r in part.interiors]
+    if not rings:
+        return np.empty((0, 3))
+    inscribed = shapely.maximum_inscribed_circle(shapely.polygons(rings))
+    middle = shapely.get_coordinates(inscribed)[::2]
+    found = np.column_stack([middle, 2 * shapely.length(inscribed)])
+    return np.asarray(found[found[:, 2] < NARROW * lattice.spacing])
+
+
+def bridged_gaps(lattice: CutLattice) -> Array:
+    """Middles (g, 2) in m of sides between neighbouring cells that the body reaches nowhere.
+
+    Both cells have the body in them and share points off it, so their springs join what the body
+    does not. None are looked for in space.
+    """
+    if lattice.domain.dim != 2:
+        return np.empty((0, 2))
+    around = np.stack([lattice.cells, np.roll(lattice.cells, -1, axis=1)], axis=2)
+    sides = np.sort(around, axis=2)
+    filled = np.repeat(lattice.fraction >= FILLED, 4)
+    ends = sides.reshape(-1, 2)[filled]
+    pairs, count = np.unique(ends, axis=0, return_counts=True)
+    shared = pairs[(count == 2) & ~lattice.inside[pairs].any(axis=1)]
+    if not len(shared):
+        return np.empty((0, 2))
+    body = outline(lattice.domain)
+    shapely.prepare(body)
+    away = ~shapely.intersects(body, shapely.linestrings(lattice.points[shared]))
+    return np.asarray(lattice.points[shared[away]].mean(axis=1))

@@ -17,9 +17,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import FACETS, SHAPES, Shape, area_vectors
 
 MOST_TRIANGLES = 2_000_000
-"""Flat triangles that a surface is drawn by at most: 150 MB of corners."""
-AT_ONCE = 50_000
-"""Triangles of bent facets made at once."""
+"""Flat triangles that a surface is drawn by at most: 150 MB of corners, 600 while they are made."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +43,7 @@ def draw_surface(
     others and their triangles lies no more than a volume `gap` (m³), and the middles of edges are
     no further `away` (m).
 
-    Raises
-    ------
-    ProblemError
-        If that takes too many triangles.
+    Raises `ProblemError` if that takes too many triangles.
     """
     shape = FACETS[3, places.shape[1]]
     flat = _is_flat(shape, places, tolerance)
@@ -56,15 +51,9 @@ def draw_surface(
     if flat.all():
         return DrawnSurface(corners, facet, 0.0)
     bent = np.flatnonzero(~flat)
-    n = _parts_needed(shape, places[bent], gap, away, len(corners))
-    drawn = [corners]
-    between = 0.0
-    for some in _in_groups(len(bent), n):
-        triangles, apart, _ = _draw_bent(shape, places[bent[some]], n)
-        drawn.append(triangles)
-        between += apart
-    each = len(_unit_triangles(shape, n))
-    return DrawnSurface(np.concatenate(drawn), np.r_[facet, np.repeat(bent, each)], between)
+    n, drawn, between = _draw_bent_enough(shape, places[bent], gap, away, len(corners))
+    owner = np.repeat(bent, len(_unit_triangles(shape, n)))
+    return DrawnSurface(np.concatenate([corners, drawn]), np.r_[facet, owner], between)
 
 
 def solid_facets(domain: Domain) -> Array:
@@ -115,24 +104,23 @@ def _split_flat(shape: Shape, places: Array, facet: Index) -> tuple[Array, Index
     return corners, np.repeat(facet, len(rings))
 
 
-def _parts_needed(shape: Shape, places: Array, gap: float, away: float, flat: int) -> int:
-    """Parts of each edge with which no more than a volume and a distance lie between."""
+def _draw_bent_enough(
+    shape: Shape, places: Array, gap: float, away: float, flat: int
+) -> tuple[int, Array, float]:
+    """Parts of each edge with which no more than a volume and a distance lie between.
+
+    With them the triangles (t, 3, 3), and the volume (m³) between.
+    """
     n = 4
     while True:
         count = flat + len(places) * len(_unit_triangles(shape, 1)) * float(n) ** 2
         refuse_too_many("bent surface drawn", count, MOST_TRIANGLES, "flat triangles")
-        found = [_draw_bent(shape, places[some], n)[1:] for some in _in_groups(len(places), n)]
-        volumes, distances = zip(*found, strict=True)
-        over = max(sum(volumes) / gap, max(distances) / away)
+        corners, between, distance = _draw_bent(shape, places, n)
+        over = max(between / gap, distance / away)
         if over <= 1:
-            return n
+            return n, corners, between
         # What is left falls as 1/n²; 2 % more saves most a second look.
         n = max(n + 1, int(np.ceil(min(n * np.sqrt(over), 1e4) * 1.02)))
-
-
-def _in_groups(facets: int, n: int) -> list[slice]:
-    step = max(AT_ONCE // n**2, 1)
-    return [slice(start, start + step) for start in range(0, facets, step)]
 
 
 def _draw_bent(shape: Shape, places: Array, n: int) -> tuple[Array, float, float]:
@@ -162,14 +150,16 @@ def _unit_triangles(shape: Shape, n: int) -> Array:
     return np.concatenate([lower, upper]) / n
 
 
-def prism_layers(domain: Domain, spacing: float) -> int:
+def prism_layers(domain: Domain, spacing: float, base: float) -> int:
     """Layers of cells of a prism along z that is a whole number of spacings (m) high; else 0.
 
-    A prism's facets are flat where z is least or most, or stand along z.
+    They begin at z = `base` (m). A prism's facets are flat where z is least or most, or stand along
+    z.
     """
     low, high = domain.span[2]
     layers = round((high - low) / spacing)
-    if not layers or abs(layers * spacing - (high - low)) > domain.tolerance:
+    off = max(abs(base - low), abs(layers * spacing - (high - low)))
+    if not layers or off > domain.tolerance:
         return 0
     if isinstance(domain, Mesh):
         places = domain.points[domain.surface]

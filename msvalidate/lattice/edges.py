@@ -62,16 +62,9 @@ EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EdgeLattice(Lattice):
-    """A spring along each edge of a mesh.
+    """A spring along each edge of a mesh, of a stiffness by a `rule`.
 
-    Parameters
-    ----------
-    rule
-        What their stiffness goes by.
-    gifts
-        (c, e) what each cell brings to the factors of its springs.
-    of
-        (c, e) numbers of these springs.
+    Each cell brings `gifts` (c, e) to the factors of its springs, whose numbers are `of` (c, e).
     """
 
     rule: str
@@ -82,8 +75,7 @@ class EdgeLattice(Lattice):
 def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> EdgeLattice:
     """Lattice of a mesh's points with a spring along every edge; its one constant is E·t, or E.
 
-    Quadrilaterals get both diagonals too, and hexahedra those of their faces, as they would shear
-    freely without; by "cotangent" all pairs of a cell's corners have one. Facets are the mesh's
+    Quadrilaterals and hexahedra would shear freely without their diagonals. Facets are the mesh's
     own, so loads and supports may be on named boundaries.
 
     Source: on triangles [vanGelder1998]; its counterparts are derived above.
@@ -125,11 +117,8 @@ def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> Ed
         domain=mesh,
         points=mesh.points,
         springs=springs,
-        kind=np.zeros(len(springs), dtype=np.intp),
         cells=cells,
         facets=surface,
-        share=np.ones(len(springs)),
-        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=np.bincount(cells.ravel(), volume.ravel()).astype(float),
         factor=factor,
         regular=False,

@@ -42,20 +42,20 @@ class Lattice(ReadOnly):
         (n, d) positions (m).
     springs
         (m, 2) pairs of points, the lower index first.
-    kind
-        (m,) class of each spring: an index into the spring constants.
     cells
         (c, corners) points of each cell, all of one shape, in VTK order.
     facets
         (f, corners) points of each boundary facet: 2 in the plane; in space 3, or 4 with the first
         axis fastest.
-    share
-        (m,) part of each spring that belongs to the body: 1 inside, 1/2 on a side, 1/4 on an edge
-        of a solid, and so on. The rest stands for what lies beyond.
-    sharing
-        (m,) number of cells that a spring like each borders inside the body.
     point_volume
         (n,) area (m²) or volume (m³) of each point.
+    kind
+        (m,), or one for all: class of each spring, an index into the spring constants.
+    share
+        (m,), or one for all: part of each spring that belongs to the body, 1 inside, 1/2 on a
+        side, 1/4 on an edge of a solid, and so on. The rest stands for what lies beyond.
+    sharing
+        (m,), or one for all: number of cells that a spring like each borders inside the body.
     factor
         (m,), or one for all: stiffness of springs inside relative to the constant of their kind.
     regular
@@ -67,18 +67,20 @@ class Lattice(ReadOnly):
     domain: Domain
     points: Array
     springs: Index
-    kind: Index
     cells: Index
     facets: Index
-    share: Array
-    sharing: Index
     point_volume: Array
+    kind: Index = field(default_factory=lambda: np.zeros((), dtype=np.intp))
+    share: Array = field(default_factory=lambda: np.ones(()))
+    sharing: Index = field(default_factory=lambda: np.ones((), dtype=np.intp))
     factor: Array = field(default_factory=lambda: np.ones(()))
     regular: bool = True
 
     def __post_init__(self) -> None:
-        if not np.ndim(self.factor):
-            object.__setattr__(self, "factor", np.full(len(self.springs), float(self.factor)))
+        for name in ("kind", "share", "sharing", "factor"):
+            each = np.asarray(getattr(self, name))
+            if not each.ndim:
+                object.__setattr__(self, name, np.full(len(self.springs), each))
         super().__post_init__()
 
     @property
@@ -99,15 +101,7 @@ class Lattice(ReadOnly):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PatternLattice(Lattice):
-    """A lattice that is a piece of what repeats.
-
-    Parameters
-    ----------
-    pattern
-        What repeats.
-    spacing
-        Length (m) of its unit.
-    """
+    """A lattice that is a piece of a `pattern`, whose unit of length is `spacing` (m)."""
 
     pattern: Pattern
     spacing: float
@@ -130,10 +124,7 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     code. ``per_cell``: every cell brings springs of its own, so an inner axial spring of the plane
     counts 2, which is what the report's formula k2/(2k1 + k2) assumes.
 
-    Raises
-    ------
-    ProblemError
-        If the rule is none of `WEIGHTS`.
+    Raises `ProblemError` if the rule is none of `WEIGHTS`.
     """
     require_type("lattice", lattice, Lattice)
     require_one_of("boundary weights", rule, WEIGHTS)

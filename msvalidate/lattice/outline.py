@@ -35,10 +35,7 @@ takes."""
 def outline(domain: Domain) -> shapely.Geometry:
     """The area that a plane body covers, or the base of a box in space, as a shapely geometry.
 
-    Raises
-    ------
-    ProblemError
-        If the body has no one outline.
+    Raises `ProblemError` if the body has no one outline.
     """
     if isinstance(domain, Box):
         return shapely.box(0.0, 0.0, *domain.size[:2])
@@ -132,10 +129,7 @@ def straight_pieces(part: Part, domain: Domain) -> Array:
 
     In space the part is one of a mesh's walls.
 
-    Raises
-    ------
-    ProblemError
-        If it is no part of the body's sides.
+    Raises `ProblemError` if it is no part of the body's sides.
     """
     if isinstance(domain, Mesh):
         places = part.places if isinstance(part, Boundary) else domain.part(part).places

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from msvalidate.lattice.corners import cell_shape, corner_volumes
+from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.cut import CutLattice, cell_gifts
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.lattice.filled import Lattice
 from msvalidate.lattice.voronoi import VoronoiLattice
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.shapes import incident_pairs
+from msvalidate.problem.shapes import STRAIGHT, incident_pairs
 
 
 def spring_parts(lattice: Lattice) -> csr_array:
@@ -21,31 +21,24 @@ def spring_parts(lattice: Lattice) -> csr_array:
     that repeats every cell that holds the spring's middle brings the same: half in each of the two
     beside it in the plane, a quarter along an edge in space, all in the cell that it runs inside.
 
-    Raises
-    ------
-    ProblemError
-        If the lattice has no cells that its springs belong to.
+    Raises `ProblemError` if the lattice has no cells that its springs belong to.
     """
-    if isinstance(lattice, EdgeLattice):
-        spring, cell = lattice.of.ravel(), _numbered(lattice.of)
-        part = lattice.gifts.ravel() / np.where(lattice.factor, lattice.factor, 1.0)[spring]
-        return csr_array((part, (spring, cell)), shape=(len(lattice.springs), len(lattice.cells)))
+    size = len(lattice.springs), len(lattice.cells)
     if isinstance(lattice, CutLattice):
-        spring, cell, gift = cell_gifts(lattice)
+        of, gifts = cell_gifts(lattice)
+    elif isinstance(lattice, EdgeLattice):
+        of, gifts = lattice.of, lattice.gifts
     else:
-        middle = lattice.points[lattice.springs].mean(axis=1)
-        spring, cell = _holding_cells(lattice, middle)
-        gift = np.ones(len(spring))
-    return _shared(spring, cell, gift, (len(lattice.springs), len(lattice.cells)), lattice)
+        spring, cell = _holding_cells(lattice, lattice.points[lattice.springs].mean(axis=1))
+        return _shared(spring, cell, np.ones(len(spring)), size, lattice)
+    part = gifts / np.where(lattice.factor, lattice.factor, 1.0)[of]
+    return csr_array((part.ravel(), (of.ravel(), _numbered(of))), shape=size)
 
 
 def point_parts(lattice: Lattice) -> csr_array:
     """Part (n, c) of each point's area or volume that lies in each cell; a point's sum to 1.
 
-    Raises
-    ------
-    ProblemError
-        If the lattice has no cells that its points belong to.
+    Raises `ProblemError` if the lattice has no cells that its points belong to.
     """
     if isinstance(lattice, CutLattice):
         volume = lattice.corner_volume
@@ -73,7 +66,7 @@ def _holding_cells(lattice: Lattice, places: Array) -> tuple[Index, Index]:
             "one that repeats, or a mesh's edges"
         )
     room = lattice.domain.tolerance
-    shape = cell_shape(lattice.cells, lattice.points.shape[1])
+    shape = STRAIGHT[lattice.points.shape[1], lattice.cells.shape[1]]
     cell, place = incident_pairs(shape, lattice.points[lattice.cells], places, room)
     return place, cell
 

@@ -133,8 +133,7 @@ class Pattern:
         there = np.column_stack([self.springs, self.image])
         back = np.column_stack([self.springs[:, ::-1], -self.image])
         both = np.concatenate([there, back])
-        both = both[np.lexsort(both.T)]
-        if (both[1:] == both[:-1]).all(axis=1).any():
+        if len(np.unique(both, axis=0)) < len(both):
             raise ProblemError(f"{said}: a spring is listed twice; list each from one end")
 
     @property
@@ -156,21 +155,14 @@ class Pattern:
     def stiffness(self, constants: Constants, rule: str = "constants") -> Array:
         """Stiffness (m,) in N/m of the springs under constants, one a kind.
 
-        Raises
-        ------
-        ProblemError
-            If they are not one a kind, or one is negative or not finite.
+        Raises `ProblemError` if they are not one a kind, or one is negative or not finite.
         """
         k = finite(f"{self.name}: spring constants", constants)
+        said = f"{self.name}: spring {rule} {format_value(constants)}"
         if k.shape != (self.kinds,):
-            raise ProblemError(
-                f"{self.name}: spring {rule} {format_value(constants)}; give {self.kinds}, one a "
-                f"kind"
-            )
+            raise ProblemError(f"{said}; give {self.kinds}, one a kind")
         if (k < 0).any():
-            raise ProblemError(
-                f"{self.name}: spring {rule} {format_value(constants)}; none may be negative"
-            )
+            raise ProblemError(f"{said}; none may be negative")
         return np.asarray(k[self.kind] * self.factor)
 
 
@@ -193,10 +185,7 @@ def pattern_by_shells(
 
     All else is as in `Pattern`.
 
-    Raises
-    ------
-    ProblemError
-        If no two points are at a distance, or as for `Pattern`.
+    Raises `ProblemError` if no two points are at a distance, or as for `Pattern`.
     """
     edges = _cell_edges(f"pattern {name}", size)
     d, x = len(edges), finite_coordinates(f"pattern {name}: points", points)
@@ -204,8 +193,7 @@ def pattern_by_shells(
     if x.shape != (len(x), d) or far.ndim != 1 or not len(far) or (far <= 0).any():
         raise ProblemError(
             f"pattern {name}: points {x.shape}, distances {format_value(distances)}; give (n, {d}) "
-            f"and "
-            "lengths above 0"
+            "and lengths above 0"
         )
     reach = np.ceil(far.max() / edges).astype(int).tolist()
     counted = len(x) ** 2 * math.prod(2.0 * r + 1 for r in reach)
@@ -244,10 +232,7 @@ def pattern_by_shells(
 def repeat_cell(pattern: Pattern, times: int) -> Pattern:
     """The same lattice with a cell of `times` the edges: its points may move apart from each other.
 
-    Raises
-    ------
-    ProblemError
-        If `times` is not a positive integer.
+    Raises `ProblemError` if `times` is not a positive integer.
     """
     require_type("pattern", pattern, Pattern)
     d, n = pattern.dim, len(pattern.points)

@@ -45,7 +45,7 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
         cells=np.concatenate(quarters),
         facets=whole.facets,
         share=whole.share,
-        sharing=np.full(len(whole.springs), 2),
+        sharing=np.array(2),
         point_volume=whole.point_volume,
     )
 
@@ -57,10 +57,8 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     give. Its first vertex is a point of the lattice, its first edge one of the lattice's
     directions.
 
-    Raises
-    ------
-    ProblemError
-        If whole triangles of that side don't make up the outline, or are too many.
+    Raises `ProblemError` if whole triangles of that side don't make up the outline, or are too
+    many.
     """
     if not isinstance(outline, Polygon):
         raise ProblemError(
@@ -93,11 +91,10 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         domain=outline,
         points=points[used],
         springs=springs,
-        kind=np.zeros(len(springs), dtype=int),
         cells=cells,
         facets=springs[borders == 1],
         share=borders / 2,
-        sharing=np.full(len(springs), 2),
+        sharing=np.array(2),
         point_volume=np.bincount(cells.ravel()).astype(float) * outline.volume / (3 * len(cells)),
     )
 
@@ -110,10 +107,7 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
     second column of points is one point shorter, so the block is symmetric about its middle line;
     it is cells[0]·√3/2·height/cells[1] wide.
 
-    Raises
-    ------
-    ProblemError
-        If the number of strips is odd, or a value is out of range.
+    Raises `ProblemError` if the number of strips is odd, or a value is out of range.
     """
     strips, sides = _pair("zigzag block", cells, "(strips, sides)")
     if strips % 2 or sides < 2:
@@ -134,10 +128,7 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     Triangles have sides of `spacing` (m). Cells are the number of their sides along the top and of
     their rows; the bottom has the sum.
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of range.
+    Raises `ProblemError` if a value is out of range.
     """
     h = length_in_metres("trapezium: spacing", spacing)
     sides, rows = _pair("trapezium", cells, "(sides, rows)")

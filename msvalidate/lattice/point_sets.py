@@ -34,8 +34,6 @@ from msvalidate.problem.checks import (
 
 POINT_SETS = ("uniform", "jittered", "blue_noise")
 LARGEST_SEED = 2**64 - 1
-JITTER = 0.5
-"""Part of its brick's edge by which a jittered point moves from the middle at most: anywhere."""
 CANDIDATES = 5
 """Uniform points for each blue-noise point that is kept (Yuksel's number)."""
 CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
@@ -43,8 +41,6 @@ CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
 RISE = 0.1
 """Part of the distance that still counts among such pairs: in his rule none does, and next to
 points that stay where they are two may then be left almost in one place."""
-
-
 UNIT = 2.0**-44
 """Of crowding: sums and differences of a point's are then exact, up to 512 of the most crowding
 pairs, and two points that crowd nobody but each other are equally crowded, not by rounding."""
@@ -57,10 +53,7 @@ def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -
 
     Source: jittered points [Cook1986], blue noise [Yuksel2015].
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of its range or the points are too many.
+    Raises `ProblemError` if a value is out of its range or the points are too many.
     """
     require_one_of("point set", kind, POINT_SETS)
     edges = np.array(Box(size).size, dtype=float)
@@ -85,10 +78,7 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
 
     Source: jittered points [Cook1986], blue noise [Yuksel2015].
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of its range or the points are too many.
+    Raises `ProblemError` if a value is out of its range or the points are too many.
     """
     require_one_of("point set", kind, POINT_SETS)
     require_type("box", box, Box)
@@ -122,8 +112,7 @@ def _draw_points(kind: str, count: int, size: Array, rng: np.random.Generator) -
     if kind != "jittered":
         return np.asarray(rng.random((count, len(size))) * size)
     low, edge = _equal_parts(count, size)
-    points = low + edge * (0.5 + JITTER * (2 * rng.random(low.shape) - 1))
-    return np.asarray(np.minimum(points, np.nextafter(size, 0)))
+    return np.asarray(np.minimum(low + edge * rng.random(low.shape), np.nextafter(size, 0)))
 
 
 def _equal_parts(count: int, size: Array) -> tuple[Array, Array]:

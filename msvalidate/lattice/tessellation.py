@@ -6,10 +6,9 @@ cell, so the sum of a·l over all springs is d times the volume of all cells (th
 for the position from the cell's point). It holds for the springs that are kept, or the points are
 refused.
 
-Both kinds of body come down to points without end (`msvalidate.lattice.images`): a periodic cell is
-repeated, a box is reflected across its sides, which clips cells exactly to it. The facets come from
-a Delaunay triangulation (`msvalidate.lattice.triangulation`), whose circumcentres are the vertices
-of cells.
+Both kinds of body come down to points without end: a periodic cell is repeated, a box is reflected
+across its sides, which clips cells exactly to it. The facets come from a Delaunay triangulation
+(`msvalidate.lattice.triangulation`), whose circumcentres are the vertices of cells.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.lattice.images import triangulate_with_images
 from msvalidate.lattice.ties import break_ties
 from msvalidate.lattice.triangulation import (
     FACES,
@@ -29,6 +27,7 @@ from msvalidate.lattice.triangulation import (
     relative_volume,
     signed_volumes,
     stabilise_centres,
+    triangulate_with_images,
     triangulation,
 )
 from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, format_point
@@ -51,23 +50,13 @@ negligible."""
 
 @dataclass(frozen=True, eq=False)
 class Tessellation(ReadOnly):
-    """Voronoi cells that fill a body, and the springs across their facets.
+    """Voronoi cells that fill a periodic cell or box of some `size` (m), and springs across facets.
 
-    Parameters
-    ----------
-    size
-        Edge lengths (m) of the periodic cell or box.
-    points
-        (n, d) positions (m): wrapped into [0, size) where periodic.
-    springs
-        (m, 2) pairs of points whose cells share a facet, the lower index first. A periodic cell
-        may join two points more than once, and a point to its own image.
-    image
-        (m, d) whole numbers: the second point is at points[j] + image·size. Zeros in a box.
-    area
-        (m,) area of that facet: m in the plane, m² in space.
-    volume
-        (n,) size of each point's cell: m² in the plane, m³ in space.
+    Points (n, d) in m are wrapped into [0, size) where periodic. Springs (m, 2) are pairs of points
+    whose cells share a facet of `area` (m,), in m in the plane and m² in space, the lower index
+    first. A periodic cell may join two points more than once, and a point to its own image: the
+    second point is at points[j] + image·size, `image` (m, d) of whole numbers, zeros in a box.
+    `volume` (n,) is the size of each point's cell, in m² or m³.
     """
 
     size: tuple[float, ...]
@@ -106,12 +95,8 @@ def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellatio
 
     Points (n, d) in m outside the cell, whose edges have lengths `size` (m), are wrapped into it.
 
-    Raises
-    ------
-    ProblemError
-        If the points are not as described, two are one place, or too many images are needed.
-    SolverError
-        If points lie so close that their cells can't be told apart.
+    Raises `ProblemError` if the points are not as described, two are one place, or too many images
+    are needed; `SolverError` if points lie so close that their cells can't be told apart.
     """
     box = Box(size)
     x = _check_points(points, box.dim)
@@ -131,10 +116,8 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     are put on it. The facet between two points on one side is halved by it, and between two on one
     edge of a box in space quartered, as their cells are.
 
-    Raises
-    ------
-    ProblemError, SolverError
-        As `periodic_tessellation`; `ProblemError` if a point is outside the box.
+    Raises `ProblemError` or `SolverError` as `periodic_tessellation`; `ProblemError` if a point is
+    outside the box.
     """
     x, edges = _snap_to_box(points, box)
     low, high, shift, area, length = _facets(x, edges, mirrored=True)
@@ -143,7 +126,8 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     i, j, across = low[between], high[between], area[between]
     across *= 0.5 ** ((on_low[i] & on_low[j]) | (on_high[i] & on_high[j])).sum(axis=1)
     sides = np.zeros((len(x), 2 * box.dim))
-    owner, (axis, way) = low[~between], _axis_and_direction(shift[~between])
+    owner, image = low[~between], shift[~between]
+    axis, way = np.abs(image).argmax(axis=1), image.sum(axis=1)
     on = on_low | on_high
     halved = 0.5 ** (on[owner].sum(axis=1) - on[owner, axis])
     np.add.at(sides, (owner, 2 * axis + (way > 0)), area[~between] * halved)
@@ -157,7 +141,11 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     volume = _pyramid_volumes(i, j, across * length[between], len(x))
     volume += (sides * np.stack([x, edges - x], axis=2).reshape(len(x), -1)).sum(axis=1)
     volume /= box.dim
-    _refuse_wrong_volume(volume, box)
+    if not abs(volume.sum() - box.volume) <= 1e-9 * box.volume:
+        raise SolverError(
+            f"cells of {len(x)} points make up {format_value(float(volume.sum()))} of {box}: some "
+            "points are too close"
+        )
     sides[np.abs(sides) <= ALIKE[0] * _spacing(x, box) ** (box.dim - 1)] = 0.0
     springs, none = np.column_stack([i, j]), np.zeros_like(shift[between])
     return BoundedTessellation(box.size, x, springs, none, across, volume, sides)
@@ -171,12 +159,8 @@ def delaunay_simplices(points: Array, box: Box) -> tuple[Index, Index]:
 
     Source: [Delaunay1934].
 
-    Raises
-    ------
-    ProblemError
-        If a corner is missing, a point is outside the box or two are one place.
-    SolverError
-        If points lie so close that their simplices can't be told apart.
+    Raises `ProblemError` if a corner is missing, a point is outside the box or two are one place;
+    `SolverError` if points lie so close that their simplices can't be told apart.
     """
     x, edges = _snap_to_box(points, box)
     for ends in product((0.0, 1.0), repeat=box.dim):
@@ -267,11 +251,6 @@ def _pyramid_volumes(i: Index, j: Index, content: Array, count: int) -> Array:
     return np.asarray(0.5 * halves, dtype=float)
 
 
-def _axis_and_direction(shift: Index) -> tuple[Index, Index]:
-    axis = np.abs(shift).argmax(axis=1)
-    return axis, shift[np.arange(len(shift)), axis]
-
-
 def _spacing(points: Array, box: Box) -> float:
     return float((box.volume / len(points)) ** (1 / box.dim))
 
@@ -306,12 +285,4 @@ def _refuse_coincident(points: Array, box: Box, period: Array | None) -> None:
         i, j = min(twins)
         raise ProblemError(
             f"points: {i} and {j} are one place, {format_point(points[i])}; leave one out"
-        )
-
-
-def _refuse_wrong_volume(volume: Array, box: Box) -> None:
-    if not abs(volume.sum() - box.volume) <= 1e-9 * box.volume:
-        raise SolverError(
-            f"cells of {len(volume)} points make up {format_value(float(volume.sum()))} of {box}: "
-            "some points are too close"
         )

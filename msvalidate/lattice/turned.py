@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
+from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.filled import (
     Lattice,
     missing_springs,
@@ -80,9 +81,7 @@ def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array
     )
     springs = np.concatenate([springs, braces])
     kind = np.concatenate([pattern.kind[which], np.zeros(len(braces), dtype=np.intp)])
-    corners = points[cells]
-    content = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / math.factorial(box.dim)
-    each = np.repeat(content / cells.shape[1], cells.shape[1])
+    each = corner_volumes(points, cells).ravel()
     return Lattice(
         name=f"{pattern.name}, turned",
         domain=box,
@@ -92,8 +91,7 @@ def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array
         cells=cells,
         facets=facets,
         share=side_share(points, springs, box),
-        sharing=np.ones(len(springs), dtype=np.intp),
-        point_volume=np.asarray(np.bincount(cells.ravel(), each, len(points)), dtype=float),
+        point_volume=np.bincount(cells.ravel(), each, len(points)).astype(float),
         factor=np.concatenate([pattern.factor[which], np.ones(len(braces))]),
         regular=False,
     )
@@ -159,10 +157,7 @@ def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
 def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
     """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
 
-    Raises
-    ------
-    ProblemError
-        If it is neither.
+    Raises `ProblemError` if it is neither.
     """
     if dim == 2 and np.shape(turn) == ():
         angle = finite_angle("angle", turn)

@@ -6,12 +6,10 @@ the Delaunay triangles and tetrahedra. The report tried it in the plane.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from msvalidate.lattice.filled import Lattice, missing_springs, side_share, weakly_supported
-from msvalidate.lattice.pattern import Constants, Pattern
+from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.point_sets import box_points, periodic_points
 from msvalidate.lattice.tessellation import (
     Tessellation,
@@ -27,7 +25,6 @@ STIFFNESS_RULES = ("1", "1/L", "A/L")
 """What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""
 LOOSE = 1e-3
 """Σ n nᵀ along some direction, over the directions n of its springs, below which a point swings."""
-RULES: Mapping[str, Constants] = {"unit": (1.0,)}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -51,23 +48,11 @@ def voronoi(
 ) -> Pattern:
     """Random periodic lattice: a cell of `count` points, one in a unit of volume on average.
 
-    Parameters
-    ----------
-    count
-        Number of points in the cell.
-    dim
-        2 or 3.
-    points
-        Kind of point set, one of `point_sets.POINT_SETS`.
-    stiffness
-        One of `STIFFNESS_RULES`, in spacings: of the constant k each spring has k, k/L or k·A/L.
-    seed
-        Of the random numbers.
+    Points are of a kind of `point_sets.POINT_SETS`, by random numbers of some seed, in 2 or 3
+    dimensions. By the stiffness, one of `STIFFNESS_RULES`, each spring of the constant k has k, k/L
+    or k·A/L, in spacings.
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of its range.
+    Raises `ProblemError` if a value is out of its range.
     """
     whole_number("dim", dim, 2, 3)
     size = (float(whole_number("number of points", count, 1)) ** (1 / dim),) * dim
@@ -79,10 +64,7 @@ def voronoi(
 def pattern_of_tessellation(tessellation: Tessellation, stiffness: str) -> Pattern:
     """The periodic lattice of a tessellation whose mean spacing is the unit of length.
 
-    Raises
-    ------
-    ProblemError
-        If there is no such stiffness.
+    Raises `ProblemError` if there is no such stiffness.
     """
     require_type("tessellation", tessellation, Tessellation)
     m = len(tessellation.springs)
@@ -93,7 +75,7 @@ def pattern_of_tessellation(tessellation: Tessellation, stiffness: str) -> Patte
         springs=tessellation.springs,
         image=tessellation.image,
         kind=np.zeros(m, dtype=np.intp),
-        rules=RULES,
+        rules={"unit": (1.0,)},
         factor=relative_stiffness(tessellation.vectors, tessellation.area, stiffness),
         volume=tessellation.volume,
     )
@@ -102,10 +84,7 @@ def pattern_of_tessellation(tessellation: Tessellation, stiffness: str) -> Patte
 def relative_stiffness(vectors: Array, area: Array, rule: str) -> Array:
     """Stiffness (m,) of springs relative to their constant, from vectors and areas in spacings.
 
-    Raises
-    ------
-    ProblemError
-        If there is no such rule.
+    Raises `ProblemError` if there is no such rule.
     """
     require_one_of("stiffness", rule, STIFFNESS_RULES)
     length = np.linalg.norm(vectors, axis=1)
@@ -125,21 +104,11 @@ def voronoi_box(
     boundary. A corner whose cell meets but one other inside the box would swing about it: it gets
     the other edges of its triangles or tetrahedra too.
 
-    Parameters
-    ----------
-    box
-        The body.
-    spacing
-        Mean distance (m) of neighbours: a point has the volume spacing^d.
-    points, stiffness, seed
-        As in `voronoi`.
+    The spacing is the mean distance (m) of neighbours: a point has the volume spacing^d. All else
+    is as in `voronoi`.
 
-    Raises
-    ------
-    ProblemError
-        If a value is out of its range.
-    SolverError
-        If points lie so close that their cells can't be told apart.
+    Raises `ProblemError` if a value is out of its range; `SolverError` if points lie so close that
+    their cells can't be told apart.
     """
     require_type("box", box, Box)
     h = length_in_metres("spacing", spacing)
@@ -157,11 +126,9 @@ def voronoi_box(
         domain=box,
         points=x,
         springs=springs,
-        kind=np.zeros(len(springs), dtype=np.intp),
         cells=corners,
         facets=facets,
         share=share,
-        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=cells.volume,
         factor=relative_stiffness(vectors / h, area / h ** (box.dim - 1), stiffness),
         regular=False,

@@ -46,10 +46,7 @@ def baseline_folder(form: str, home: Path | None = None) -> Path:
 def check_home(home: Path) -> None:
     """Refuse our own baseline as one of the user's own.
 
-    Raises
-    ------
-    ProblemError
-        If `home` is it, or lies in it.
+    Raises `ProblemError` if `home` is it, or lies in it.
     """
     ours = baseline_folder("").resolve()
     if ours in (home.resolve(), *home.resolve().parents):
@@ -70,10 +67,8 @@ def reasons(
     `home` is the folder of a baseline of the user's own, None for ours; the form "quick" or "full";
     the reason is one line, of some studies or, where none are named, of all.
 
-    Raises
-    ------
-    ProblemError
-        If it cannot be read, or an installed package's own baseline would be renewed.
+    Raises `ProblemError` if it cannot be read, or an installed package's own baseline would be
+    renewed.
     """
     if home is None and not _is_checkout():
         raise ProblemError(

@@ -39,15 +39,18 @@ WIDE, TALLEST = 6.2, 6.0
 DEFORMED = "#66a9d4"
 ARROW_WIDTH = 0.08
 """Of an arrow's shaft over the length of the longest."""
-HELD = {(True, True): "s", (True, False): ">", (False, True): "^"}
-"""Marker of a support by what it holds: along x, along y."""
+HELD = {
+    (True, True): ("s", "held"),
+    (True, False): (">", "held along x"),
+    (False, True): ("^", "held along y"),
+}
+"""Marker and legend of a support by what it holds: along x, along y."""
 BOUNDARY_RULES = {
     "shared": "boundary springs weakened",
     "equal": "all springs alike",
     "per_cell": "each cell its own springs",
 }
 """Names in figures of `lattice.filled.WEIGHTS`."""
-HOW = {(True, True): "held", (True, False): "held along x", (False, True): "held along y"}
 
 
 def plot(network: Network, displacement: Any = None, magnification: float | None = None) -> Figure:
@@ -168,10 +171,9 @@ def draw_supports(axis: Axes, at: Array, held: Mask, size: float = 6.0) -> None:
 
     A triangle points along the only component that is held. `size` of markers in points.
     """
-    for (along_x, along_y), marker in HELD.items():
-        here = (held == (along_x, along_y)).all(axis=1)
+    for components, (marker, label) in HELD.items():
+        here = (held == components).all(axis=1)
         if here.any():
-            label = HOW[along_x, along_y]
             style: dict[str, Any] = {"color": "black", "ms": size, "mfc": "none", "mew": 1}
             axis.plot(*at[here].T, marker, label=label, zorder=3, **style)
 

@@ -108,14 +108,8 @@ def field(
 ) -> Draw:
     """A function of tables that draws a value at points of a body in the plane.
 
-    Parameters
-    ----------
-    at, value
-        Columns of the coordinates (m), and of what colours the points.
-    label
-        Of the colours, with its unit.
-    table, title, size
-        As for `series`.
+    Columns `at` are the coordinates (m), and `value` colours the points, by a label with its unit.
+    Table, title and size are as for `series`.
     """
 
     def draw(tables: Tables) -> Figure:

@@ -76,18 +76,10 @@ def new_figure(
 
 
 def widen_third(figure: Figure, axes: list[Axes]) -> list[Axes]:
-    """The first three of two by two axes, the third over the whole lower row.
-
-    Raises
-    ------
-    ValueError
-        If the axes belong to no grid.
-    """
+    """The first three of two by two axes, the third over the whole lower row."""
     *kept, unused = axes
     figure.delaxes(unused)
-    grid = kept[-1].get_gridspec()
-    if grid is None:
-        raise ValueError("axes of no grid cannot be widened")
+    grid: Any = kept[-1].get_gridspec()
     kept[-1].set_subplotspec(grid[1, :])
     return kept
 

@@ -39,9 +39,8 @@ def junit_xml(studies: Sequence[Stored]) -> bytes:
                 said = f"{row['verdict']}: {row['because']}"
                 ET.SubElement(case, "skipped", message=printable(said))
             elif row["verdict"] not in HELD:
-                ET.SubElement(case, "failure", message=failure_line(row)).text = printable(
-                    row["because"]
-                )
+                failure = ET.SubElement(case, "failure", message=failure_line(row))
+                failure.text = printable(row["because"])
         if study.error:
             case = ET.SubElement(suite, "testcase", classname=study.name, name="study finished")
             ET.SubElement(case, "error", message=printable(study.error))

@@ -5,6 +5,7 @@ Names no host, no user and no path.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import platform
 import subprocess
@@ -60,12 +61,10 @@ def current_commit() -> str:
 
 def processor_name() -> str:
     """Model name of the processor."""
-    try:
+    with contextlib.suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("model name"):
                 return line.partition(":")[2].strip()
-    except OSError:
-        pass
     return platform.processor() or platform.machine()
 
 

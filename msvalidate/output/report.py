@@ -106,12 +106,8 @@ def publish(
     folder that gives them; results of others stay. Returned are those given, as they are stored
     now, whatever another run does next.
 
-    Raises
-    ------
-    OSError
-        If a file cannot be written; what was there is then still there.
-    ProblemError
-        If other people's files lie where a study's folder goes.
+    Raises `OSError` if a file cannot be written, and what was there is still there; `ProblemError`
+    if other people's files lie where a study's folder goes.
     """
     out = out.resolve()
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -156,10 +152,7 @@ def rebuild(out: Path) -> list[Stored]:
 
     One that cannot be read has the reason for its error, and costs the others nothing.
 
-    Raises
-    ------
-    ProblemError
-        If there is no result.
+    Raises `ProblemError` if there is no result.
     """
     if not _studies(out):
         raise ProblemError(f"--out {out}: no results there; run a study first")

@@ -27,16 +27,10 @@ THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
 
 @dataclass(frozen=True)
 class Results:
-    """What the studies found.
+    """What the studies found: of those in `run`, which have just run, else stored, else committed.
 
-    Parameters
-    ----------
-    form
-        Of the baseline, "quick" or "full".
-    run
-        Study -> its tables, of those that have just run.
-    folder
-        Of stored results; None looks at none. Those of the other form count as none.
+    `run` is study -> its tables; a `folder` of stored results may be None, and those of the other
+    form than "quick" or "full", that of the baseline, count as none.
     """
 
     form: str
@@ -48,10 +42,7 @@ class Results:
 
         Columns of times are not in the committed baseline; see `evidence.UNGATED`.
 
-        Raises
-        ------
-        ProblemError
-            If no study left such a table.
+        Raises `ProblemError` if no study left such a table.
         """
         source = self.source(study)
         if source == THIS_RUN:
@@ -95,10 +86,7 @@ class Results:
 def check_results(candidate: Results | None, *, quick: bool) -> Results:
     """The candidate of a study that reads results; None is the committed baseline of its form.
 
-    Raises
-    ------
-    ProblemError
-        If it is neither.
+    Raises `ProblemError` if it is neither.
     """
     if candidate is None:
         return Results("quick" if quick else "full")
@@ -118,8 +106,7 @@ def _numbers(values: list[str]) -> pd.Series:
 
 
 def _number(text: str) -> float | str:
-    try:
-        value = float(text)
-    except ValueError:
-        return text
-    return value if math.isfinite(value) else text
+    with contextlib.suppress(ValueError):
+        if math.isfinite(value := float(text)):
+            return value
+    return text

@@ -7,16 +7,7 @@ SI units throughout. In the plane, tractions (Pa) and body forces (N/m³) act ov
 the material; point forces are in N.
 """
 
-from msvalidate.problem.arrays import (
-    AXES,
-    LONGEST,
-    PLACEMENT,
-    VOIGT,
-    Array,
-    Field,
-    Index,
-    Mask,
-)
+from msvalidate.problem.arrays import AXES, LONGEST, PLACEMENT, VOIGT, Array, Field, Index, Mask
 from msvalidate.problem.contact import OBSTACLES, Contact, Obstacle
 from msvalidate.problem.domain import (
     MOST_VERTICES,
@@ -31,11 +22,7 @@ from msvalidate.problem.errors import ProblemError, SolverError
 from msvalidate.problem.loads import BodyForce, Load, PointForce, Traction, Weight
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
-from msvalidate.problem.motions import (
-    format_point,
-    refuse_free_motions,
-    rigid_motions,
-)
+from msvalidate.problem.motions import format_point, refuse_free_motions, rigid_motions
 from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.shapes import SHAPES, Shape, enclosed_volume, facet_areas, facet_middles
 from msvalidate.problem.statement import (
@@ -46,11 +33,7 @@ from msvalidate.problem.statement import (
     vectors_at,
 )
 from msvalidate.problem.zone import Ball, CellSet, Zone
-from msvalidate.problem.zones import (
-    cut_cells,
-    materials_at,
-    materials_of_cells,
-)
+from msvalidate.problem.zones import cut_cells, materials_at, materials_of_cells
 
 __all__ = [
     "AXES",

@@ -92,10 +92,7 @@ def _split_part(kind: Shape, frame: Array) -> tuple[Array, Array]:
 def surface_facets(cells: Index, kind: Shape) -> Index:
     """Facets (f, k) that are no neighbour's; neighbours run round their common one oppositely.
 
-    Raises
-    ------
-    ProblemError
-        If cells overlap on a facet, or share its corners but not its mid-sides.
+    Raises `ProblemError` if cells overlap on a facet, or share its corners but not its mid-sides.
     """
     local = kind.facets
     nodes = cells[:, local].reshape(-1, local.shape[1])

@@ -35,8 +35,6 @@ OBSTACLES: Mapping[str, tuple[int, ...]] = {
 }
 """Shape -> axes of the bodies that it meets. Parabolas are what Hertz wrote for discs: their gap
 and their force run along the axis."""
-
-
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
 """a² over the mean of the squares of distances from the middle, of pressures √(a² - x²)."""
 
@@ -64,17 +62,12 @@ class Obstacle:
 
     def __post_init__(self) -> None:
         require_one_of("obstacle", self.shape, OBSTACLES)
-        at = finite_coordinates(f"{self.shape}: at", self.at)
-        towards = finite(f"{self.shape}: towards", self.towards)
         axes = OBSTACLES[self.shape]
-        for name, given in (("at", at), ("towards", towards)):
-            if given.ndim != 1 or len(given) not in axes or len(given) != len(at):
-                wanted = " or ".join(str(d) for d in axes)
-                raise ProblemError(
-                    f"{self.shape}: {name} {format_value(getattr(self, name))}; give {wanted} "
-                    "numbers, as many as the body has axes"
-                )
-        if not towards.any():
+        need = f"give {' or '.join(map(str, axes))} numbers, as many as the body has axes"
+        at = f"{self.shape}: at {format_value(self.at)}"
+        towards = f"{self.shape}: towards {format_value(self.towards)}"
+        d = len(finite_coordinates(at, self.at, axes, need=need))
+        if not finite(towards, self.towards, d, need=need).any():
             raise ProblemError(f"{self.shape}: towards has no length; give the way into the body")
         if (self.shape == "half_space") != (self.radius is None):
             need = "leave it out" if self.radius is not None else "give one in m"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import shapely
@@ -39,12 +40,9 @@ MOST_VERTICES = 10_000
 
 @dataclass(frozen=True)
 class Box:
-    """Axis-aligned box with one corner at the origin.
+    """Axis-aligned box with one corner at the origin, and edges of lengths `size` (m).
 
-    Parameters
-    ----------
-    size
-        Edge lengths (m): (width,  height) or (width, height, depth).
+    That is (width, height) or (width, height, depth).
     """
 
     size: tuple[float, ...]
@@ -111,20 +109,15 @@ class Box:
 class Polygon:
     """Plane body with a straight-edged outline.
 
-    Parameters
-    ----------
-    vertices
-        Corners (m) in counter-clockwise order, two coordinates each, none on a straight line
-        between its neighbours.
+    Its vertices are corners (m) in counter-clockwise order, two coordinates each, none on a
+    straight line between its neighbours.
 
-    Raises
-    ------
-    ProblemError
-        If the outline is not such a polygon: clockwise, crossing or touching itself, with a flat
-        corner or a vertex listed twice.
+    Raises `ProblemError` if the outline is not such a polygon: clockwise, crossing or touching
+    itself, with a flat corner or a vertex listed twice.
     """
 
     vertices: tuple[tuple[float, float], ...]
+    dim: ClassVar[int] = 2
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertices, tuple) or len(self.vertices) < 3:
@@ -160,11 +153,6 @@ class Polygon:
     def __str__(self) -> str:
         sizes = " x ".join(f"{high - low:g}" for low, high in self.span)
         return f"polygon of {len(self.vertices)} vertices, {sizes} m"
-
-    @property
-    def dim(self) -> int:
-        """Number of axes: 2."""
-        return 2
 
     @cached_property
     def corners(self) -> Array:
@@ -246,11 +234,8 @@ def corners_of(region: Part, domain: Domain) -> Array:
     On a mesh, whose sides need not reach the ends of its span, a part of a side has the corners of
     the facets that lie in it.
 
-    Raises
-    ------
-    ProblemError
-        If the region is not of this dimension, reaches outside the body's span, or is no part of a
-        mesh's sides.
+    Raises `ProblemError` if the region is not of this dimension, reaches outside the body's span,
+    or is no part of a mesh's sides.
     """
     _refuse_misfit(region, domain)
     corners = region.corners(domain.span)
@@ -270,10 +255,7 @@ def corners_of(region: Part, domain: Domain) -> Array:
 def measure_of(region: Part, domain: Domain) -> float:
     """Length (m) or area (m²) of a part of a domain's sides; as for `corners_of` on a mesh.
 
-    Raises
-    ------
-    ProblemError
-        If the region is not of this dimension, or is no part of a mesh's sides.
+    Raises `ProblemError` if the region is not of this dimension, or is no part of a mesh's sides.
     """
     _refuse_misfit(region, domain)
     if isinstance(domain, Mesh) and not isinstance(region, Boundary):

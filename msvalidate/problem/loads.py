@@ -46,12 +46,8 @@ class PointForce:
 class Traction:
     """Force per area (Pa) on a face (d = 3) or an edge (d = 2) of the body, or on a part of it.
 
-    Parameters
-    ----------
-    region
-        A region with exactly one flat axis, or a segment.
-    traction
-        d components (Pa), or a field of points (n, d) -> (n, d).
+    The region has exactly one flat axis, or is a segment or boundary. The traction has d components
+    (Pa), or is a field of points (n, d) -> (n, d).
     """
 
     region: Part
@@ -79,21 +75,14 @@ class BodyForce:
 
     @classmethod
     def gravity(cls, density: float, acceleration: tuple[float, ...]) -> BodyForce:
-        """The weight of a body, or what else accelerates all of its mass alike.
+        """Weight of a body of one density (kg/m³), or what else accelerates all of its mass alike.
 
-        Parameters
-        ----------
-        density
-            Mass density (kg/m³), one for all of the body; `Weight` has that of each zone.
-        acceleration
-            d components (m/s²), such as (0.0, -9.81): downwards along y.
+        The acceleration has d components (m/s²), such as (0.0, -9.81): downwards along y. `Weight`
+        has the density of each zone.
 
-        Raises
-        ------
-        ProblemError
-            If the density is not above zero, the acceleration not 2 or 3 finite numbers, or their
-            product beyond the largest number or below the smallest: a weight that is none would
-            pass for a body without weight.
+        Raises `ProblemError` if the density is not above zero, the acceleration not 2 or 3 finite
+        numbers, or their product beyond the largest number or below the smallest: a weight that is
+        none would pass for a body without weight.
         """
         rho = positive_number("gravity: density", density, "kg/m³")
         need = "give 2 or 3 components in m/s², such as (0.0, -9.81)"
@@ -113,10 +102,7 @@ class BodyForce:
 class Weight:
     """Weight of a body: the density of its material, or of each zone's, times an acceleration.
 
-    Parameters
-    ----------
-    acceleration
-        d components (m/s²), such as (0.0, -9.81): downwards along y.
+    That has d components (m/s²), such as (0.0, -9.81): downwards along y.
     """
 
     acceleration: tuple[float, ...]
@@ -134,8 +120,7 @@ def check_region(name: str, region: object) -> None:
     if not isinstance(region, Part):
         raise ProblemError(
             f"{name}: region {format_value(region)}; give a Region, such as box.side('left'), a "
-            f"Segment, "
-            "or a mesh.side(name)"
+            "Segment, or a mesh.side(name)"
         )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from functools import cached_property
 
@@ -156,21 +156,11 @@ class Mesh:
 
     def side(self, name: str) -> Boundary:
         """Return the boundary of a name. Raises `ProblemError` that lists the names for another."""
-        if not isinstance(name, str) or name not in self.boundaries:
-            known = ", ".join(map(format_value, self.boundaries)) or "none with a name"
-            raise ProblemError(
-                f"boundary {format_value(name)}: the mesh has {known}; choose one of them"
-            )
-        return Boundary(name, self.points[self.boundaries[name]])
+        return Boundary(name, self.points[_entry("boundary", self.boundaries, name)])
 
     def zone(self, name: str) -> CellSet:
         """Return the cells of a name. Raises `ProblemError` that lists the names for another."""
-        if not isinstance(name, str) or name not in self.zones:
-            known = ", ".join(map(format_value, self.zones)) or "none with a name"
-            raise ProblemError(
-                f"zone {format_value(name)}: the mesh has {known}; choose one of them"
-            )
-        cells = self.cells[self.zones[name]]
+        cells = self.cells[_entry("zone", self.zones, name)]
         rim = surface_facets(cells, self.kind)
         return CellSet(name, self.shape, self.points[cells], self.points[rim])
 
@@ -190,10 +180,8 @@ class Mesh:
     def part(self, region: Region | Segment) -> Boundary:
         """Facets of the surface that lie in a part of a side given by its coordinates.
 
-        Raises
-        ------
-        ProblemError
-            If none does, the part goes on inside the body, or ends between the ends of a facet.
+        Raises `ProblemError` if none does, the part goes on inside the body, or ends between the
+        ends of a facet.
         """
         inside = region.select(self.points, self.tolerance)
         facets = self.surface[inside[self.surface].all(axis=1)]
@@ -221,10 +209,7 @@ class Mesh:
     def places_in(self, region: Region) -> Array:
         """Nodes (k, d) in m that lie in a region which is no part of a side.
 
-        Raises
-        ------
-        ProblemError
-            If none does, or it ends between two of them.
+        Raises `ProblemError` if none does, or it ends between two of them.
         """
         extent = tuple(None if isinstance(entry, tuple) else entry for entry in region.extent)
         whole = self.points[Region(extent).select(self.points, self.tolerance)]
@@ -268,18 +253,20 @@ class Mesh:
         object.__setattr__(self, name, array)
 
     def _name(self, boundaries: object) -> None:
-        if not isinstance(boundaries, Mapping):
-            raise ProblemError(
-                f"mesh boundaries: {format_value(boundaries)}; give facets by their names"
-            )
-        sides = {name: self._checked(name, facets) for name, facets in boundaries.items()}
-        object.__setattr__(self, "boundaries", sides)
+        self._take_named("boundaries", "facets", boundaries, self._checked)
 
     def _name_zones(self, zones: object) -> None:
-        if not isinstance(zones, Mapping):
-            raise ProblemError(f"mesh zones: {format_value(zones)}; give cells by their names")
-        found = {name: self._checked_cells(name, cells) for name, cells in zones.items()}
-        object.__setattr__(self, "zones", found)
+        self._take_named("zones", "cells", zones, self._checked_cells)
+
+    def _take_named(
+        self, what: str, of: str, given: object, checked: Callable[[object, Index], Index]
+    ) -> None:
+        if not isinstance(given, Mapping):
+            raise ProblemError(f"mesh {what}: {format_value(given)}; give {of} by their names")
+        found = {name: checked(name, each) for name, each in given.items()}
+        for each in found.values():
+            each.setflags(write=False)
+        object.__setattr__(self, what, found)
 
     def _checked_cells(self, name: object, given: Index) -> Index:
         """Numbers of a zone's cells, each once and rising."""
@@ -287,9 +274,7 @@ class Mesh:
         check_name("mesh zone", name)
         need = "give numbers (z,) of its cells"
         cells = indices(said, given, len(self.cells), "z>0", need=need, what="cells")
-        cells = np.unique(cells)
-        cells.setflags(write=False)
-        return cells
+        return np.unique(cells)
 
     def _checked(self, name: object, given: Index) -> Index:
         """Facets of a boundary, each once, as the surface lists them."""
@@ -306,6 +291,12 @@ class Mesh:
                 f"{said}: facet {facets[unknown[0]].tolist()} is not on the surface, as the side "
                 "of one cell alone; leave it out"
             )
-        found = self.surface[np.unique(at)]
-        found.setflags(write=False)
-        return np.asarray(found)
+        return np.asarray(self.surface[np.unique(at)])
+
+
+def _entry(what: str, named: Mapping[str, Index], name: str) -> Index:
+    """What has a name in a mesh. Raises `ProblemError` that lists the names for another."""
+    if not isinstance(name, str) or name not in named:
+        known = ", ".join(map(format_value, named)) or "none with a name"
+        raise ProblemError(f"{what} {format_value(name)}: the mesh has {known}; choose one of them")
+    return named[name]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csr_array, triu
 from scipy.spatial import KDTree
 
 from msvalidate.problem.arrays import Array, Field, Index
 from msvalidate.problem.checks import finite_number
-from msvalidate.problem.domain import Box, Domain, Polygon
+from msvalidate.problem.domain import Box, Domain
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import Traction
 from msvalidate.problem.mesh import Mesh
@@ -27,10 +28,7 @@ MISSED = 1e-2
 def pressure(region: Part, domain: Domain, value: float) -> Traction:
     """Traction of a pressure (Pa) on a part of a body's sides: -p n, positive inwards.
 
-    Raises
-    ------
-    ProblemError
-        If the pressure is not finite, or the part is not on the body's sides.
+    Raises `ProblemError` if the pressure is not finite, or the part is not on the body's sides.
     """
     p = finite_number("pressure", value)
     places, normals = _facets(region, domain)
@@ -53,26 +51,18 @@ def is_faceted(mesh: Mesh) -> bool:
 
 def _ridges(facets: Index, dim: int) -> Index:
     """Pairs (r, 2) of facets that share a corner, in space an edge."""
-    count = facets.shape[1]
-    if dim == 2:
-        corners = facets.reshape(-1, 1)
-    else:
-        corners = np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2)
-    each = np.repeat(np.arange(len(facets)), count)
-    _, which, many = np.unique(
-        np.sort(corners, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    order = np.argsort(which.ravel(), kind="stable")
-    starts = np.concatenate([[0], np.cumsum(many)[:-1]])[many == 2]
-    return np.column_stack([each[order[starts]], each[order[starts + 1]]])
+    facet = np.repeat(np.arange(len(facets)), facets.shape[1])
+    has = csr_array((np.ones(facets.size), (facet, facets.ravel())))
+    common = triu(has @ has.T, k=1)
+    beside = common.data == dim - 1
+    return np.column_stack([common.row[beside], common.col[beside]])
 
 
 def nearest_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
     """Places (n, d) in m on facets (f, k, d) nearest to points (n, d), and distances (n,) in m."""
-    shape = FACETS[places.shape[2], places.shape[1]]
-    facet = _nearest_facet(KDTree(places.mean(axis=1)), places, points, CANDIDATES)[0]
-    at, distance = project_on_facets(places[facet], points)
-    return np.einsum("nk,nkd->nd", shape.values(at), places[facet]), distance
+    tree = KDTree(places.mean(axis=1))
+    facet, distance, at = _nearest_facet(tree, places, points, CANDIDATES)
+    return map_facets(places[facet], at[:, None])[0][:, 0], distance
 
 
 def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
@@ -80,39 +70,20 @@ def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
     if isinstance(domain, Mesh):
         part = region if isinstance(region, Boundary) else domain.part(region)
         return part.places, _normals(part.places).reshape(-1, domain.dim)
-    if isinstance(domain, Polygon):
-        ends = _polygon_edge(region, domain)
-    elif isinstance(region, Region) and region.is_facet:
-        return region.corners(domain.span)[None], _box_normal(region, domain)
-    else:
-        ends = region.corners(domain.span)
-        ends = ends if _is_ahead(ends, domain) else ends[::-1]
-    along = ends[1] - ends[0]
-    return ends[None], np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
-
-
-def _box_normal(region: Region, box: Box) -> Array:
-    (axis,) = region.normal_axes
-    low, high = box.span[axis]
-    at = region.corners(box.span)[0, axis]
-    normal = np.zeros((1, box.dim))
-    normal[0, axis] = 1.0 if abs(at - high) < abs(at - low) else -1.0
-    return normal
-
-
-def _is_ahead(ends: Array, box: Box) -> bool:
-    """Whether the body lies to the left of the way from one end to the other."""
-    along = ends[1] - ends[0]
-    inwards = np.array(box.size) / 2 - ends.mean(axis=0)
-    return bool(along[0] * inwards[1] - along[1] * inwards[0] > 0)
-
-
-def _polygon_edge(region: Part, domain: Polygon) -> Array:
-    """The edge (2, 2) in m, with the body to its left, that a part of the outline lies on."""
-    edge = domain.edge_with(region.corners(domain.span))
+    corners = region.corners(domain.span)
+    if isinstance(domain, Box):
+        outward = corners.mean(axis=0) - np.array(domain.size) / 2
+        if isinstance(region, Region) and region.is_facet:
+            (axis,) = region.normal_axes
+            return corners[None], np.sign(outward[axis]) * np.eye(domain.dim)[[axis]]
+        along = corners[1] - corners[0]
+        normal = np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
+        return corners[None], np.copysign(1.0, normal @ outward) * normal
+    edge = domain.edge_with(corners)
     if edge is None:
         raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
-    return edge
+    along = edge[1] - edge[0]
+    return edge[None], np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
 
 
 def _normals(places: Array) -> Array:
@@ -133,11 +104,12 @@ def _normal_field(places: Array, factor: float) -> Field:
     size = np.linalg.norm(places - places.mean(axis=1, keepdims=True), axis=2).max(axis=1)
 
     def field(points: Array) -> Array:
-        facet, distance, normal = _nearest_facet(tree, places, points, CANDIDATES)
+        facet, distance, at = _nearest_facet(tree, places, points, CANDIDATES)
         (doubtful,) = np.nonzero(distance > MISSED * size[facet])
         if len(doubtful):  # facets of very unequal size: the middle of the right one is far
-            normal[doubtful] = _nearest_facet(tree, places, points[doubtful], len(places))[2]
-        return factor * normal
+            found = _nearest_facet(tree, places, points[doubtful], len(places))
+            facet[doubtful], at[doubtful] = found[0], found[2]
+        return factor * _unit_normals(places[facet], at[:, None])[:, 0]
 
     return field
 
@@ -145,16 +117,16 @@ def _normal_field(places: Array, factor: float) -> Field:
 def _nearest_facet(
     tree: KDTree, places: Array, points: Array, many: int
 ) -> tuple[Index, Array, Array]:
-    """Nearest facet (n,) of those whose middles are, its distance (n,) in m, its normal (n, d)."""
+    """Nearest facet (n,) of those whose middles are, its distance (n,) in m, and where (n, e).
+
+    The place is one of the unit facet.
+    """
     count = min(many, len(places))
     near = tree.query(points, k=np.arange(count) + 1)[1]
-    best = np.zeros(len(points), dtype=np.intp)
-    normal, least = np.empty(points.shape), np.full(len(points), np.inf)
+    best, least = np.zeros(len(points), dtype=np.intp), np.full(len(points), np.inf)
+    where = np.zeros((len(points), places.shape[2] - 1))
     for facet in near.T:
         at, distance = project_on_facets(places[facet], points)
         better = distance < least
-        if better.any():
-            there = places[facet[better]]
-            normal[better] = _unit_normals(there, at[better][:, None])[:, 0]
-            least[better], best[better] = distance[better], facet[better]
-    return best, least, normal
+        where[better], least[better], best[better] = at[better], distance[better], facet[better]
+    return best, least, where

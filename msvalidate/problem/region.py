@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 
@@ -113,16 +114,12 @@ class Region:
 
 @dataclass(frozen=True)
 class Segment:
-    """The points of a plane body on the straight line between two places.
-
-    Parameters
-    ----------
-    start, end
-        Places (m), two coordinates each.
-    """
+    """The points of a plane body on the straight line between two places (m) of two coordinates."""
 
     start: tuple[float, float]
     end: tuple[float, float]
+    dim: ClassVar[int] = 2
+    is_facet: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         for name, place in (("start", self.start), ("end", self.end)):
@@ -139,16 +136,6 @@ class Segment:
     def __str__(self) -> str:
         (x0, y0), (x1, y1) = self.start, self.end
         return f"(({x0:g}, {y0:g}) to ({x1:g}, {y1:g}))"
-
-    @property
-    def dim(self) -> int:
-        """Number of axes: 2."""
-        return 2
-
-    @property
-    def is_facet(self) -> bool:
-        """Whether it can be part of a side: always."""
-        return True
 
     def select(self, points: Array, tolerance: float) -> Mask:
         """Mask (n,) of the points (n, 2) that lie on the segment to within `tolerance` (m)."""
@@ -180,17 +167,15 @@ class Boundary:
 
     name: str
     places: Array
+    is_facet: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        places = np.array(
-            finite_coordinates(f"boundary {format_value(self.name)}: places", self.places)
-        )
+        places = finite_coordinates(f"boundary {format_value(self.name)}: places", self.places)
         if places.ndim != 3 or places.shape[:0:-1] not in FACETS or not len(places):
             known = ", ".join(f"(f, {k}, {d})" for d, k in FACETS)
             raise ProblemError(
                 f"boundary {format_value(self.name)}: places {places.shape}; give one of {known}"
             )
-        places.setflags(write=False)
         object.__setattr__(self, "places", places)
 
     def __str__(self) -> str:
@@ -200,11 +185,6 @@ class Boundary:
     def dim(self) -> int:
         """Number of axes, 2 or 3."""
         return int(self.places.shape[2])
-
-    @property
-    def is_facet(self) -> bool:
-        """Whether it is part of a side: always."""
-        return True
 
     def select(self, points: Array, tolerance: float) -> Mask:
         """Mask (n,) of the points (n, d) on the facets, bent or not, to within `tolerance` (m)."""

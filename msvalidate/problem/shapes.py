@@ -241,6 +241,8 @@ CELLS = tuple(name for name, shape in SHAPES.items() if shape.dim > 1)
 """Names of what a mesh may consist of."""
 FACETS = {(shape.dim + 1, len(shape.nodes)): shape for shape in SHAPES.values() if shape.dim < 3}
 """The shape of a facet by the body's number of axes and the facet's number of nodes."""
+STRAIGHT = {(shape.dim, shape.corners): shape for shape in SHAPES.values() if shape.degree == 1}
+"""The shape of straight cells by their number of axes and of corners."""
 
 
 def map_facets(places: Array, at: Array) -> tuple[Array, Array]:
@@ -305,7 +307,8 @@ def incident_pairs(
     meets = np.zeros(len(cell), dtype=bool)
     for start in range(0, len(cell), AT_ONCE):
         part = slice(start, start + AT_ONCE)
-        meets[part] = _distance_to_cell(shape, places[cell[part]], points[point[part]]) <= tolerance
+        _, distance = _nearest_place(shape, places[cell[part]], points[point[part]])
+        meets[part] = distance <= tolerance
     return cell[meets], point[meets]
 
 
@@ -336,11 +339,6 @@ def project_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
     Each point has a facet of its own, with nodes (n, k, d) in m.
     """
     return _nearest_place(FACETS[places.shape[2], places.shape[1]], places, points)
-
-
-def _distance_to_cell(shape: Shape, nodes: Array, x: Array) -> Array:
-    """Distance (p,) in m of points (p, d) from cells (p, k, d), exact where it is none."""
-    return _nearest_place(shape, nodes, x)[1]
 
 
 def _nearest_place(shape: Shape, nodes: Array, x: Array) -> tuple[Array, Array]:

@@ -17,14 +17,7 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.contact import Contact
 from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.loads import (
-    BodyForce,
-    Load,
-    Traction,
-    Weight,
-    check_region,
-    check_vector,
-)
+from msvalidate.problem.loads import BodyForce, Load, Traction, Weight, check_region, check_vector
 from msvalidate.problem.material import Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
@@ -52,23 +45,23 @@ class Support:
 
     def __post_init__(self) -> None:
         check_region("support", self.region)
-        if not isinstance(self.displacement, tuple):
-            given = format_value(self.displacement)
-            raise ProblemError(f"support on {self.region}: {given}; give a tuple")
-        if len(self.displacement) != self.region.dim:
+        name, given = f"support on {self.region}", self.displacement
+        if not isinstance(given, tuple):
+            raise ProblemError(f"{name}: {format_value(given)}; give a tuple")
+        if len(given) != self.region.dim:
             raise ProblemError(
-                f"support on {self.region}: {len(self.displacement)} components for "
-                f"{self.region.dim} axes; give a value, a field or None for each"
+                f"{name}: {len(given)} components for {self.region.dim} axes; give a value, a "
+                "field or None for each"
             )
-        if all(value is None for value in self.displacement):
-            raise ProblemError(f"support on {self.region}: holds no component; leave it out")
-        for value in self.displacement:
-            if value is not None and not callable(value):
-                name = f"support on {self.region}"
-                if finite_coordinates(name, value).ndim:
-                    raise ProblemError(
-                        f"{name}: component {format_value(value)}; give one number, a field or None"
-                    )
+        if all(value is None for value in given):
+            raise ProblemError(f"{name}: holds no component; leave it out")
+        for value in given:
+            if value is None or callable(value):
+                continue
+            if finite_coordinates(name, value).ndim:
+                raise ProblemError(
+                    f"{name}: component {format_value(value)}; give one number, a field or None"
+                )
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,14 +141,16 @@ class Problem:
 
         A rigid motion is affine, so it vanishes on a region when it vanishes on its corners.
         """
-        corners, held = [], []
+        corners: list[Array] = []
+        held: list[list[bool]] = []
         for support in self.supports:
             ends = corners_of(support.region, self.domain)
-            if support.region.is_facet and not _is_inner_face(support.region, self.domain):
+            # A plane that cuts a box holds it wherever it is; other bodies may end on its way.
+            inner = isinstance(self.domain, Box) and isinstance(support.region, Region)
+            if support.region.is_facet and not inner:
                 _refuse_off_side("support", support.region, self.domain, ends)
-            for corner in ends:
-                corners.append(corner)
-                held.append([value is not None for value in support.displacement])
+            corners.extend(ends)
+            held += [[value is not None for value in support.displacement]] * len(ends)
         d = self.domain.dim
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
 
@@ -183,10 +178,8 @@ class Problem:
 def prescribed_displacements(problem: Problem, points: Array) -> tuple[Mask, Array]:
     """Components held (n, d) and the displacement (n, d) in m prescribed there, 0 elsewhere.
 
-    Raises
-    ------
-    ProblemError
-        If a support meets none of the points, or two supports contradict each other.
+    Raises `ProblemError` if a support meets none of the points, or two supports contradict each
+    other.
     """
 
     def on_region(support: Support) -> Mask:
@@ -205,10 +198,8 @@ def prescribed_displacements_at(
 
     For bodies whose points do not lie on the supports.
 
-    Raises
-    ------
-    ProblemError
-        If a support holds none of the points, or two supports contradict each other.
+    Raises `ProblemError` if a support holds none of the points, or two supports contradict each
+    other.
     """
     require_type("problem", problem, Problem)
     shape: tuple[int, ...] = getattr(points, "shape", ())
@@ -272,19 +263,14 @@ def _refuse_centre_inside(contact: Contact, domain: Domain) -> None:
         )
 
 
-def _is_inner_face(region: Part, domain: Domain) -> bool:
-    """Whether it cuts a box, which holds it wherever it is; other bodies may end on its way."""
-    return isinstance(domain, Box) and isinstance(region, Region)
-
-
 def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) -> None:
     if isinstance(region, Boundary):  # all nodes of a facet may be on sides that it joins
         corners = np.concatenate([corners, facet_middles(region.places)])
     if not domain.on_boundary(corners):
         raise ProblemError(
             f"{what} on {region}: from {format_point(corners[0])} to {format_point(corners[-1])} m "
-            f"it "
-            "is not on one side of the body all the way; give a part of a side, such as a Segment"
+            "it is not on one side of the body all the way; give a part of a side, such as a "
+            "Segment"
         )
 
 
@@ -301,10 +287,7 @@ def _component_values(name: str, entry: float | Field, points: Array) -> Array:
 def vectors_at(name: str, entry: Sequence[float] | Field, points: Array) -> Array:
     """Vector quantity (n, d) at points (n, d): a field evaluated, a constant repeated.
 
-    Raises
-    ------
-    ProblemError
-        If a field returns another shape, or a value that is not finite.
+    Raises `ProblemError` if a field returns another shape, or a value that is not finite.
     """
     if not callable(entry):
         return np.tile(finite(name, entry), (len(points), 1))

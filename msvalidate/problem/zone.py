@@ -25,12 +25,7 @@ from msvalidate.problem.shapes import CELLS, FACETS, SHAPES, is_on_any
 class Ball:
     """The points within a distance of a place: a disc in the plane, a ball in space.
 
-    Parameters
-    ----------
-    centre
-        Place (m), two or three coordinates.
-    radius
-        Distance (m).
+    The centre has two or three coordinates in m, the radius is in m.
     """
 
     centre: tuple[float, ...]
@@ -88,8 +83,7 @@ class CellSet:
         said = f"cell set {format_value(self.name)}"
         require_one_of(f"{said}: shape", self.shape, CELLS)
         for which in ("places", "rim"):
-            given = np.array(finite_coordinates(f"{said}: {which}", getattr(self, which)))
-            given.setflags(write=False)
+            given = finite_coordinates(f"{said}: {which}", getattr(self, which))
             object.__setattr__(self, which, given)
         kind = SHAPES[self.shape]
         wanted = (len(kind.nodes), kind.dim), (kind.facets.shape[1], kind.dim)

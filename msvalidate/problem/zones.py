@@ -44,10 +44,8 @@ def materials_of_cells(problem: Problem, places: Array, shape: Shape) -> Index:
     Where corners of straight cells lie on a ball, its outline is the cells', which has an area or a
     volume that is less by second order in their size.
 
-    Raises
-    ------
-    ProblemError
-        If a zone holds no cell, or ends inside one: its material would be neither.
+    Raises `ProblemError` if a zone holds no cell, or ends inside one: its material would be
+    neither.
     """
     found = np.zeros(len(places), dtype=np.intp)
     for number, zone in enumerate(problem.zones, 1):

@@ -161,7 +161,7 @@ BAD = [
     (((LOAD, 'on = "right"\npressure = inf'),), "load 1.pressure"),
     (((LOAD, PRESSED),), "line 14: contact 1: neither depth nor force; give one of them"),
     (((LOAD, PRESSED + "\ndepth = 1\nforce = 1"),), "depth and force both; give one"),
-    (((LOAD, PRESSED.replace("disc", "ball") + "\ndepth = 1"),), "ball: at (3.0, 2.0); give 3 n"),
+    (((LOAD, PRESSED.replace("disc", "ball") + "\ndepth = 1"),), "ball: at (3.0, 2.0): shape (2,)"),
     (((LOAD, PRESSED + "\ndepth = 1\nhalf_space = { at = [0, 0] }"),), "half_space and disc; give"),
     (((LOAD, PRESSED + "\nforce = 1\n" + PRESSED[PRESSED.index("[[") :] + "\nforce = 1"),),
         "contact 2: a second one; elements meet one obstacle"),

@@ -10,7 +10,7 @@ import pytest
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
-from msvalidate.lattice.gaps import bridged_gaps, narrow_holes
+from msvalidate.lattice.cut import bridged_gaps, narrow_holes
 from msvalidate.network import tangent
 from msvalidate.problem import (
     BodyForce,
@@ -195,8 +195,6 @@ def test_bodies_and_lattices_that_do_not_fit_are_refused():
         cut_lattice(patterns.fcc(), solid, 0.1)
     with refused("square lattice: a box 1 x 1 x 0.5 m; give one of 2D"):
         cut_lattice(patterns.square(), solid, 0.1)
-    with refused("cut lattice: sliver: 1"):
-        cut_lattice(patterns.square(), box, 0.1, sliver=1.0)
     with refused("no cell of 40 m has more than 0.01 of it inside the body"):
         cut_lattice(patterns.square(), box, 40.0)
     with refused("cut lattice: origin (0.0,); give two coordinates"):

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Voronoi
 
-from msvalidate.lattice import images
+from msvalidate.lattice import triangulation
 from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation, periodic_tessellation
 from msvalidate.problem import Box, SolverError
@@ -222,7 +222,7 @@ def test_a_body_too_long_or_flat_for_its_points_is_refused(count, size, monkeypa
     def triangulated(x, *_, **__):
         pytest.fail(f"{len(x)} points are triangulated")
 
-    monkeypatch.setattr(images, "triangulation", triangulated)
+    monkeypatch.setattr(triangulation, "triangulation", triangulated)
     points = np.random.default_rng(0).random((count, len(size))) * size
     box = Box(size)
     ratio = f"{max(size) / min(size):.3g} times as long as thick: they need "

@@ -174,7 +174,7 @@ def test_contacts_that_cannot_be_are_refused():
     for message, bad in (
         ("half_space: radius 1.0; leave it out", ("half_space", (0.0, 0.0), (0.0, 1.0), 1.0)),
         ("disc: radius None; give one in m", ("disc", (0.0, 0.0), (0.0, 1.0))),
-        ("ball: at (0.0, 0.0); give 3 numbers", ("ball", (0.0, 0.0), (0.0, 1.0), 1.0)),
+        ("ball: at (0.0, 0.0): shape (2,); give 3 numbers", ("ball", (0.0, 0.0), (0.0, 1.0), 1.0)),
         ("towards has no length", ("half_space", (0.0, 0.0), (0.0, 0.0))),
     ):
         with refused(message):
