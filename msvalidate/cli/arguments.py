@@ -31,13 +31,10 @@ TABLE = tomllib.loads(TEXT.replace("{program}", PROGRAM).replace("{version}", __
 """Commands, options that several share, and texts of help."""
 COMMANDS: dict[str, dict[str, Any]] = TABLE["commands"]
 """By name; one below another by both names."""
-VALUED = {
-    name: settings
-    for names, settings in TABLE["shared"]["studies"].items()
-    for name in names.split()
-    if "metavar" in settings
-}
-"""Options of studies that take the next word."""
+STUDIES: dict[str, dict[str, Any]] = TABLE["shared"]["studies"]
+"""Options of commands about studies."""
+VALUED = {name: settings for name, settings in STUDIES.items() if "metavar" in settings}
+"""Those that take the next word."""
 PLACES = {
     name: settings["metavar"]
     for name, settings in VALUED.items()
@@ -187,28 +184,25 @@ def check_studies(parser: argparse.ArgumentParser, args: argparse.Namespace) -> 
         parser.error(f"unknown study {unknown!r}: {catalogue.suggestion(unknown)}")
     given = _given(parser, args)
     foreign = [name for name in args.studies if "update" in given and not catalogue.is_ours(name)]
-    part = [name for name in ("candidate", "accuracy", "questions") if name in given]
-    rest = ["full", "update", "baseline", *(["junit"] if args.candidate is None else [])]
-    of_check = [name for name in rest if name in given]
+    misplaced = [
+        f"{names} goes with {' and '.join(map(repr, settings['of']))} only; leave it out"
+        for names, settings in STUDIES.items()
+        if settings.get("dest", names.lstrip("-")) in given
+        and verb not in settings.get("of", [verb])
+        and not (names == "--junit" and args.candidate)
+    ]
     _refuse(parser, {
         f"--update: {_first(foreign)} is a study of your own and has no baseline among ours; give "
         "--baseline DIR, or leave it out": foreign and not args.baseline,
-        f"--{_first(part)} goes with 'run' only: check holds our own whole studies to their "
-        "baseline; leave it out": part and not runs,
+        _first(misplaced): misplaced,
         "--accuracy is that of a candidate; give --candidate too, or leave it out":
             "accuracy" in given and "candidate" not in given,
         "--candidate: name the studies that can judge it, such as displacement":
             "candidate" in given and not args.named,
         "--questions are those of one study; name it alone":
             "questions" in given and not (args.named and len(args.studies) == 1),
-        f"--{_first(of_check)} goes with 'check' only; leave it out": of_check and not checks,
-        f"{verb} prints no tables; leave --table out": args.tables and not runs,
-        f"{verb} solves nothing; leave --quick, --seed, --jobs and --no-plots out":
-            given & {"quick", "seed", "jobs", "plots"} and not (runs or checks),
         '--update and --reason "..." go together; give both or none':
             args.update != (args.reason is not None),
-        "check has its own form and seed; leave --quick and --seed out":
-            checks and given & {"quick", "seed"},
     })  # fmt: skip
     args.out = args.out or (CANDIDATES if args.candidate else LATEST)
     args.form = "quick" if args.quick or (checks and not args.full) else "full"
@@ -261,7 +255,7 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     first = next((i for i, each in enumerate(words)
                   if not (each.startswith("-") or (i and words[i - 1] in VALUED))), 0)  # fmt: skip
     verb, rest = words[first], [*words[:first], *words[first + 1 :]]
-    if verb not in COMMANDS or (first and not _is_of_studies(COMMANDS[verb])):
+    if verb not in COMMANDS or " " in verb or (first and not _is_of_studies(COMMANDS[verb])):
         verb, rest = "", [*words]
     command = COMMANDS[verb] if verb else COMMANDS["run"] | _without_word()
     parser = Parser(prog=f"{PROGRAM} {verb}".strip(), **_words_of(command))
