@@ -8,7 +8,7 @@ import difflib
 import gc
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -27,8 +27,6 @@ from msvalidate.cli.terminal import (
 from msvalidate.judging import catalogue
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from msvalidate.cli.outcome import Outcome
     from msvalidate.output.stored import Result, Stored
 
@@ -162,18 +160,14 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     for batch in ([name for name in args.studies if name not in late], late):
         tasks = [task(name) for name in batch]
         if batch is late:  # what others left is not looked at where this run is judged by itself
-            results = Results(args.form, _tables(found), None if checks else args.out)
+            tables = {n: each.result.evidence.tables for n, each in found.items() if each.result}
+            results = Results(args.form, tables, None if checks else args.out)
             tasks = [replace(task, results=results) for task in tasks]
         with contextlib.closing(run_tasks(tasks, args.jobs, began)) as outcomes:
             for outcome in outcomes:
                 found[outcome.name] = outcome
                 codes += _told(outcome, args)
     return [found[name] for name in args.studies]
-
-
-def _tables(found: Mapping[str, Outcome]) -> dict[str, Mapping[str, pd.DataFrame]]:
-    """Tables of the studies that finished."""
-    return {name: each.result.evidence.tables for name, each in found.items() if each.result}
 
 
 def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:

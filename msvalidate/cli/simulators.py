@@ -21,14 +21,14 @@ from msvalidate.case import building, files
 from msvalidate.case.case import Case
 from msvalidate.case.results import Result
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
-from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, tell_ratio
+from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, request_of
 from msvalidate.cli.terminal import Progress, naming, print_lines, tell, tell_error
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
-from msvalidate.simulators.exchange.export import export_case, on_mesh
+from msvalidate.simulators.exchange.export import on_mesh
 from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.exchange.protocol import (
     Answer,
@@ -61,11 +61,7 @@ def simulate(args: argparse.Namespace) -> int:
         kept = folder.with_name(f"{folder.name}{RUN}")
         program = Program(args.adapter, args.limit, kept)
         case = building.read_case(args.file)
-        request = export_case(
-            case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
-        )
-        if args.springs and not args.quiet:
-            tell_ratio(case)
+        request = request_of(case, args)
         show = Progress(case.name, shown=not args.quiet)
         show("simulator; judging is left")
         began = time.perf_counter()
@@ -79,19 +75,13 @@ def simulate(args: argparse.Namespace) -> int:
         show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         show("judging")
         result, motion = _result(request, answer), stated_residual_motion(request, answer)
+        more: dict[str, Any] = {
+            "notes": (str(kept / OUT),),
+            "residual_motion": None if math.isnan(motion) else motion,
+            "command": ("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
+        }
         case = _described(case, request, answer)
-        command = ("msvalidate", "simulate", "CASE", "--with", "ADAPTER")
-        return judge_and_tell(
-            case,
-            result,
-            folder,
-            whose,
-            args,
-            show,
-            notes=(str(kept / OUT),),
-            residual_motion=None if math.isnan(motion) else motion,
-            command=command,
-        )
+        return judge_and_tell(case, result, folder, whose, args, show, **more)
 
 
 def _name(args: argparse.Namespace, told: list[str]) -> str:

@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Any, TextIO
 from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from msvalidate.cli.outcome import Outcome
     from msvalidate.output.stored import Result, Stored
 
@@ -100,14 +98,9 @@ def summary_lines(result: Result) -> list[str]:
     """What a study asks, and the first sentences of what it finds, in at most ten lines."""
     lines = [f"{result.name}: {result.question.partition(chr(10))[0]}"]
     findings = result.evidence.findings
+    wrap = textwrap.TextWrapper(WIDTH, "  - ", "    ", break_on_hyphens=False).wrap
     for place, finding in enumerate(findings):
-        wrapped = textwrap.wrap(
-            FIRST_SENTENCE.split(finding, maxsplit=1)[0],
-            WIDTH,
-            initial_indent="  - ",
-            subsequent_indent="    ",
-            break_on_hyphens=False,
-        )
+        wrapped = wrap(FIRST_SENTENCE.split(finding, maxsplit=1)[0])
         if place and len(lines) + len(wrapped) > FINDINGS + 1:
             left = len(findings) - place
             return [*lines, f"  … {left} more finding{'s' * (left > 1)} in the report"]
@@ -116,16 +109,15 @@ def summary_lines(result: Result) -> list[str]:
 
 
 def table_lines(result: Result, names: Sequence[str]) -> list[str]:
-    """The tables of these names, whole; all of them for none."""
+    """The tables of these names, whole and aligned; all of them for none."""
     tables: dict[str, Any] = {**result.evidence.tables}
     tables["verdict"] = result.verdict.drop(columns="because")
-    asked = [name for name in names if name in tables] if names else list(tables)
-    return [f"\n{result.name}/{name}\n{align(tables[name])}" for name in asked]
-
-
-def align(table: pd.DataFrame) -> str:
-    """Aligned text of a table."""
-    return table.to_string(index=False, float_format=lambda value: f"{value:.6g}")
+    return [
+        f"\n{result.name}/{name}\n"
+        f"{tables[name].to_string(index=False, float_format='{:.6g}'.format)}"
+        for name in names or tables
+        if name in tables
+    ]
 
 
 def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
@@ -179,20 +171,17 @@ def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
     return f"{', '.join([whole, *layers])}, {seconds:.1f} s"
 
 
-class CompilationNotice(logging.Handler):
-    """Says once that kernels are being compiled, which only a first run has to wait for."""
-
-    def emit(self, record: logging.LogRecord) -> None:  # noqa: ARG002  what is compiled
-        """Take the first message for all."""
-        logging.getLogger("msvalidate.kernels").removeHandler(self)
-        tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
-
-
 def announce_compilation() -> None:
-    """Let a first run say that it compiles."""
-    kernels = logging.getLogger("msvalidate.kernels")
+    """Let a first run say, once, that it compiles kernels, which only it has to wait for."""
+    kernels = logging.getLogger("msvalidate.kernels.cache")
+
+    def tell_once(_record: logging.LogRecord) -> bool:
+        kernels.removeFilter(tell_once)
+        tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
+        return False
+
     kernels.setLevel(logging.INFO)
-    kernels.addHandler(CompilationNotice())
+    kernels.addFilter(tell_once)
 
 
 class Progress:
