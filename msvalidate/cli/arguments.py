@@ -187,7 +187,8 @@ def check_studies(parser: argparse.ArgumentParser, args: argparse.Namespace) -> 
     misplaced = [
         f"{names} goes with {' and '.join(map(repr, settings['of']))} only; leave it out"
         for names, settings in STUDIES.items()
-        if settings.get("dest", names.lstrip("-")) in given
+        if names.startswith("-")
+        and settings.get("dest", names[2:]) in given
         and verb not in settings.get("of", [verb])
         and not (names == "--junit" and args.candidate)
     ]
