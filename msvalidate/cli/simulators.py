@@ -31,13 +31,13 @@ from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
 from msvalidate.simulators.exchange.export import on_mesh
 from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.exchange.protocol import (
+    ROUNDING,
     Answer,
     CannotRepresent,
     Request,
     SimulatorError,
     stated_residual_motion,
 )
-from msvalidate.simulators.probe.bench import ROUNDING
 from msvalidate.simulators.verdict.causes import AGREES
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files

@@ -21,8 +21,9 @@ from typing import Any
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.gate.gate import SOLVES_TO, STOPPED
+from msvalidate.simulators.gate.gate import STOPPED
 from msvalidate.simulators.verdict.causes import NOT_EXPLAINED
+from msvalidate.simulators.verdict.sentences import SENTENCES
 
 from . import judged
 from .gaps import ASKED_RATIO, fill_gaps, with_none
@@ -32,6 +33,7 @@ CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
 NEWEST = "newest.json"
 EXCLUDED = DATA / "excluded" / "excluded.json"
 STIFFER = 0.01
+SOLVES_TO = SENTENCES["solves to"]
 YEARS = 1000
 """Major versions from here on are years."""
 BEHIND = 2

@@ -7,7 +7,7 @@ import re
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -21,6 +21,8 @@ from msvalidate.simulators.exchange.protocol import (
     LARGEST,
     Answer,
     ForcesAt,
+    MassKind,
+    Precision,
     Request,
     SimulatorError,
     ask,
@@ -133,11 +135,11 @@ class About(msgspec.Struct, forbid_unknown_fields=True):
     simulator: str
     version: str
     law: str
-    precision: Literal["float64", "float32"]
+    precision: Precision
     settings: dict[str, tuple[Any, str]] = {}
     steps: int | None = None
     dt: float | None = None
-    mass: Literal["lumped", "consistent", "one point"] | None = None
+    mass: MassKind | None = None
     forces_at: ForcesAt | None = None
     solves_to: float | None = None
     at_rest: AtRest = msgspec.field(default_factory=AtRest)

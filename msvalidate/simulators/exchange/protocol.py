@@ -65,6 +65,10 @@ Task = Literal["rest", "motion"]
 """Bring the body to rest under its loads, or take steps from given positions."""
 ForcesAt = Literal["start", "end"]
 """At which positions of a step the forces act that changed its velocities."""
+Precision = Literal["float64", "float32"]
+MassKind = Literal["lumped", "consistent", "one point"]
+ROUNDING = {"float64": 2.0**-53, "float32": 2.0**-24}
+"""Largest relative error of a rounded number."""
 
 
 class CannotRepresent(ProblemError):  # noqa: N818  read as what a simulator says

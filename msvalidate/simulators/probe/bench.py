@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from msvalidate.problem.records import dataclass, field, replace
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     ForcesAt,
+    MassKind,
+    Precision,
     Request,
     Simulator,
     SimulatorError,
@@ -102,13 +104,10 @@ def voigt(tensor: Array) -> Array:
     return np.asarray((tensor + tensor.T)[first, second] / 2)
 
 
-Precision = Literal["float64", "float32"]
-ROUNDING = {"float64": 2.0**-53, "float32": 2.0**-24}
-"""Largest relative error of a rounded number."""
 SAID = {
     "precision": get_args(Precision),
     "forces_at": get_args(ForcesAt),
-    "mass": ("lumped", "consistent", "one point"),
+    "mass": get_args(MassKind),
 }
 """What an answer must say: none of it can be seen from a step, and each changes what is read."""
 

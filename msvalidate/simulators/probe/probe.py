@@ -25,9 +25,15 @@ import numpy as np
 
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.exchange.protocol import Answer, Simulator, SimulatorError, solves_to
-from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Precision, Push, Station, voigt
-from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    Precision,
+    Simulator,
+    SimulatorError,
+    solves_to,
+)
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, Station, voigt
+from msvalidate.simulators.probe.block import Block, probe_mesh, wave_speed
 from msvalidate.simulators.probe.flags import raise_flags, rounding_parts
 from msvalidate.simulators.probe.masses import Masses, measure_masses
 from msvalidate.simulators.probe.reading import SOLVED, STRAINS, Reading
@@ -83,7 +89,7 @@ def probe(
         For arguments out of their range.
     """
     block = Block(probe_mesh(), material)
-    base = float(2.0 ** np.floor(np.log2(block.height / block.wave_speed)))  # it rounds nothing
+    base = float(2.0 ** np.floor(np.log2(block.height / wave_speed(material))))  # it rounds nothing
     bench = Bench(simulator, block, base, "float32", dict(settings or {}))
     first = bench.step(np.zeros(block.mesh.points.shape))
     told: Precision = first.about["precision"]
@@ -124,7 +130,7 @@ def _read(station: Station, strain: float, masses: Masses | None, first: Answer)
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
     cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
     flags = raise_flags(station, fit.pairs, rest, C, strain, curvature, masses)
-    flagged = {flag.name: flag.value or 0.0 for flag in flags}
+    flagged = {flag.name: flag.value for flag in flags}
     causes = {
         # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's.
         "rounding of stresses": 3 * noise * largest,

@@ -16,6 +16,8 @@ from msvalidate_check.causes import Phrase, phrase
 SHOWN = 5e-3
 """No number is shown that is not known to this: of E relative, of nu absolute, of a component
 of C by its largest."""
+BAND = 0.01
+"""What is off by less agrees: of masses, of displacements, of a law's prediction."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ class Flag:
     name
         What was looked at.
     value
-        Without unit; None where it could not be asked.
+        Without unit.
     limit
         Largest value of a reading that counts.
     because
@@ -142,21 +144,19 @@ class Flag:
     """
 
     name: str
-    value: float | None
+    value: float
     limit: float
-    because: str | Phrase
+    because: Phrase
     refuses: bool = True
 
     @property
     def holds(self) -> bool:
-        """Whether the value is there and within the limit."""
-        return self.value is not None and bool(self.value <= self.limit)
+        """Whether the value is within the limit."""
+        return bool(self.value <= self.limit)
 
     @property
     def shown(self) -> Phrase:
         """Its name and value."""
-        if self.value is None:
-            return phrase("flag not asked", name=self.name)
         return phrase("flag", name=self.name, value=self.value)
 
 

@@ -43,7 +43,7 @@ def _gate_row(row: GateRow) -> dict[str, Any]:
     kept = {"name": row.name, "verdict": row.verdict, "value": _number(row.value)}
     if row.verdict in {PASSED, STOPPED}:
         kept |= {"unit": row.unit, "limit": _number(row.limit)}
-    return kept if row.verdict == PASSED else kept | {"because": row.because}
+    return kept if row.verdict == PASSED else kept | {"because": text_of(row.because)}
 
 
 def _large(found: AtLargeStrain | None) -> dict[str, Any] | None:

@@ -160,9 +160,9 @@ def _gate_table(found: Judgement) -> SheetTable:
 def _gate_words(row: GateRow) -> str:
     if math.isnan(row.limit):
         value = "" if math.isnan(row.value) else f"{row.value:.2g} {row.unit}: "
-        return f"{value}{row.because}"
+        return f"{value}{text_of(row.because)}"
     told = f"{row.value:.1e} {row.unit}, at most {row.limit:.1e}"
-    return told if row.verdict == PASSED else f"{told}: {row.because}"
+    return told if row.verdict == PASSED else f"{told}: {text_of(row.because)}"
 
 
 # Law ----------------------------------------------------------------------------------------------
