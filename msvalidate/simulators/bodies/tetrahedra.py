@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Isotropic, Mesh
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.bodies.laws import stress_of
+from msvalidate.simulators.bodies import laws
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
 from reference_fem.elasticity import solve_on
 from reference_fem.large_strain import Solid, deform
@@ -27,8 +27,6 @@ Stress = Callable[[Array], Array]
 """From deformation gradients (c, 3, 3), real or complex, to first Piola-Kirchhoff stresses, Pa."""
 LawOf = Callable[[Request], Stress]
 """The law that a request's material and settings mean to a simulator."""
-STEP = 1e-30
-"""Of complex derivatives: no difference is taken, so nothing is lost by its being small."""
 STEPS, SETTLED = 20, 1e-12
 """Of Newton's method for an implicit step; residual over the largest force on a node."""
 
@@ -59,12 +57,7 @@ class StressLaw:
 
     def tangent(self, F: Array) -> Array:
         """A (q, 3, 3, 3, 3) in Pa."""
-        found = np.empty((*F.shape, 3, 3))
-        for k, m in np.ndindex(3, 3):
-            change = np.zeros((3, 3), dtype=complex)
-            change[k, m] = 1j * STEP
-            found[..., k, m] = np.imag(self.of(F + change)) / STEP
-        return found
+        return laws.tangent(self.of, F)
 
 
 @lru_cache(maxsize=8)
@@ -132,7 +125,7 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
 
 def of_law(law: str, name: str = "linear tetrahedra") -> Callable[[Request], Answer]:
     """The simulator of a law of `LAWS`; at rest the linear one is of small strains, always."""
-    whole = tetrahedra(lambda asked: stress_of(law, asked.material.E, asked.material.nu), name)
+    whole = tetrahedra(lambda asked: laws.stress_of(law, asked.material.E, asked.material.nu), name)
 
     def simulate(request: Request) -> Answer:
         if law != "linear" or request.task != "rest":

@@ -20,12 +20,14 @@ BAND = 0.01
 """What is off by less agrees: of masses, of displacements, of a law's prediction."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Elastic:
     """The isotropic solid nearest to a stiffness; None where there is none, and then a reason.
 
     Parameters
     ----------
+    C
+        (6, 6) Pa, the stiffness.
     E, E_error
         Pa.
     nu, nu_error
@@ -34,6 +36,7 @@ class Elastic:
         Why one is not there; none if both are.
     """
 
+    C: Array
     E: float | None
     nu: float | None
     E_error: float
@@ -92,7 +95,7 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
     K, G = bulk_and_shear(C)
     reason = _no_solid(C, K, G, error + of_strain * float(np.abs(C).max()))
     if reason:
-        return Elastic(None, None, np.inf, np.inf, reason)
+        return Elastic(C, None, None, np.inf, np.inf, reason)
     below = (3 * K + G) ** 2
     E, nu = 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)
     K_error, G_error = error + of_strain * K, error + of_strain * G
@@ -107,9 +110,8 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
         )
         if not known
     ]
-    return Elastic(
-        E if known_E else None, nu if known_nu else None, E_error, nu_error, tuple(missing)
-    )
+    moduli = E if known_E else None, nu if known_nu else None
+    return Elastic(C, *moduli, E_error, nu_error, tuple(missing))
 
 
 def _no_solid(C: Array, K: float, G: float, error: float) -> tuple[Phrase, ...]:
@@ -223,7 +225,7 @@ class Reading:
             others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
             of_parts = parts / float(np.abs(self.C).max())
             return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
-        return Elastic(None, None, np.inf, np.inf, self.refusals())
+        return Elastic(self.C, None, None, np.inf, np.inf, self.refusals())
 
     @property
     def E(self) -> float | None:

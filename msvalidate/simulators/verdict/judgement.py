@@ -17,7 +17,6 @@ from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies import blocks, laws
 from msvalidate.simulators.bodies.blocks import AtRest, Elements
 from msvalidate.simulators.bodies.bodies import (
-    BAND,
     MESHES,
     BodyRow,
     body_row,
@@ -38,7 +37,7 @@ from msvalidate.simulators.exchange.protocol import (
 )
 from msvalidate.simulators.gate.gate import Gate, gate
 from msvalidate.simulators.probe.probe import probe
-from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
     STOPPED,
     is_over_density,
@@ -46,6 +45,7 @@ from msvalidate.simulators.verdict.causes import (
     stop_causes,
 )
 from msvalidate.simulators.verdict.sentences import Cause
+from msvalidate_check.beside import best_scale
 
 PARTS = ("gate", "probe", "bodies")
 """What a simulator is asked, in this order."""
@@ -231,7 +231,7 @@ def _large(
             material,
             laws.stress_of(law, material.E, material.nu),
             settings,
-            mass_of=lambda request: masses_on(request, *weighed),
+            lambda request: masses_on(request, *weighed),
         )
     except (CannotRepresent, SolverError) as error:
         notes.append(note_of("large strain", error))
@@ -286,7 +286,7 @@ def _weighs(found: list[tuple[str, AtRest]], reading: Reading) -> bool:
     for _, each in found:
         if each.case.driven == "weight":
             expected = each.of_elements(float(reading.E or 0), float(reading.nu or 0))
-            return abs(float((each.move * expected).sum() / (expected**2).sum()) - 1) <= BAND
+            return abs(best_scale(each.move, expected) - 1) <= BAND
     return False
 
 

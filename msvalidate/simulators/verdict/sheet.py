@@ -6,11 +6,10 @@ import math
 from collections.abc import Collection, Iterable
 
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.bodies.blocks import BENT
-from msvalidate.simulators.bodies.bodies import BAND, BodyRow
+from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
-from msvalidate.simulators.probe.reading import Reading, anisotropy
+from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
 from msvalidate.simulators.verdict.causes import AGREES, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
@@ -20,9 +19,6 @@ from msvalidate_check.causes import Phrase, phrase
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
 WHOLE = Phrase("")
-ISOTROPIC = 0.01
-"""Anisotropy beyond which that is told: at it E and nu differ by direction by about as much as a
-law is asked to be told apart."""
 NOTICED = 5e-4
 """Of a factor: what is nearer to 1 is left blank."""
 
@@ -133,7 +129,7 @@ def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
         return phrase("gate alone")
     coarse = max(found.bodies, key=lambda row: row.error, default=None)
     if found.state == AGREES and coarse is not None and coarse.error > BAND:
-        body = f"{coarse.body} {'beam' if coarse.body in BENT else 'block'}"
+        body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
         return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
     return phrase("state", state=found.state, some=some)
 
@@ -218,7 +214,7 @@ def _reading_lines(reading: Reading) -> list[str]:
         lines.append(reading.uncertain)
     if reading.is_valid and (reading.E is None or reading.nu is None):
         lines.append(phrase("no moduli", because=reading.elastic.because))
-    if reading.is_valid and (part := anisotropy(reading.C)) > ISOTROPIC:
+    if reading.is_valid and (part := anisotropy(reading.C)) > BAND:
         lines.append(phrase("anisotropy", part=part))
     return list(map(text_of, lines))
 
@@ -234,16 +230,8 @@ def _bodies_table(found: Judgement) -> SheetTable:
         said = {"case": large.case, "strain": large.strain, "apart": large.apart}
         below.append(text_of(phrase("large line", **said, linear=large.from_linear)))
     columns = (
-        "body",
-        "case",
-        "mesh",
-        "error",
-        "law",
-        "resolution",
-        "mass",
-        "solver",
-        "not explained",
-    )
+        "body", "case", "mesh", "error", "law", "resolution", "mass", "solver", "not explained",
+    )  # fmt: skip
     return SheetTable(
         "bodies at rest: error, and what each cause multiplies the displacement by", columns, rows,
         tuple(below),
@@ -258,11 +246,8 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
     if not parts[-1] and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
-    shape = (
-        f", {row.shape}"
-        if row.shape is not None and not f.is_explained and not row.may_settle
-        else ""
-    )
+    told = row.shape is not None and not f.is_explained and not row.may_settle
+    shape = f", {row.shape}" if told else ""
     return (*head, *parts, f"{f.apart:.2%}{shape}")
 
 
