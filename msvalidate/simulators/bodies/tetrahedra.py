@@ -73,12 +73,7 @@ def linear_elements(request: Request, E: float, nu: float, mass: Array | None = 
     own = request if mass is None else replace(request, mass=mass)
     value = np.where(own.held, own.value, 0.0)
     material, body = Isotropic(E, nu, "solid"), tetrahedra_of(request.mesh)
-    return solve_on(body, material, own.held, value, outer_force(own), allow_locked=True)
-
-
-def outer_force(request: Request) -> Array:
-    """(n, 3) N on a request's nodes, weight among them."""
-    return np.asarray(request.force + request.mass[:, None] * request.gravity)
+    return solve_on(body, material, own.held, value, own.load, allow_locked=True)
 
 
 def at_rest(request: Request, stress: Stress, start: Array | None = None) -> tuple[Array, Solid]:
@@ -90,7 +85,7 @@ def at_rest(request: Request, stress: Stress, start: Array | None = None) -> tup
         If there is no stable equilibrium to be found.
     """
     solid = Solid(tetrahedra_of(request.mesh), StressLaw(stress), request.held)
-    value, force = np.where(request.held, request.value, 0.0), outer_force(request)
+    value, force = np.where(request.held, request.value, 0.0), request.load
     found = deform(solid, value, force, start=start, allow_locked=True)
     return found.displacement, solid
 
@@ -114,7 +109,7 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
         }
         if request.task == "rest":
             move, solid = at_rest(request, stress)
-            left = np.where(request.held, 0.0, outer_force(request) - solid.internal_force(move)[0])
+            left = np.where(request.held, 0.0, request.load - solid.internal_force(move)[0])
             about["at_rest"] = {"residual": float(np.abs(left).max())}
             return Answer(displacement=move, about=about)
         position, velocity = _in_motion(request, stress, implicit=implicit)

@@ -15,8 +15,9 @@ from typing import Any, Literal
 import numpy as np
 
 from msvalidate.case.case import Case
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction, Weight
-from msvalidate.problem.checks import require_type, whole_number
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.exchange.export import export_case
 from msvalidate.simulators.exchange.protocol import (
@@ -79,7 +80,7 @@ def motion(block: Request, start: Array, steps: int = 1) -> Request:
         start=start,
         # A power of two, so that floats of either kind hold it.
         dt=2.0 ** math.floor(math.log2(dt)),
-        steps=whole_number("steps", steps, 1),
+        steps=steps,
         gravity=np.zeros(block.mesh.dim),
         force=none,
         held=none.astype(bool),
@@ -104,9 +105,8 @@ def forces(request: Request, answer: Answer) -> Array:
     """Force (n, d) in N that the body puts on its nodes, from what one step does to velocities."""
     if answer.force is not None:
         return answer.force
-    if answer.velocity is None or request.dt is None:
-        raise SimulatorError("answer: neither velocities nor forces")
-    return np.asarray(request.mass[:, None] * (answer.velocity / request.dt - request.gravity))
+    move = np.asarray(answer.velocity) / float(request.dt or 1.0)
+    return np.asarray(request.mass[:, None] * (move - request.gravity))
 
 
 Word = Literal["passed", "stopped", "cannot", "told", "not at rest", "not asked"]
@@ -116,10 +116,6 @@ TOLD: Word = "told"
 MOVING: Word = "not at rest"
 LEFT_OUT: Word = "not asked"
 FREE_FALL = "free fall"
-SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
-"""Rows that only what is not at rest is stopped by: to be mended first."""
-HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
-"""Rows for which it is known what helps."""
 STEPS = 10
 """Of a motion."""
 FALL = 0.25
@@ -341,7 +337,7 @@ def _as_strain(block: Request, force: Array) -> float:
 def _twice_the_modulus(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
     stiff = replace(block, material=replace(block.material, E=2 * block.material.E))
     answer = ask(simulator, stiff)
-    away = _change(_moved(first), 2 * _moved(answer))
+    away = _change(first.displacement, 2 * np.asarray(answer.displacement))
     rest = _left(block, first) + 2 * _left(stiff, answer)
     limit = ORDERS * STRAIN + rest + ROUNDINGS * epsilon(first) / STRAIN
     because = phrase("limit of modulus", orders=ORDERS, roundings=ROUNDINGS)
@@ -360,7 +356,7 @@ def _changed(
     answer = ask(simulator, other)
     if _named(answer, name) == before:
         raise CannotRepresent(f"asked for {name} {wanted:g}, it took {before:g} again")
-    away = _change(_moved(first), _moved(answer))
+    away = _change(first.displacement, answer.displacement)
     stated = stated_residual_motion(block, first)
     rest = _left(block, first) + _left(other, answer)
     limit = rest + ROUNDINGS * epsilon(first) / STRAIN
@@ -382,7 +378,7 @@ def _moving(rows: list[GateRow], rest: float) -> list[GateRow]:
 
 
 def _same_again(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
-    away = _change(_moved(first), _moved(ask(simulator, block)))
+    away = _change(first.displacement, ask(simulator, block).displacement)
     limit = ROUNDINGS * epsilon(first) / STRAIN
     return _judged(away, "of u", limit, phrase("limit of state", roundings=ROUNDINGS))
 
@@ -394,18 +390,13 @@ def _named(answer: Answer, name: str) -> float | None:
     return float(given) if number and given > 0 else None
 
 
-def _moved(answer: Answer) -> Array:
-    if answer.displacement is None:
-        raise SimulatorError("answer: no displacement")
-    return answer.displacement
-
-
-def _change(before: Array, after: Array) -> float:
-    """Largest difference over the largest displacement."""
-    size = float(np.linalg.norm(before, axis=1).max())
+def _change(before: Array | None, after: Array | None) -> float:
+    """Largest difference of displacements over the largest before."""
+    before, after = np.asarray(before), np.asarray(after)
+    size = max_length(before)
     if not size:
         raise SimulatorError("answer: the pulled block does not move")
-    return float(np.linalg.norm(after - before, axis=1).max() / size)
+    return max_length(after - before) / size
 
 
 def _left(request: Request, answer: Answer) -> float:

@@ -79,23 +79,16 @@ class Station:
         X = bench.block.mesh.points
         move = X @ G.T
         answer = bench.step(move, gravity)
-        told = answer.force is not None
-        if answer.force is not None:
-            force = answer.force
-        elif answer.velocity is not None:
-            force = self.inertia(answer.velocity) / bench.dt
-        else:
-            raise SimulatorError("answer: neither force nor velocity")
-        if told or self.forces_at == "start" or answer.position is None:
-            place = bench.placed(move)
-        else:
-            place = answer.position
+        force = answer.force
+        if force is None:
+            force = self.inertia(np.asarray(answer.velocity)) / bench.dt
+        place = bench.placed(move) if self.forces_at == "start" else np.asarray(answer.position)
         gradient = (place - X).T @ bench.block.weights
         return Push(-force.T @ X / bench.block.volume, gradient, np.asarray(force))
 
     def with_step(self, dt: float) -> Station:
         """The same with a step of another length, s."""
-        return replace(self, bench=self.bench.with_step(dt))
+        return replace(self, bench=replace(self.bench, dt=dt))
 
 
 def voigt(tensor: Array) -> Array:
@@ -154,7 +147,7 @@ class Bench:
             name="probe",
         )
         answer = ask(self.simulator, request)
-        refuse_silence(answer)
+        _refuse_silence(answer)
         return answer
 
     def placed(self, move: Array) -> Array:
@@ -162,12 +155,8 @@ class Bench:
         start = self.block.mesh.points + move
         return np.asarray(start.astype(self.precision), dtype=float)
 
-    def with_step(self, dt: float) -> Bench:
-        """The same with a step of another length, s."""
-        return replace(self, dt=dt)
 
-
-def refuse_silence(answer: Answer) -> None:
+def _refuse_silence(answer: Answer) -> None:
     """Raise `SimulatorError` unless an answer says what `SAID` lists; forces, precision alone."""
     for name, known in SAID.items():
         if answer.force is not None and name != "precision":

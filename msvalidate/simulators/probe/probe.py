@@ -140,27 +140,12 @@ def _read(station: Station, strain: float, masses: Masses | None, first: Answer)
         "stress not symmetric": flagged["symmetry of P"] * largest,
         "C not symmetric": flagged["symmetry of C"] * largest,
         "resultant": flagged["net force"] * largest,
-        "masses": _mass_part(masses) * largest,
+        # Those of a known pattern have no error of their own.
+        "masses": 0.0 if masses is None or masses.known is not None else masses.error * largest,
     }
-    return Reading(
-        C,
-        float(np.linalg.norm(list(causes.values()))),
-        causes,
-        flags,
-        masses,
-        strain,
-        bench.dt,
-        bench.precision,
-        station.forces_at,
-        dict(first.about),
-    )
-
-
-def _mass_part(masses: Masses | None) -> float:
-    """What the masses' own error may add, relative: none, where they are of a known pattern."""
-    if masses is None or masses.known is not None:
-        return 0.0
-    return masses.error
+    error = float(np.linalg.norm(list(causes.values())))
+    about = dict(first.about)
+    return Reading(C, error, causes, flags, masses, strain, bench.precision, about)
 
 
 def _fit(station: Station, strain: float) -> _Fit:

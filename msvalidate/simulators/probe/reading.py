@@ -54,13 +54,6 @@ def bulk_and_shear(C: Array) -> tuple[float, float]:
     return K, (b - 3 * K) / 10
 
 
-def isotropic_of(K: float, G: float) -> Array:
-    """Voigt tensor (6, 6) of K and G in Pa."""
-    C = np.diag([2 * G] * 3 + [G] * 3)
-    C[:3, :3] += K - 2 * G / 3
-    return C
-
-
 def anisotropy(C: Array) -> float:
     """How far a tensor is from the isotropic one nearest to it, by their components' squares.
 
@@ -70,7 +63,9 @@ def anisotropy(C: Array) -> float:
     scale = np.array([1.0] * 3 + [np.sqrt(2)] * 3)
     scaled = C * np.outer(scale, scale)
     whole = float(np.linalg.norm(scaled))
-    near = isotropic_of(*bulk_and_shear(C)) * np.outer(scale, scale)
+    K, G = bulk_and_shear(C)
+    near = np.diag([2 * G] * 6)
+    near[:3, :3] += K - 2 * G / 3
     return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
 
 
@@ -180,8 +175,8 @@ class Reading:
         In order.
     masses
         Measured; None where a program told forces.
-    strain, dt, precision, forces_at
-        How it was read; dt in s.
+    strain, precision
+        How it was read.
     about
         What the simulator says of itself.
     """
@@ -192,9 +187,7 @@ class Reading:
     flags: tuple[Flag, ...]
     masses: Masses | None
     strain: float
-    dt: float
     precision: str
-    forces_at: str
     about: Mapping[str, Any]
 
     @property

@@ -6,13 +6,17 @@ from collections.abc import Collection
 from functools import reduce
 
 from msvalidate.simulators.exchange.asked import Asked
-from msvalidate.simulators.gate.gate import FREE_FALL, HELPED, SETTLES
+from msvalidate.simulators.gate.gate import FREE_FALL
 from msvalidate.simulators.probe.reading import SHOWN
 from msvalidate.simulators.verdict.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import phrase
 
+SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
+"""Rows that only what is not at rest is stopped by: to be mended first."""
+HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
+"""Rows for which it is known what helps."""
 NEAR = 0.1
 """Of 2: how far off a fall is that goes the other way."""
 

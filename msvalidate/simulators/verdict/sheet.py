@@ -93,7 +93,7 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
         tables.append(_bodies_table(found))
     known = {failure.why for failure in asked.failures}
     causes = [c for c in found.causes if not (c.kind == FAILED and c.of["because"] in known)]
-    failures = [phrase("failure", question=f.question, why=f.why) for f in asked.failures]
+    failures = [phrase("note", what=each.what, why=each.why) for each in asked.failures]
     word = _word(found, asked, parts)
     return Sheet(
         word=text_of(word),
