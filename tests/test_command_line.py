@@ -299,7 +299,7 @@ BAD_COMMANDS = [
     (["poisson", "--out", "a\u202eb"], "is no name; name a place"),
     (["list", "--seed", "1"], "--seed goes with 'run' only; leave it out"),
     (["check", "--table", "x"], "--table goes with 'run' only; leave it out"),
-    (["poisson", "--table", "blok"], "--table 'blok': no such table; did you mean block?"),
+    (["poisson", "--table", "blok"], "--table 'blok': no such table; did you mean 'block'?"),
     (["list", "--table", "x"], "--table goes with 'run' only; leave it out"),
     (["report", "--quick"], "--quick goes with 'run' only; leave it out"),
     (["poisson", "--out", "/"], "--out /: the root of all folders; name one in it"),

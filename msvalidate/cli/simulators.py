@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import hashlib
 import json
 import math
@@ -23,6 +22,7 @@ from msvalidate.case.results import Result
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
 from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, request_of
 from msvalidate.cli.terminal import Progress, naming, print_lines, tell, tell_error
+from msvalidate.judging import catalogue
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
@@ -196,10 +196,8 @@ def check_adapter(args: argparse.Namespace) -> int:
 def _known_law(given: str) -> str:
     law = law_named(given)
     if law and law not in LAWS:
-        near = [name for name in LAWS if law.lower() in name.lower()]
-        near = near or difflib.get_close_matches(law, LAWS, n=1, cutoff=0.5)
-        meant = f" (meant: {' | '.join(near)}?)" if near else ""
-        raise ProblemError(f"--law {format_value(law)}: not known; see adapter laws{meant}")
+        hint = catalogue.suggestion(law, [*LAWS])
+        raise ProblemError(f"--law {format_value(law)}: not known; see adapter laws; {hint}")
     return law
 
 
