@@ -45,27 +45,20 @@ STRAIN = 2.0**-10
 """Of the pulled block: far above rounding in float32, small beside 1."""
 
 
-def pulled_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
-    """A block of side 1 m, clamped at its left, pulled at its right to about `STRAIN`."""
-    pull = (STRAIN * material.E, *[0.0] * (material.dim - 1))
-    return _block(material, settings, lambda box: Traction(box.side("right"), pull))
-
-
-def hanging_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
-    """The same under a weight that stretches it as much, for programs without nodal forces."""
-    weight = STRAIN * material.E / material.density  # over a side of 1 m
-    acceleration = (weight, *[0.0] * (material.dim - 1))
-    return _block(material, settings, lambda _: Weight(acceleration))
-
-
-def _block(
-    material: Isotropic,
-    settings: Mapping[str, Any],
-    load: Callable[[Box], Traction | Weight],
+def stretched_block(
+    material: Isotropic, settings: Mapping[str, Any], *, hanging: bool = False
 ) -> Request:
-    box = Box((1.0,) * material.dim)
-    clamp = Support(box.side("left"), (0.0,) * material.dim)
-    problem = Problem(box, material, (clamp,), (load(box),), "block")
+    """A block of side 1 m, clamped at its left, stretched to the right by about `STRAIN`.
+
+    It is pulled at its right; `hanging`, it is as much under a weight, for programs without forces
+    on nodes.
+    """
+    box, none = Box((1.0,) * material.dim), (0.0,) * material.dim
+    pull = STRAIN * material.E
+    load: Traction | Weight = Traction(box.side("right"), (pull, *none[1:]))
+    if hanging:
+        load = Weight((pull / material.density, *none[1:]))  # over a side of 1 m
+    problem = Problem(box, material, (Support(box.side("left"), none),), (load,), "block")
     return export_case(Case(problem), cells=ACROSS, settings=settings)
 
 
@@ -202,14 +195,15 @@ def gate(
         Of the simulator.
     """
     require_type("gate: material", material, Isotropic)
-    block = pulled_block(material, dict(settings or {}))
+    own = dict(settings or {})
+    block = stretched_block(material, own)
     rows = _tried({
         "rest stays at rest": partial(_at_rest, simulator, block),
         FREE_FALL: partial(_free_fall, simulator, block),
         "small turn": partial(_small_turn, simulator, block),
         "turn by 30°": partial(_large_turn, simulator, block),
     })  # fmt: skip
-    hanging = hanging_block(material, dict(settings or {}))
+    hanging = stretched_block(material, own, hanging=True)
     for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
         try:
             first = ask(simulator, asked)
