@@ -14,14 +14,13 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE, as_shown
+from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE
 from msvalidate.cli.candidates import check_candidate
 from msvalidate.cli.jobs import run_tasks
 from msvalidate.cli.outcome import Outcome, Task
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import is_missed
-from msvalidate.judging.sweep import Setting
 from msvalidate.output import baseline, junit, report
 from msvalidate.output.results import Results
 from msvalidate.output.stored import Result, Stored
@@ -116,7 +115,6 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     One that fails does not keep the others from running; those that read results come last.
     """
     checks = args.verb == "check"
-    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
     against = None
     if checks and not args.update:
         against = baseline.baseline_folder(args.form, args.baseline)
@@ -124,8 +122,7 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     def task(name: str) -> Task:
         # A study of a user's own has no baseline among ours: its tolerances alone judge it.
         own = against if args.baseline or catalogue.is_ours(name) else None
-        asked = args.candidate or "", args.accuracy, args.questions
-        return Task(name, setting, tuple(as_shown(args.words)), args.plots, own, None, *asked)
+        return Task(name, args, not args.quiet, own)
 
     def began(name: str) -> None:
         if args.verbose:

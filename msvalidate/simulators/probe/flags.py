@@ -32,10 +32,6 @@ crosses this part of the smallest cell: by its square it reaches them from the s
 where the mass matrix is not diagonal. In single precision shorter steps are lost in rounding."""
 AXIS = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
 """Of a small turn: none of the block's own."""
-ARITHMETIC = 1.0
-"""Roundings of the mean stress, each of one part in 2²⁴ or 2⁵³ of the stiffness: a cell's is off by
-some ten at random, the mean over 200 cells by less than one. What is the same in +G and -G drops
-out."""
 PLACED = 3.0
 """Standard deviations of sums over rounded positions, within which they are taken to be."""
 
@@ -45,15 +41,17 @@ def rounding_parts(
 ) -> tuple[float, float]:
     """Errors of C by rounding of stresses and strains, relative to its largest component.
 
-    Arithmetic: deformation gradients near I are rounded, over the strain. Where velocities are
-    differences of positions, a coordinate is rounded by up to half the spacing of numbers there, δ
-    in the root of the mean square, and half the difference of two states by δ/√2. A node's force is
-    then off by m δ/dt², and n such at places up to r add up to ρ δ r/(√n dt²) in the mean stress,
-    and to δ times the root of the sum of squares of the block's weights in the mean strain. Of
-    both, a strain of which only the part `shrunk` is left at the end shows that much more.
+    Arithmetic: deformation gradients near I are rounded, over the strain. A cell's stress is off by
+    some ten roundings at random, the mean over 200 cells by less than one; what is the same in +G
+    and -G drops out. Where velocities are differences of positions, a coordinate is rounded by up
+    to half the spacing of numbers there, δ in the root of the mean square, and half the difference
+    of two states by δ/√2. A node's force is then off by m δ/dt², and n such at places up to r add
+    up to ρ δ r/(√n dt²) in the mean stress, and to δ times the root of the sum of squares of the
+    block's weights in the mean strain. Of both, a strain of which only the part `shrunk` is left at
+    the end shows that much more.
     """
     u, block = ROUNDING[bench.precision], bench.block
-    part, of_strain = ARITHMETIC * u / strain, 0.0
+    part, of_strain = u / strain, 0.0
     if forces_at == "end":
         X = block.mesh.points
         spacing = np.spacing(np.abs(X).astype(bench.precision)).astype(float)

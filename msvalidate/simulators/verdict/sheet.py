@@ -19,8 +19,6 @@ from msvalidate_check.causes import Phrase, phrase
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
 WHOLE = Phrase("")
-NOTICED = 5e-4
-"""Of a factor: what is nearer to 1 is left blank."""
 
 
 @dataclass(frozen=True)
@@ -252,4 +250,4 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
 
 
 def _factor(part: float) -> str:
-    return "" if abs(part - 1) < NOTICED else f"{part:.4g}"
+    return "" if round(part, 3) == 1 else f"{part:.4g}"
