@@ -161,8 +161,6 @@ def read_answer(folder: str | Path, request: Request) -> Answer:
     try:
         about = _read_about(place / ABOUT)
         arrays = _read_arrays(place, request)
-    except SimulatorError:
-        raise
     except ProblemError as error:
         raise SimulatorError(f"answer: {error}") from error
     answer = Answer(**arrays, about=about)

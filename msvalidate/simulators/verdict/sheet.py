@@ -11,14 +11,13 @@ from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
 from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
-from msvalidate.simulators.verdict.causes import AGREES, STOPPED
+from msvalidate.simulators.verdict.causes import AGREES, NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate_check.causes import Phrase, phrase
 
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
-WHOLE = Phrase("")
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
     word = _word(found, asked, parts)
     return Sheet(
         word=text_of(word),
-        agrees=word == phrase("state", state=AGREES, some=WHOLE),
+        agrees=word == phrase("state", state=AGREES, some=NOTHING),
         who=text_of(_who(asked)),
         causes=(*(each.said for each in causes), *map(text_of, dict.fromkeys(failures))),
         tables=tuple(tables),
@@ -115,7 +114,7 @@ def _by_reason(notes: Iterable[Note]) -> tuple[str, ...]:
 
 
 def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
-    some = WHOLE
+    some = NOTHING
     if any(part not in parts for part in PARTS):
         some = phrase("some", parts=" and ".join(part for part in PARTS if part in parts))
     if asked.failures:
