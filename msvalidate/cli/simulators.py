@@ -106,16 +106,12 @@ def _result(request: Request, answer: Answer) -> Result:
 
 def _described(case: Case, request: Request, answer: Answer) -> Case:
     """The case with what its page tells of the simulator."""
-    about = answer.about
-    told = {key: _line(about[key]) for key in ("simulator", "version", "law") if about.get(key)}
+    told = dict(answer.about)
+    for name, (value, unit) in told.pop("settings", {}).items():
+        told[f"setting {_line(name)}"] = f"{value} {unit}".strip()
     told["nodes"] = f"{len(request.mesh.points)} of {len(request.mesh.cells)} {request.mesh.shape}"
-    settings: Mapping[str, Any] = about.get("settings", {})
-    for name, (value, unit) in settings.items():
-        told[f"setting {_line(name)}"] = _line(f"{value} {unit}".strip())
-    for key in ("steps", "dt", "precision", "at_rest", "seconds", "notes"):
-        if about.get(key):
-            told[key.replace("_", " ")] = _line(about[key])
-    return replace(case, notes={**case.notes, **told})
+    shown = {key.replace("_", " "): _line(value) for key, value in told.items() if value}
+    return replace(case, notes={**case.notes, **shown})
 
 
 def _line(value: object) -> str:
