@@ -133,7 +133,7 @@ TYPES: Mapping[str, Callable[[str], Any]] = {
 
 # What goes together -------------------------------------------------------------------------------
 
-OF_MATERIAL = {"E", "nu", "route", "engine", "json", "state"}
+OF_MATERIAL = {"E", "nu", "engine", "json", "state"}
 OF_LATTICE = ("lattice", "spacing", "density", *CONSTANTS, "kappa")
 
 

@@ -119,9 +119,6 @@ LARGE_TURN = math.pi / 6
 ROUNDINGS = 100
 """Roundings of a coordinate that a force or a displacement may be off by: it is a sum of some tens
 of terms, each rounded a few times."""
-FEW = 4
-"""Roundings of the difference of two positions, which a velocity may be: one each, and one to spare
-on either side."""
 UNSTATED = 1e-3
 """Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
 that readings of a modulus are held to."""
@@ -304,10 +301,10 @@ def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
         answers.append(ask(simulator, asked))
         found.append(forces(asked, answers[-1]))
     strain = _as_strain(block, (found[0] - found[1]) / 2) / SMALL_TURN
-    # Of a coordinate over a cell; and of positions that velocities are differences of.
-    step = _as_strain(block, asked.mass[:, None]) / float(asked.dt or 1.0) ** 2
-    limit = (ROUNDINGS * ACROSS + FEW * step) * epsilon(answers[0]) / SMALL_TURN
-    because = phrase("limit of turn", roundings=ROUNDINGS, few=FEW)
+    # Of a coordinate over a cell. Where velocities are differences of positions, rounding of these
+    # over a step is up to 250 of them, at a ratio of 0.45.
+    limit = ROUNDINGS * ACROSS * epsilon(answers[0]) / SMALL_TURN
+    because = phrase("limit of turn", roundings=ROUNDINGS)
     return _judged(strain, "strain over angle", limit, because)
 
 

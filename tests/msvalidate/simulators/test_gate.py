@@ -85,6 +85,7 @@ CLEAN = [
     Linear(),
     Linear(precision="float32"),
     Linear(at_rest={}),
+    Linear(at_rest={}, left=lambda s: 1e-3 / s["iterations"]),
     Linear(at_rest={"change_when_twice_as_long": 1e-6}, left=lambda s: 1e-3 / s["iterations"]),
     Linear(fall=1.009, solves_to=0.01),
 ]
