@@ -8,8 +8,9 @@ import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array
+from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.protocol import ROUNDING
-from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, Station, voigt
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, voigt
 from msvalidate.simulators.probe.masses import Masses
 from msvalidate.simulators.probe.reading import BAND, INNER, Flag
 from msvalidate_check.causes import Phrase, phrase
@@ -37,7 +38,7 @@ PLACED = 3.0
 
 
 def rounding_parts(
-    bench: Bench, strain: float, largest: float, forces_at: str, shrunk: float = 1.0
+    bench: Bench, strain: float, largest: float, shrunk: float = 1.0
 ) -> tuple[float, float]:
     """Errors of C by rounding of stresses and strains, relative to its largest component.
 
@@ -52,7 +53,7 @@ def rounding_parts(
     """
     u, block = ROUNDING[bench.precision], bench.block
     part, of_strain = u / strain, 0.0
-    if forces_at == "end":
+    if bench.forces_at == "end":
         X = block.mesh.points
         spacing = np.spacing(np.abs(X).astype(bench.precision)).astype(float)
         delta = float(np.sqrt((spacing**2).mean() / 24))  # half of it, squared, over 3 and 2
@@ -65,7 +66,7 @@ def rounding_parts(
 
 
 def raise_flags(
-    station: Station,
+    bench: Bench,
     pairs: Sequence[tuple[Push, Push]],
     rest: Push,
     C: Array,
@@ -75,9 +76,9 @@ def raise_flags(
 ) -> tuple[Flag, ...]:
     """All flags of a reading. Asks the simulator some ten times more."""
     largest = max_abs(C)
-    exact = EXACT + station.solves_to  # over what strained states or a weight do
-    stress = np.array([(a.stress - b.stress) / 2 for a, b in pairs])
-    forces = np.array([(a.force - b.force) / 2 for a, b in pairs])
+    exact = EXACT + bench.solves_to  # over what strained states or a weight do
+    stress = np.array([there.odd(back).stress for there, back in pairs])
+    forces = np.array([there.odd(back).force for there, back in pairs])
     strength = max_abs(forces)
     # Over the strongest state: some strains of some laws make no force.
     resultant = max_abs(forces.sum(axis=1)) / float(np.abs(forces).sum(axis=(1, 2)).max())
@@ -89,19 +90,19 @@ def raise_flags(
         _flag("stress at rest", max_abs(rest.stress) / largest, STRESSED),
         _flag("forces at rest", max_abs(rest.force) / strength, IDLE),
         _flag("second-order part", curvature / strain, SMOOTH),
-        _flag("small turn", _of_turn(station, strain) / (strain * largest), EXACT),
-        _flag(INNER, _inner(station, forces, strain, largest), RELAXES),
+        _flag("small turn", _of_turn(bench, strain) / (strain * largest), EXACT),
+        _flag(INNER, _inner(bench, forces, strain, largest), RELAXES),
     ]
-    value, noise = _other_step(station, C, strain)
+    value, noise = _other_step(bench, C, strain)
     flags.append(_flag("half the step, another strain", value, exact + noise))
     if masses is not None:
-        value, noise = _free_fall(station, rest, strain)
+        value, noise = _free_fall(bench, rest, strain)
         flags.append(_flag("free fall", value, exact + noise))
-        matrix = "mass matrix" if station.consistent else "measured masses"
+        matrix = "mass matrix" if bench.consistent else "measured masses"
         because = phrase(matrix, pattern=masses.words)
-        limit = BAND + masses.error + station.solves_to
-        flags.append(Flag("masses", masses.off, limit, because, refuses=station.consistent))
-    changed = _repeated(station, rest, pairs[0][0], strain)
+        limit = BAND + masses.error + bench.solves_to
+        flags.append(Flag("masses", masses.off, limit, because, refuses=bench.consistent))
+    changed = _repeated(bench, rest, pairs[0][0], strain)
     return (*flags, _flag("asked again", changed / strength, exact))
 
 
@@ -109,22 +110,22 @@ def _flag(name: str, value: float, limit: float) -> Flag:
     return Flag(name, value, limit, Phrase(f"why {name}"))
 
 
-def _of_turn(station: Station, strain: float) -> float:
+def _of_turn(bench: Bench, strain: float) -> float:
     """Largest stress (Pa) of a small turn."""
     x, y, z = strain * AXIS
     W = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return max_abs(station.push(W).stress - station.push(-W).stress) / 2
+    return max_abs(bench.push(W).odd(bench.push(-W)).stress)
 
 
-def _inner(station: Station, forces: Array, strain: float, largest: float) -> float:
+def _inner(bench: Bench, forces: Array, strain: float, largest: float) -> float:
     """Forces on inner nodes over those on the surface, in uniform strain."""
-    if station.forces_at == "end":
-        bench, block = station.bench, station.bench.block
+    block = bench.block
+    if bench.forces_at == "end":
         crossing = block.height * np.sqrt(block.material.density / largest)
-        short = station.with_step(min(bench.dt, SHORTEST[bench.precision] * float(crossing)))
-        G = _generic(strain)
-        forces = (short.push(G).force - short.push(-G).force)[None] / 2
-    inner = station.bench.block.inner
+        dt = min(bench.dt, SHORTEST[bench.precision] * float(crossing))
+        short, G = replace(bench, dt=dt), _generic(strain)
+        forces = short.push(G).odd(short.push(-G)).force[None]
+    inner = block.inner
     return max_abs(forces[:, inner]) / (max_abs(forces[:, ~inner]) or 1.0)
 
 
@@ -134,35 +135,32 @@ def _generic(strain: float) -> Array:
     return np.asarray(strain * G / 4)
 
 
-def _repeated(station: Station, rest: Push, first: Push, strain: float) -> float:
+def _repeated(bench: Bench, rest: Push, first: Push, strain: float) -> float:
     """By how much (N) the first strained state and rest are others, asked after all the others."""
     G = np.zeros((3, 3))
     G[0, 0] = strain
-    again, idle = station.push(G).force, station.push(np.zeros((3, 3))).force
+    again, idle = bench.push(G).force, bench.push(np.zeros((3, 3))).force
     return max(max_abs(again - first.force), max_abs(idle - rest.force))
 
 
-def _other_step(station: Station, C: Array, strain: float) -> tuple[float, float]:
+def _other_step(bench: Bench, C: Array, strain: float) -> tuple[float, float]:
     """Stress of another strain after half the step, beside C times that; and what rounding may."""
-    short = station.with_step(station.bench.dt / 2)
-    G = _generic(strain)
-    there, back = short.push(G), short.push(-G)
-    found = voigt((there.stress - back.stress) / 2)
-    expected = C @ (voigt((there.gradient - back.gradient) / 2) * ENGINEERING)
-    noise = sum(rounding_parts(short.bench, strain, max_abs(C), station.forces_at))
-    return max_abs(found - expected) / (strain * max_abs(C)), noise
+    short, G = replace(bench, dt=bench.dt / 2), _generic(strain)
+    odd = short.push(G).odd(short.push(-G))
+    expected = C @ (voigt(odd.gradient) * ENGINEERING)
+    noise = sum(rounding_parts(short, strain, max_abs(C)))
+    return max_abs(voigt(odd.stress) - expected) / (strain * max_abs(C)), noise
 
 
-def _free_fall(station: Station, rest: Push, strain: float) -> tuple[float, float]:
+def _free_fall(bench: Bench, rest: Push, strain: float) -> tuple[float, float]:
     """Acceleration at rest under a weight that moves it as far as strains do, less the weight.
 
     Over the weight; and what rounding may make of that.
     """
-    bench = station.bench
     size = strain * bench.block.height / bench.dt**2
     weight = np.array([1.0, 2.0, -3.0]) / np.sqrt(14.0) * size
-    force = station.push(np.zeros((3, 3)), gravity=tuple(weight.tolist())).force - rest.force
-    mass = station.inertia(np.ones(force.shape)).sum(axis=0)
+    force = bench.push(np.zeros((3, 3)), gravity=tuple(weight.tolist())).force - rest.force
+    mass = bench.inertia(np.ones(force.shape)).sum(axis=0)
     value = max_abs(force.sum(axis=0) / mass - weight) / size
     reach = max_abs(bench.block.mesh.points) / bench.block.height
     return value, PLACED * ROUNDING[bench.precision] * (1 + reach) / strain

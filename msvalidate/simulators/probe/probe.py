@@ -32,7 +32,7 @@ from msvalidate.simulators.exchange.protocol import (
     SimulatorError,
     solves_to,
 )
-from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, Station, voigt
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, voigt
 from msvalidate.simulators.probe.block import Block, probe_mesh, wave_speed
 from msvalidate.simulators.probe.flags import raise_flags, rounding_parts
 from msvalidate.simulators.probe.masses import Masses, measure_masses
@@ -95,13 +95,13 @@ def probe(
     told: Precision = first.about["precision"]
     forces_at = "start" if first.force is not None else str(first.about["forces_at"])
     stretch = LONGER if told == "float32" and forces_at == "end" else 1.0
-    bench = replace(bench, precision=told, dt=base * stretch)
+    bench = replace(bench, precision=told, dt=base * stretch, forces_at=forces_at)
     if first.force is None and masses is None:
         masses = measure_masses(bench)
     inertia = _inertia(block, masses, first)
     consistent = first.force is None and first.about["mass"] != "lumped"
-    station = Station(bench, inertia, forces_at, consistent, solves_to(first.about))
-    return _read(station, STRAIN[told], masses, first)
+    bench = replace(bench, inertia=inertia, consistent=consistent, solves_to=solves_to(first.about))
+    return _read(bench, STRAIN[told], masses, first)
 
 
 def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Array], Array]:
@@ -115,27 +115,26 @@ def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Ar
     return lambda v: np.asarray(matrix @ v)
 
 
-def _read(station: Station, strain: float, masses: Masses | None, first: Answer) -> Reading:
-    rest = station.push(np.zeros((3, 3)))
-    fit = _fit(station, strain)
+def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> Reading:
+    rest = bench.push(np.zeros((3, 3)))
+    fit = _fit(bench, strain)
     largest = float(np.abs(fit.C).max())
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
-    bench = station.bench
-    noise, of_strain = rounding_parts(bench, strain, largest, station.forces_at, fit.shrunk)
+    noise, of_strain = rounding_parts(bench, strain, largest, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
-    half = _fit(station, strain / 2)
+    half = _fit(bench, strain / 2)
     step = float(np.abs(half.C - fit.C).max()) / largest
     C = (4 * half.C - fit.C) / 3
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
     cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
-    flags = raise_flags(station, fit.pairs, rest, C, strain, curvature, masses)
+    flags = raise_flags(bench, fit.pairs, rest, C, strain, curvature, masses)
     flagged = {flag.name: flag.value for flag in flags}
     causes = {
         # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's.
         "rounding of stresses": 3 * noise * largest,
         STRAINS: 3 * of_strain * largest,
-        SOLVED: station.solves_to * largest,
+        SOLVED: bench.solves_to * largest,
         "finite strain": cut * largest,
         "stress not symmetric": flagged["symmetry of P"] * largest,
         "C not symmetric": flagged["symmetry of C"] * largest,
@@ -148,17 +147,17 @@ def _read(station: Station, strain: float, masses: Masses | None, first: Answer)
     return Reading(C, error, causes, flags, masses, strain, bench.precision, about)
 
 
-def _fit(station: Station, strain: float) -> _Fit:
+def _fit(bench: Bench, strain: float) -> _Fit:
     """C = S E⁻¹, with mean stresses S and strains E (6, 6), a column a state."""
     pairs, S, E = [], [], []
     for a, b in VOIGT[3]:
         G = np.zeros((3, 3))
         G[a, b] += strain / 2
         G[b, a] += strain / 2
-        there, back = station.push(G), station.push(-G)
+        there, back = bench.push(G), bench.push(-G)
         pairs.append((there, back))
-        S.append(voigt((there.stress - back.stress) / 2))
-        E.append(voigt((there.gradient - back.gradient) / 2) * ENGINEERING)
+        S.append(voigt(there.odd(back).stress))
+        E.append(voigt(there.odd(back).gradient) * ENGINEERING)
     E_columns = np.transpose(E)
     if np.linalg.cond(E_columns) > WORST:
         raise SimulatorError(
