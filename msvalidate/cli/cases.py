@@ -168,8 +168,7 @@ def judge_file(args: argparse.Namespace) -> int:
         case = building.read_case(args.file)
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
-            known = finite_number("--accuracy", args.accuracy, least=0.0)
-            result = replace(result, accuracy=known)
+            result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
         show = Progress(case.name, shown=not args.quiet)
         asked = {"unit": unit, "residual_motion": args.at_rest, "command": COMMAND}
         return judge_and_tell(case, result, folder, whose, args, show, **asked)

@@ -23,7 +23,6 @@ import pandas as pd
 from msvalidate import kit
 from msvalidate.simulators.gate.gate import STOPPED
 from msvalidate.simulators.verdict.causes import NOT_EXPLAINED
-from msvalidate.simulators.verdict.sentences import SENTENCES
 
 from . import judged
 from .gaps import ASKED_RATIO, fill_gaps, with_none
@@ -33,7 +32,6 @@ CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
 NEWEST = "newest.json"
 EXCLUDED = DATA / "excluded" / "excluded.json"
 STIFFER = 0.01
-SOLVES_TO = SENTENCES["solves to"]
 YEARS = 1000
 """Major versions from here on are years."""
 BEHIND = 2
@@ -138,10 +136,10 @@ def state_of(record: dict[str, Any], newest: dict[str, Any]) -> str:
 def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
     """Whether a record is half a year older than the last look, or two minor releases behind.
 
-    Of a program whose versions are years and months each month counts as one. One that the gate
-    stopped by how it falls is stale too where nothing was asked of what it states to solve to.
+    Of a program whose versions are years and months each month counts as one. A record whose gate
+    asked less than today's says so under `stale`.
     """
-    if any(row["name"] == "free fall" and SOLVES_TO not in row["because"] for row in stops(record)):
+    if "stale" in record:
         return True
     looked, made = (date.fromisoformat(each) for each in (newest["looked_at"], record["date"]))
     if (looked - made).days > OLD:

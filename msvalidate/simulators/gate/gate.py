@@ -276,8 +276,7 @@ def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
     limit = ROUNDINGS * STEPS * epsilon(answer) / FALL + stated
     fallen = float((answer.position - points)[:, -1].mean() / (g[-1] * float(plain.dt or 1) ** 2))
     kind = Phrase(_integrator(fallen, stated))
-    solved = {"solved": Phrase("solves to"), "stated": stated}
-    because = phrase("limit of fall", roundings=ROUNDINGS, **solved)
+    because = phrase("limit of fall", roundings=ROUNDINGS, stated=stated)
     integrator = GateRow(": integrator", fallen, "g dt²", math.nan, kind, TOLD)
     return [*_judged(off, "of g t", limit, because), integrator]
 
