@@ -159,11 +159,11 @@ def _fit(bench: Bench, strain: float) -> _Fit:
         S.append(voigt(there.odd(back).stress))
         E.append(voigt(there.odd(back).gradient) * ENGINEERING)
     E_columns = np.transpose(E)
-    if np.linalg.cond(E_columns) > WORST:
+    shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
+    if not shrunk:
         raise SimulatorError(
             "probe: six strains at the end of the step are not independent; take a shorter dt"
         )
-    shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
     return _Fit(np.transpose(S) @ np.linalg.inv(E_columns), shrunk, tuple(pairs))
 
 
@@ -173,7 +173,3 @@ def _curvature(fit: _Fit, rest: Push) -> float:
         float(np.abs(there.stress + back.stress - 2 * rest.stress).max()) / 2
         for there, back in fit.pairs
     )
-
-
-WORST = 1e3
-"""Condition of the six strains beyond which a step was so long that the body is back at rest."""

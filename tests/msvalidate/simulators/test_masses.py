@@ -39,6 +39,12 @@ def test_right_masses_are_found_within_what_is_told(kind, implicit):
     assert found.best == pytest.approx(OWN, rel=1e-12)
 
 
+def test_masses_of_few_digits_are_of_their_pattern():
+    found = measured(masses=np.array([float(f"{mass:.4g}") for mass in OWN]))
+    assert found.pattern == "each node's own share"
+    assert found.best == pytest.approx(OWN, rel=1e-12)
+
+
 @table("kind", ["float64", "float32"])
 def test_one_node_of_twice_its_mass_is_named(kind):
     masses = OWN * np.where(np.arange(len(OWN)) == 17, 2, 1)
