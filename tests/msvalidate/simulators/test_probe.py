@@ -164,7 +164,14 @@ def squeeze(x):
     return f
 
 
+def kinked(F):
+    """A law that pushes one way, whether it is pulled or pressed."""
+    own = np.abs(np.trace(F - np.eye(3, dtype=F.dtype), axis1=1, axis2=2))
+    return linear(isotropic(MU, LAM))(F) + MU / 2 * own[:, None, None] * np.eye(3, dtype=F.dtype)
+
+
 FAULTS = {
+    "second-order part": (kinked, {}),
     "stress at rest": (neo_hookean(MU, LAM, rest=0.01 * MU), {}),
     "forces at rest": (linear(isotropic(MU, LAM)), {"outside": squeeze}),
     "free fall": (linear(isotropic(MU, LAM)), {"keep": 0.99}),
