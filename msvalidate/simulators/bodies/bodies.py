@@ -140,6 +140,8 @@ BODIES: Mapping[str, tuple[str, ...]] = {
 Clamped ones are for programs that hold nodes whole. The bent one shows "resolution": linear
 elements are far off there on any mesh one pays for.
 """
+SHORT = 3.0
+"""Times what is stated of rest, by how much a body may still change: most of it is an estimate."""
 EVEN = 0.1
 """Part of the displacement that may go the same way under opposite loads: the second order of what
 turns by 0.02 and strains by 0.01, with a factor of three."""
@@ -202,9 +204,9 @@ class BodyRow:
 
     @property
     def may_settle(self) -> bool:
-        """Whether what is left is no more than what it says may still change."""
+        """Whether what is left is of the size of what it says may still change."""
         left = math.inf if self.factors is None else self.factors.apart
-        return bool(left <= self.rest) and self.rest > BAND and self.even <= EVEN
+        return bool(left <= SHORT * self.rest) and self.rest > BAND and self.even <= EVEN
 
     @property
     def is_rounded(self) -> bool:
