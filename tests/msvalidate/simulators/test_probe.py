@@ -166,8 +166,8 @@ def squeeze(x):
 
 def kinked(F):
     """A law that pushes one way, whether it is pulled or pressed."""
-    own = np.abs(np.trace(F - np.eye(3, dtype=F.dtype), axis1=1, axis2=2))
-    return linear(isotropic(MU, LAM))(F) + MU / 2 * own[:, None, None] * np.eye(3, dtype=F.dtype)
+    change = np.abs(np.trace(F - np.eye(3), axis1=1, axis2=2))
+    return linear(isotropic(MU, LAM))(F) + MU / 2 * change[:, None, None] * np.eye(3)
 
 
 FAULTS = {
