@@ -27,7 +27,7 @@ from msvalidate.simulators.exchange.protocol import (
     ask,
     stated_residual_motion,
 )
-from msvalidate.simulators.gate.gate import hanging_block
+from msvalidate.simulators.gate.gate import stretched_block
 from msvalidate.simulators.probe.block import Block
 from msvalidate.simulators.probe.masses import patterns
 
@@ -75,7 +75,7 @@ def rest_states(
     largest change from the state with the iterations before and with the dt before. All are over
     the largest displacement of those elements; None where there is none.
     """
-    block = hanging_block(material, {**settings, **sweep.settings})
+    block = stretched_block(material, {**settings, **sweep.settings}, hanging=True)
     wanted = _elements(block, sweep)
     size = max_length(wanted)
     answers: dict[tuple[int, int], Answer] = {}

@@ -44,9 +44,7 @@ def _material(args: argparse.Namespace) -> tuple[Isotropic, str]:
 def _advise(args: argparse.Namespace) -> list[str]:
     """Springs of every lattice that can, and why others can't."""
     material, head = _material(args)
-    route = "springs" if args.engine == "springs" else args.route
-    if args.route not in (None, route):
-        raise ProblemError("--route: an engine of springs has no cells; leave one of them out")
+    route = "springs" if args.engine == "springs" else None
     materials, price = _materials(args.engine, material)
     known = [name for name, make in all_patterns().items() if make().dim == material.dim]
     found: list[Advice] = []

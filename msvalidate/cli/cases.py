@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import time
@@ -36,6 +37,7 @@ from msvalidate.problem.checks import finite_number, positive_number, whole_numb
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.export import export_case, lammps_of, ratio_words
 from msvalidate.simulators.exchange.folders import write_request
+from msvalidate.simulators.exchange.protocol import Request
 from msvalidate_check import exchange
 from msvalidate_check.verdict import AGREES
 
@@ -64,15 +66,7 @@ def export(args: argparse.Namespace) -> int:
         case = building.read_case(args.file)
         own = {"case.toml": args.file.read_bytes()}
         if args.to == SIMULATOR:
-            asked = export_case(
-                case,
-                cells=args.cells,
-                shape=args.shape,
-                springs=args.springs,
-                settings=dict(args.set),
-            )
-            if args.springs:
-                tell_ratio(case)
+            asked = request_of(case, args)
             write_request(asked, args.folder, own)
             tell(f"{args.folder}: {asked.mesh}, {len(asked.mesh.points)} nodes")
             return HELD
@@ -87,10 +81,10 @@ def export(args: argparse.Namespace) -> int:
             answer, content = lammps_of(case)
         else:
             answer = springs.solve_springs(case, spacing_of(case))
-            content = network_files.network_files(answer, case)
-            content = {name: each for name, each in content.items() if name.endswith(".csv")}
-            if args.to == "json":
-                content = {"network.json": network_files.network_json(answer, case)}
+            content = {"network.json": network_files.network_json(answer, case)}
+            if args.to == "csv":
+                whole = network_files.network_files(answer, case)
+                content = {name: each for name, each in whole.items() if name.endswith(".csv")}
         files.publish(args.folder, content | own, args.file.name)
     network = answer.network
     count = f"{len(network.points)} points, {len(network.springs)} springs"
@@ -98,10 +92,17 @@ def export(args: argparse.Namespace) -> int:
     return HELD
 
 
+def request_of(case: Case, args: argparse.Namespace) -> Request:
+    """What a simulator is asked."""
+    if args.springs and not args.quiet:
+        tell_ratio(case)
+    shape = {"cells": args.cells, "shape": args.shape, "springs": args.springs}
+    return export_case(case, **shape, settings=dict(args.set))
+
+
 def tell_ratio(case: Case) -> None:
     """Say what the ratio of springs alone costs, if it is another than the case's."""
-    words = ratio_words(case)
-    if words:
+    if words := ratio_words(case):
         tell(f"{case.name}: {words}")
 
 
@@ -157,10 +158,9 @@ def judge_file(args: argparse.Namespace) -> int:
     if not args.quiet:
         announce_compilation()
     with of_case(args.file):
-        try:
-            unit = places.unit_in_metres("--unit", float(args.unit))
-        except ValueError:
-            unit = places.unit_in_metres("--unit", args.unit)
+        with contextlib.suppress(ValueError):
+            args.unit = float(args.unit)
+        unit = places.unit_in_metres("--unit", args.unit)
         if args.at_rest is not None:
             finite_number("--at-rest", args.at_rest, least=0.0)
         folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")

@@ -35,7 +35,7 @@ def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) ->
             yield run_task(task)
         return
     # Workers have no terminal to themselves: bars would write over each other.
-    quiet = [replace(task, setting=replace(task.setting, progress=False)) for task in tasks]
+    quiet = [replace(task, progress=False) for task in tasks]
     alone = [task for task in quiet if catalogue.alone(task.name)]
     yield from _run_in_parallel([task for task in quiet if task not in alone], jobs, began)
     yield from _run_in_parallel(alone, 1, began)

@@ -5,6 +5,7 @@ What comes of it can be sent from one process to another, so that studies may ru
 
 from __future__ import annotations
 
+import argparse
 import inspect
 import traceback
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from msvalidate.cli.arguments import FAILED, HELD, USAGE
+from msvalidate.cli.arguments import FAILED, HELD, USAGE, as_shown
 from msvalidate.cli.candidates import load_candidate, shown_name
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, all_passed, judge
@@ -34,28 +35,17 @@ DIED = "crashed: its process died"
 
 @dataclass(frozen=True)
 class Task:
-    """A study to be run in a setting, by a command, whose words are for the report.
+    """A study to be run as the options of a command, `args`, say, with bars on a terminal or not.
 
-    Its figures are drawn if `plots`, its tables held `against` a folder, of the form that is run.
-    One that puts together what others found is given their `results`. It judges a `candidate`,
-    ``module:function`` or ``file.py:function``, with the accuracy that it is said to have (None
-    for single precision), or "" for our own; and asks some of its `questions`, None for all.
+    Its tables are held `against` a folder, of the form that is run. One that puts together what
+    others found is given their `results`.
     """
 
     name: str
-    setting: Setting
-    command: tuple[str, ...] = ()
-    plots: bool = True
+    args: argparse.Namespace
+    progress: bool
     against: Path | None = None
     results: Results | None = None
-    candidate: str = ""
-    accuracy: float | None = None
-    questions: tuple[str, ...] | None = None
-
-    @property
-    def form(self) -> str:
-        """Of the study, "quick" or "full"."""
-        return "quick" if self.setting.quick else "full"
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +98,7 @@ def run_task(task: Task) -> Outcome:
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
         origin = _origin(task, started, seconds)
-        files = stored.result_files(result, origin, seconds=seconds, plots=task.plots)
+        files = stored.result_files(result, origin, seconds=seconds, plots=task.args.plots)
     except (Exception, SystemExit) as error:  # noqa: BLE001
         return unfinished(task, started, error)
     lacks = bool(task.against and evidence.tables and not rows)
@@ -140,26 +130,28 @@ def _since(started: datetime) -> float:
 
 def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
     """What a study found, and its verdict by its own limits, or by those for a candidate."""
-    run = catalogue.load(task.name).run
-    if task.questions is not None and "questions" not in inspect.signature(run).parameters:
+    run, args = catalogue.load(task.name).run, task.args
+    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=task.progress)
+    if args.questions is not None and "questions" not in inspect.signature(run).parameters:
         raise ProblemError(f"--questions: {task.name} has one question only; leave it out")
-    if task.candidate:
-        candidate = load_candidate(task.candidate)
-        found = judge_candidate(run, candidate, task.setting, task.questions, task.accuracy)
+    if args.candidate:
+        candidate = load_candidate(args.candidate)
+        found = judge_candidate(run, candidate, setting, args.questions, args.accuracy)
         return found.evidence, found.verdict
-    given: dict[str, object] = {} if task.results is None else {"candidate": task.results}
-    if task.questions is not None:
-        given["questions"] = task.questions
-    evidence = run(setting=task.setting, **given)
+    given: dict[str, object] = {"candidate": task.results, "questions": args.questions}
+    given = {name: value for name, value in given.items() if value is not None}
+    evidence = run(setting=setting, **given)
     require_type("what its run returns", evidence, Evidence)
     return evidence, judge(evidence)
 
 
 def _origin(task: Task, started: datetime, seconds: float) -> dict[str, str]:
     """Provenance of a study's results; of a candidate or of some questions it says so."""
-    found = collect_provenance(task.command, task.setting.seed, started, seconds, form=task.form)
-    if task.candidate:
-        found["candidate"] = printable(shown_name(task.candidate))
-    if task.questions is not None:
-        found["questions"] = f"{', '.join(task.questions)}; the others were not asked"
+    args = task.args
+    command = as_shown(args.words)
+    found = collect_provenance(command, args.seed, started, seconds, form=args.form)
+    if args.candidate:
+        found["candidate"] = printable(shown_name(args.candidate))
+    if args.questions is not None:
+        found["questions"] = f"{', '.join(args.questions)}; the others were not asked"
     return found

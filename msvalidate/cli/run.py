@@ -4,52 +4,42 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import difflib
 import gc
+import math
 import os
+import re
+import textwrap
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
 
-from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE, as_shown
-from msvalidate.cli.terminal import (
-    announce_compilation,
-    ending,
-    ending_of_all,
-    failure_lines,
-    print_lines,
-    summary_lines,
-    table_lines,
-    tell,
-    tell_error,
-)
+from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE
+from msvalidate.cli.candidates import check_candidate
+from msvalidate.cli.jobs import run_tasks
+from msvalidate.cli.outcome import Outcome, Task
+from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.judging import catalogue
+from msvalidate.judging.evidence import is_missed
+from msvalidate.output import baseline, junit, report
+from msvalidate.output.results import Results
+from msvalidate.output.stored import Result, Stored
+from msvalidate.problem import ProblemError
+from msvalidate.problem.checks import format_value
+from msvalidate.problem.records import replace
+from msvalidate_check import exchange
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from msvalidate.cli.outcome import Outcome
-    from msvalidate.output.stored import Result, Stored
-
-
-def list_studies(_args: argparse.Namespace) -> int:
-    """Each study with what it asks, or why it cannot be read: which costs no other its line."""
-    names = catalogue.names()
-    asked = dict.fromkeys(names, "")
-    for name in names:
-        try:
-            asked[name] = catalogue.question(name)
-        except ImportError as error:
-            asked[name] = f"(cannot be read: {error})"
-    width = max(map(len, names))
-    return print_lines([f"{name:<{width}}  {said}" for name, said in asked.items()])
+WIDTH = 100
+"""Of findings, in characters."""
+FINDINGS = 8
+"""Lines of findings a study: with its question and what was left out, ten."""
+FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
+FAILURES = 5
+"""Failures a study that are told one by one."""
 
 
 def make_report(args: argparse.Namespace) -> int:
     """Make the pages again from stored results."""
-    from msvalidate.output import report
-
     studies = report.rebuild(args.out)
     codes = [_tell_ending(study, args) for study in studies]
     if not args.quiet:
@@ -59,9 +49,6 @@ def make_report(args: argparse.Namespace) -> int:
 
 def run_studies(args: argparse.Namespace) -> int:
     """Run and judge studies, saying how each ended, and write what they found."""
-    from msvalidate.output import baseline, junit, report
-    from msvalidate_check import exchange
-
     _refuse(args)
     if not args.quiet:
         announce_compilation()
@@ -96,9 +83,6 @@ def run_studies(args: argparse.Namespace) -> int:
 
 def _refuse(args: argparse.Namespace) -> None:
     """Raise `ProblemError` or ImportError, before the work, for what cannot be."""
-    from msvalidate.cli.candidates import check_candidate
-    from msvalidate.output import baseline, report
-
     report.refuse_unwritable(args.out, args.studies)
     if args.junit:
         report.refuse_place("--junit", args.junit, args.out)
@@ -117,16 +101,11 @@ def _refuse(args: argparse.Namespace) -> None:
 
 def _refuse_unknown_tables(args: argparse.Namespace) -> None:
     """What studies may make is in their baseline, or named in their sources."""
-    from msvalidate.output import baseline
-    from msvalidate.problem import ProblemError
-    from msvalidate.problem.checks import format_value
-
     known = {"verdict"}.union(*map(baseline.tables, args.studies))
     words = known.union(*map(catalogue.words, args.studies))
     for name in args.tables if len(known) > 1 else ():  # else there is nothing to go by
         if name not in words:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(known))}"
+            hint = catalogue.suggestion(name, sorted(known))
             raise ProblemError(f"--table {format_value(name)}: no such table; {hint}")
 
 
@@ -135,14 +114,7 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
 
     One that fails does not keep the others from running; those that read results come last.
     """
-    from msvalidate.cli.jobs import run_tasks
-    from msvalidate.cli.outcome import Task
-    from msvalidate.judging.sweep import Setting
-    from msvalidate.output import baseline
-    from msvalidate.output.results import Results
-
     checks = args.verb == "check"
-    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
     against = None
     if checks and not args.update:
         against = baseline.baseline_folder(args.form, args.baseline)
@@ -150,8 +122,7 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     def task(name: str) -> Task:
         # A study of a user's own has no baseline among ours: its tolerances alone judge it.
         own = against if args.baseline or catalogue.is_ours(name) else None
-        asked = args.candidate or "", args.accuracy, args.questions
-        return Task(name, setting, tuple(as_shown(args.words)), args.plots, own, None, *asked)
+        return Task(name, args, not args.quiet, own)
 
     def began(name: str) -> None:
         if args.verbose:
@@ -162,18 +133,14 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     for batch in ([name for name in args.studies if name not in late], late):
         tasks = [task(name) for name in batch]
         if batch is late:  # what others left is not looked at where this run is judged by itself
-            results = Results(args.form, _tables(found), None if checks else args.out)
+            tables = {n: each.result.evidence.tables for n, each in found.items() if each.result}
+            results = Results(args.form, tables, None if checks else args.out)
             tasks = [replace(task, results=results) for task in tasks]
         with contextlib.closing(run_tasks(tasks, args.jobs, began)) as outcomes:
             for outcome in outcomes:
                 found[outcome.name] = outcome
                 codes += _told(outcome, args)
     return [found[name] for name in args.studies]
-
-
-def _tables(found: Mapping[str, Outcome]) -> dict[str, Mapping[str, pd.DataFrame]]:
-    """Tables of the studies that finished."""
-    return {name: each.result.evidence.tables for name, each in found.items() if each.result}
 
 
 def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
@@ -194,8 +161,6 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
 
 def _tell_ending(study: Stored | Outcome, args: argparse.Namespace) -> int:
     """What a study missed, and how it ended, to stderr; its exit code if it finished."""
-    from msvalidate.judging.evidence import is_missed
-
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
         tell(line)
     if not args.quiet:
@@ -218,8 +183,6 @@ def _lines(result: Result, args: argparse.Namespace) -> list[str]:
 
 def _update(results: Sequence[Result], args: argparse.Namespace, failed: Sequence[str]) -> int:
     """Make these results the baseline, that of other studies staying, and say why."""
-    from msvalidate.output import baseline
-
     if failed:
         return tell_error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
@@ -229,3 +192,79 @@ def _update(results: Sequence[Result], args: argparse.Namespace, failed: Sequenc
     whose = f" of {', '.join(args.studies)}" if args.named else ""
     tell(f"{args.form} baseline{whose} renewed; {reason.name} says why")
     return HELD
+
+
+# What is said of studies --------------------------------------------------------------------------
+
+
+def summary_lines(result: Result) -> list[str]:
+    """What a study asks, and the first sentences of what it finds, in at most ten lines."""
+    lines = [f"{result.name}: {result.question.partition(chr(10))[0]}"]
+    findings = result.evidence.findings
+    wrap = textwrap.TextWrapper(WIDTH, "  - ", "    ", break_on_hyphens=False).wrap
+    for place, finding in enumerate(findings):
+        wrapped = wrap(FIRST_SENTENCE.split(finding, maxsplit=1)[0])
+        if place and len(lines) + len(wrapped) > FINDINGS + 1:
+            left = len(findings) - place
+            return [*lines, f"  … {left} more finding{'s' * (left > 1)} in the report"]
+        lines += wrapped[:FINDINGS]
+    return lines
+
+
+def table_lines(result: Result, names: Sequence[str]) -> list[str]:
+    """The tables of these names, whole and aligned; all of them for none."""
+    tables: dict[str, Any] = {**result.evidence.tables}
+    tables["verdict"] = result.verdict.drop(columns="because")
+    return [
+        f"\n{result.name}/{name}\n"
+        f"{tables[name].to_string(index=False, float_format='{:.6g}'.format)}"
+        for name in names or tables
+        if name in tables
+    ]
+
+
+def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
+    """What a study missed, the worst first and at most five, and where the others are."""
+    missed = missed_rows(study)
+    lines = []
+    for row in missed[:FAILURES]:
+        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
+        lines.append(f"{study.name}: FAIL {junit.failure_line(row)}{why}")
+    if len(missed) > FAILURES:
+        lines.append(f"{study.name}: … {len(missed) - FAILURES} more in {where}")
+    return lines
+
+
+def missed_rows(study: Stored | Outcome) -> list[dict[Any, Any]]:
+    """Rows of a verdict that were missed, worst first; what is no number, and baseline, last."""
+    rows = study.verdict[is_missed(study.verdict) & (not study.error)]
+    worst = (rows["error"] / rows["limit"]).where(rows["error"] < math.inf)
+    rows = rows.assign(last=rows["layer"] == "baseline", worst=worst)
+    return rows.sort_values(["last", "worst"], ascending=[True, False]).to_dict("records")
+
+
+def ending(study: Stored | Outcome) -> str:
+    """How a study ended, in one line."""
+    rows = 0 if study.error else len(study.verdict)
+    missed = len(missed_rows(study))
+    said = f"{rows - missed} of {rows} held"
+    if study.error:
+        said = "not finished"
+    elif "candidate" in study.origin:
+        counts = Counter(study.verdict["verdict"])
+        words = ", ".join(f"{word}: {many}" for word, many in sorted(counts.items()))
+        said = f"{study.origin['candidate']}, {rows} rows, {words}"
+    elif not study.held:
+        said = f"FAILED, {rows} row{'s' * (rows != 1)}: {rows - missed} held, {missed} missed"
+    return f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else "")
+
+
+def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
+    """How several studies ended together, layer by layer."""
+    judged, held = Counter[str](), Counter[str]()
+    for outcome in outcomes:
+        judged.update(outcome.verdict["layer"])
+        held.update(outcome.verdict.loc[outcome.verdict["verdict"] == "pass", "layer"])
+    layers = [f"{layer} {held[layer]} of {many}" for layer, many in judged.items()]
+    whole = f"{sum(each.held for each in outcomes)} of {len(outcomes)} studies held"
+    return f"{', '.join([whole, *layers])}, {seconds:.1f} s"

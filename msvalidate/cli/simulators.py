@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import hashlib
 import json
 import math
@@ -21,23 +20,24 @@ from msvalidate.case import building, files
 from msvalidate.case.case import Case
 from msvalidate.case.results import Result
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
-from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, tell_ratio
+from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, request_of
 from msvalidate.cli.terminal import Progress, naming, print_lines, tell, tell_error
+from msvalidate.judging import catalogue
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
-from msvalidate.simulators.exchange.export import export_case, on_mesh
+from msvalidate.simulators.exchange.export import on_mesh
 from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.exchange.protocol import (
+    ROUNDING,
     Answer,
     CannotRepresent,
     Request,
     SimulatorError,
     stated_residual_motion,
 )
-from msvalidate.simulators.probe.bench import ROUNDING
 from msvalidate.simulators.verdict.causes import AGREES
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
@@ -61,11 +61,7 @@ def simulate(args: argparse.Namespace) -> int:
         kept = folder.with_name(f"{folder.name}{RUN}")
         program = Program(args.adapter, args.limit, kept)
         case = building.read_case(args.file)
-        request = export_case(
-            case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
-        )
-        if args.springs and not args.quiet:
-            tell_ratio(case)
+        request = request_of(case, args)
         show = Progress(case.name, shown=not args.quiet)
         show("simulator; judging is left")
         began = time.perf_counter()
@@ -79,19 +75,13 @@ def simulate(args: argparse.Namespace) -> int:
         show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         show("judging")
         result, motion = _result(request, answer), stated_residual_motion(request, answer)
+        more: dict[str, Any] = {
+            "notes": (str(kept / OUT),),
+            "residual_motion": None if math.isnan(motion) else motion,
+            "command": ("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
+        }
         case = _described(case, request, answer)
-        command = ("msvalidate", "simulate", "CASE", "--with", "ADAPTER")
-        return judge_and_tell(
-            case,
-            result,
-            folder,
-            whose,
-            args,
-            show,
-            notes=(str(kept / OUT),),
-            residual_motion=None if math.isnan(motion) else motion,
-            command=command,
-        )
+        return judge_and_tell(case, result, folder, whose, args, show, **more)
 
 
 def _name(args: argparse.Namespace, told: list[str]) -> str:
@@ -116,16 +106,12 @@ def _result(request: Request, answer: Answer) -> Result:
 
 def _described(case: Case, request: Request, answer: Answer) -> Case:
     """The case with what its page tells of the simulator."""
-    about = answer.about
-    told = {key: _line(about[key]) for key in ("simulator", "version", "law") if about.get(key)}
+    told = dict(answer.about)
+    for name, (value, unit) in told.pop("settings", {}).items():
+        told[f"setting {_line(name)}"] = f"{value} {unit}".strip()
     told["nodes"] = f"{len(request.mesh.points)} of {len(request.mesh.cells)} {request.mesh.shape}"
-    settings: Mapping[str, Any] = about.get("settings", {})
-    for name, (value, unit) in settings.items():
-        told[f"setting {_line(name)}"] = _line(f"{value} {unit}".strip())
-    for key in ("steps", "dt", "precision", "at_rest", "seconds", "notes"):
-        if about.get(key):
-            told[key.replace("_", " ")] = _line(about[key])
-    return replace(case, notes={**case.notes, **told})
+    shown = {key.replace("_", " "): _line(value) for key, value in told.items() if value}
+    return replace(case, notes={**case.notes, **shown})
 
 
 def _line(value: object) -> str:
@@ -206,10 +192,8 @@ def check_adapter(args: argparse.Namespace) -> int:
 def _known_law(given: str) -> str:
     law = law_named(given)
     if law and law not in LAWS:
-        near = [name for name in LAWS if law.lower() in name.lower()]
-        near = near or difflib.get_close_matches(law, LAWS, n=1, cutoff=0.5)
-        meant = f" (meant: {' | '.join(near)}?)" if near else ""
-        raise ProblemError(f"--law {format_value(law)}: not known; see adapter laws{meant}")
+        hint = catalogue.suggestion(law, [*LAWS])
+        raise ProblemError(f"--law {format_value(law)}: not known; see adapter laws; {hint}")
     return law
 
 

@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import logging
-import math
 import os
-import re
 import sys
-import textwrap
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TextIO
 
 from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from msvalidate.cli.outcome import Outcome
-    from msvalidate.output.stored import Result, Stored
-
-WIDTH = 100
-"""Of findings, in characters."""
-FINDINGS = 8
-"""Lines of findings a study: with its question and what was left out, ten."""
-FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
-FAILURES = 5
-"""Failures a study that are told one by one."""
+from msvalidate.judging import catalogue
 
 
 def tell(message: str) -> None:
@@ -96,103 +80,30 @@ def nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123  as long as the process
 
 
-def summary_lines(result: Result) -> list[str]:
-    """What a study asks, and the first sentences of what it finds, in at most ten lines."""
-    lines = [f"{result.name}: {result.question.partition(chr(10))[0]}"]
-    findings = result.evidence.findings
-    for place, finding in enumerate(findings):
-        wrapped = textwrap.wrap(
-            FIRST_SENTENCE.split(finding, maxsplit=1)[0],
-            WIDTH,
-            initial_indent="  - ",
-            subsequent_indent="    ",
-            break_on_hyphens=False,
-        )
-        if place and len(lines) + len(wrapped) > FINDINGS + 1:
-            left = len(findings) - place
-            return [*lines, f"  … {left} more finding{'s' * (left > 1)} in the report"]
-        lines += wrapped[:FINDINGS]
-    return lines
-
-
-def table_lines(result: Result, names: Sequence[str]) -> list[str]:
-    """The tables of these names, whole; all of them for none."""
-    tables: dict[str, Any] = {**result.evidence.tables}
-    tables["verdict"] = result.verdict.drop(columns="because")
-    asked = [name for name in names if name in tables] if names else list(tables)
-    return [f"\n{result.name}/{name}\n{align(tables[name])}" for name in asked]
-
-
-def align(table: pd.DataFrame) -> str:
-    """Aligned text of a table."""
-    return table.to_string(index=False, float_format=lambda value: f"{value:.6g}")
-
-
-def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
-    """What a study missed, the worst first and at most five, and where the others are."""
-    from msvalidate.output.junit import failure_line
-
-    missed = missed_rows(study)
-    lines = []
-    for row in missed[:FAILURES]:
-        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
-        lines.append(f"{study.name}: FAIL {failure_line(row)}{why}")
-    if len(missed) > FAILURES:
-        lines.append(f"{study.name}: … {len(missed) - FAILURES} more in {where}")
-    return lines
-
-
-def missed_rows(study: Stored | Outcome) -> list[dict[Any, Any]]:
-    """Rows of a verdict that were missed, worst first; what is no number, and baseline, last."""
-    from msvalidate.judging.evidence import is_missed
-
-    rows = study.verdict[is_missed(study.verdict) & (not study.error)]
-    worst = (rows["error"] / rows["limit"]).where(rows["error"] < math.inf)
-    rows = rows.assign(last=rows["layer"] == "baseline", worst=worst)
-    return rows.sort_values(["last", "worst"], ascending=[True, False]).to_dict("records")
-
-
-def ending(study: Stored | Outcome) -> str:
-    """How a study ended, in one line."""
-    rows = 0 if study.error else len(study.verdict)
-    missed = len(missed_rows(study))
-    said = f"{rows - missed} of {rows} held"
-    if study.error:
-        said = "not finished"
-    elif "candidate" in study.origin:
-        counts = Counter(study.verdict["verdict"])
-        words = ", ".join(f"{word}: {many}" for word, many in sorted(counts.items()))
-        said = f"{study.origin['candidate']}, {rows} rows, {words}"
-    elif not study.held:
-        said = f"FAILED, {rows} row{'s' * (rows != 1)}: {rows - missed} held, {missed} missed"
-    return f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else "")
-
-
-def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
-    """How several studies ended together, layer by layer."""
-    judged, held = Counter[str](), Counter[str]()
-    for outcome in outcomes:
-        judged.update(outcome.verdict["layer"])
-        held.update(outcome.verdict.loc[outcome.verdict["verdict"] == "pass", "layer"])
-    layers = [f"{layer} {held[layer]} of {many}" for layer, many in judged.items()]
-    whole = f"{sum(each.held for each in outcomes)} of {len(outcomes)} studies held"
-    return f"{', '.join([whole, *layers])}, {seconds:.1f} s"
-
-
-class CompilationNotice(logging.Handler):
-    """Says once that kernels are being compiled, which only a first run has to wait for."""
-
-    def emit(self, record: logging.LogRecord) -> None:  # noqa: ARG002  what is compiled
-        """Take the first message for all."""
-        logging.getLogger("msvalidate.kernels").removeHandler(self)
-        tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
+def list_studies(_args: argparse.Namespace) -> int:
+    """Each study with what it asks, or why it cannot be read: which costs no other its line."""
+    names = catalogue.names()
+    asked = dict.fromkeys(names, "")
+    for name in names:
+        try:
+            asked[name] = catalogue.question(name)
+        except ImportError as error:
+            asked[name] = f"(cannot be read: {error})"
+    width = max(map(len, names))
+    return print_lines([f"{name:<{width}}  {said}" for name, said in asked.items()])
 
 
 def announce_compilation() -> None:
-    """Let a first run say that it compiles."""
-    kernels = logging.getLogger("msvalidate.kernels")
+    """Let a first run say, once, that it compiles kernels, which only it has to wait for."""
+    kernels = logging.getLogger("msvalidate.kernels.cache")
+
+    def tell_once(_record: logging.LogRecord) -> bool:
+        kernels.removeFilter(tell_once)
+        tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
+        return False
+
     kernels.setLevel(logging.INFO)
-    kernels.addHandler(CompilationNotice())
+    kernels.addFilter(tell_once)
 
 
 class Progress:

@@ -15,9 +15,8 @@ import math
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.bodies.bodies import BAND
 from msvalidate.simulators.exchange.protocol import Simulator
-from msvalidate.simulators.probe.reading import SHOWN
+from msvalidate.simulators.probe.reading import BAND, SHOWN
 from msvalidate.simulators.verdict.judgement import Judgement, judge_simulator
 
 from .gaps import fill_gaps, with_none

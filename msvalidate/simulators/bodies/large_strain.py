@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, Isotropic, Mesh, SolverError
+from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import blocks
 from msvalidate.simulators.bodies.tetrahedra import Stress, at_rest, linear_elements
@@ -24,6 +24,7 @@ from msvalidate.simulators.exchange.protocol import (
     ask,
     stated_residual_motion,
 )
+from msvalidate.simulators.probe.block import Block
 
 STRAIN = 0.05
 """Largest principal strain of linear elements under the loads that are asked for."""
@@ -61,9 +62,8 @@ def at_large_strain(
     simulator: Simulator,
     material: Isotropic,
     stress: Stress,
-    settings: Mapping[str, Any] | None = None,
-    *,
-    mass_of: Callable[[Request], Array | None] | None = None,
+    settings: Mapping[str, Any],
+    mass_of: Callable[[Request], Array | None],
 ) -> AtLargeStrain:
     """Bring a body to rest under loads that strain it, and hold it against elements of its law.
 
@@ -91,7 +91,7 @@ def at_large_strain(
         except CannotRepresent as error:
             refused = error
             continue
-        mass = None if mass_of is None else mass_of(request)
+        mass = mass_of(request)
         weighed = request if mass is None else replace(request, mass=mass)
         try:
             wanted, solid = at_rest(weighed, stress)
@@ -111,12 +111,12 @@ def at_large_strain(
     raise refused or CannotRepresent("no body")
 
 
-def _strained(name: str, material: Isotropic, settings: Mapping[str, Any] | None) -> Request:
+def _strained(name: str, material: Isotropic, settings: Mapping[str, Any]) -> Request:
     """A case of the set as a request, its loads multiplied so that they strain it by `STRAIN`."""
     request = blocks.request_of(blocks.frozen_case(name, MESH, material.nu), material, settings)
     move = linear_elements(request, material.E, material.nu)
-    u = move[request.mesh.cells]
-    G = np.swapaxes(u[:, 1:] - u[:, :1], 1, 2) @ np.linalg.inv(_edges(request.mesh))
+    slopes = Block(request.mesh, material).slopes
+    G = np.einsum("cka,ckb->cab", move[request.mesh.cells], slopes)
     times = STRAIN / float(np.abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2)).max())
     return replace(
         request,
@@ -124,9 +124,3 @@ def _strained(name: str, material: Isotropic, settings: Mapping[str, Any] | None
         gravity=times * request.gravity,
         name=f"{request.name}, loads times {times:.4g}",
     )
-
-
-def _edges(mesh: Mesh) -> Array:
-    """(c, 3, 3) m from a cell's first corner to the others, in columns."""
-    corners = mesh.points[mesh.cells]
-    return np.asarray(np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2))

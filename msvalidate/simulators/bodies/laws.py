@@ -17,7 +17,7 @@ from msvalidate.constants import stiffness
 from msvalidate.problem import VOIGT, Array, ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, require_one_of
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.probe.reading import Elastic, elastic
+from msvalidate.simulators.probe.reading import BAND, Elastic, elastic
 
 Stress = Callable[[Array, float, float], Array]
 """F (..., 3, 3), real or complex, mu, lam (Pa) -> P (..., 3, 3) in Pa; analytic in F near I."""
@@ -27,8 +27,6 @@ POLAR_STEPS = 12
 """Of Newton's iteration for the rotation: quadratic, so that 30 % of strain takes five."""
 ROUNDED = 1e-12
 """Relative error of a predicted stiffness: rounding of a few products."""
-NEAR = 0.01
-"""Of E relative and nu absolute, within which a reading is as a law's."""
 AT_REST = 1e-9
 """Stress at F = I over the stiffness, beyond which a law has no solid at rest there."""
 
@@ -51,24 +49,6 @@ class Law:
     source: str
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """A law to first order: E (Pa) and nu, or None with a reason in `elastic`, and C (6, 6) Pa."""
-
-    elastic: Elastic
-    C: Array
-
-    @property
-    def E(self) -> float | None:
-        """Pa."""
-        return self.elastic.E
-
-    @property
-    def nu(self) -> float | None:
-        """Poisson's ratio."""
-        return self.elastic.nu
-
-
 def lame(E: float, nu: float) -> tuple[float, float]:
     """Lamé's mu and lam (Pa) of E (Pa) and nu. Raises `ProblemError` where a solid has none."""
     nu = finite_number("law: nu", nu, above=-1.0, below=0.5)
@@ -88,18 +68,21 @@ def law_named(text: str) -> str:
 
 
 def nearest_law(E: float, nu: float, asked_E: float, asked_nu: float) -> str:
-    """Name of the law that is nearest to E (Pa) and nu where it is asked for others; "" if none."""
-    away = {"": NEAR}
+    """Name of the law that is nearest to E (Pa) and nu where it is asked for others; "" if none.
+
+    Within `BAND`, of E relative and of nu absolute.
+    """
+    away = {"": BAND}
     for name in LAWS:
         law = predicted(name, asked_E, asked_nu)
         if law.E is None or law.nu is None:
             continue
-        if max(abs(law.E / asked_E - 1), abs(law.nu - asked_nu)) > NEAR / 10:  # else as asked
+        if max(abs(law.E / asked_E - 1), abs(law.nu - asked_nu)) > BAND / 10:  # else as asked
             away[name] = max(abs(E / law.E - 1), abs(nu - law.nu))
     return min(away, key=lambda name: away[name])
 
 
-def predicted(law: str, E: float, nu: float) -> Prediction:
+def predicted(law: str, E: float, nu: float) -> Elastic:
     """What a law of `LAWS` is at small strain when it is asked for E (Pa) and nu.
 
     Raises
@@ -110,13 +93,11 @@ def predicted(law: str, E: float, nu: float) -> Prediction:
     require_one_of("law", law, LAWS)
     mu, lam = lame(E, nu)
     C = first_order(LAWS[law].stress, mu, lam)
-    return Prediction(elastic(C, ROUNDED * float(np.abs(C).max())), C)
+    return elastic(C, ROUNDED * float(np.abs(C).max()))
 
 
 def first_order(stress: Stress, mu: float, lam: float) -> Array:
     """Stiffness (6, 6) Pa at F = I, in order xx, yy, zz, yz, xz, xy with engineering strains.
-
-    Column by column Im P(I + i h G)/h, for h so small that h² is nothing beside 1.
 
     Raises
     ------
@@ -124,17 +105,23 @@ def first_order(stress: Stress, mu: float, lam: float) -> Array:
         If P(I) is not 0.
     """
     rest = np.abs(stress(np.eye(3), mu, lam)).max()
-    columns = []
-    for a, b in VOIGT[3]:
-        G = np.zeros((3, 3))
-        G[a, b] += 0.5
-        G[b, a] += 0.5
-        P = np.imag(stress(np.eye(3) + 1j * STEP * G, mu, lam)) / STEP
-        columns.append([(P[i, j] + P[j, i]) / 2 for i, j in VOIGT[3]])
-    C = np.transpose(columns)
+    A = tangent(lambda F: stress(F, mu, lam), np.eye(3))
+    A = (A + A.swapaxes(0, 1) + A.swapaxes(2, 3) + A.transpose(1, 0, 3, 2)) / 4
+    first, second = np.transpose(VOIGT[3])
+    C = A[first, second][:, first, second]
     if rest > AT_REST * np.abs(C).max():
         raise ProblemError(f"law: stress of {rest:.3g} Pa at F = I; it has no rest there")
-    return C
+    return np.asarray(C)
+
+
+def tangent(stress: Callable[[Array], Array], F: Array) -> Array:
+    """∂P/∂F (..., 3, 3, 3, 3) in Pa: Im P(F + i h G)/h, for h so small that h² is nothing."""
+    found = np.empty((*F.shape, 3, 3))
+    for k, m in np.ndindex(3, 3):
+        change = np.zeros((3, 3), dtype=complex)
+        change[k, m] = 1j * STEP
+        found[..., k, m] = np.imag(stress(F + change)) / STEP
+    return found
 
 
 def _cofactor(F: Array) -> Array:
@@ -235,54 +222,26 @@ LAWS: dict[str, Law] = {
     law.name: law
     for law in (
         Law("linear", "linear", _linear, "[TimoshenkoGoodier1970]"),
-        Law(
-            "corotated",
-            "corotated",
-            _corotated,
-            f"{DRAKE}/linear_corotated_model.cc, its rotation at F",
-        ),
+        Law("corotated", "corotated", _corotated,
+            f"{DRAKE}/linear_corotated_model.cc, its rotation at F"),
         Law("fixed-corotated", "fixed corotated", _fixed_corotated, f"{DRAKE}/corotated_model.cc"),
         Law("arap", "as rigid as possible", _arap, "2 mu (F - R), without a volume term"),
         Law("stvk", "Saint Venant-Kirchhoff", _saint_venant, "[Crisfield1991]"),
         Law("neo-log", "neo-Hookean, log J", _log_neo_hookean, "[SimoPister1984]"),
-        Law(
-            "smith-raw",
-            "Smith's neo-Hookean, Lamé's constants as they stand",
-            _smith,
+        Law("smith-raw", "Smith's neo-Hookean, Lamé's constants as they stand", _smith,
             "[SmithDeGoes2018]; bullet3, src/BulletSoftBody/btDeformableNeoHookeanForce.h, "
-            f"firstPiola; {NEWTON}/semi_implicit/kernels_particle.py:250, eval_tetrahedra",
-        ),
-        Law(
-            "smith",
-            "Smith's neo-Hookean, constants of small strain",
-            _smith_corrected,
-            "[SmithDeGoes2018]",
-        ),
-        Law(
-            "neo-raw",
-            "neo-Hookean without logarithm, Lamé's constants as they stand",
-            _simple,
-            f"{DRAKE}/neohookean_model.cc, CalcFirstPiolaStressImpl",
-        ),
-        Law(
-            "neo",
-            "neo-Hookean without logarithm, lam + mu",
-            _simple_corrected,
+            f"firstPiola; {NEWTON}/semi_implicit/kernels_particle.py:250, eval_tetrahedra"),
+        Law("smith", "Smith's neo-Hookean, constants of small strain", _smith_corrected,
+            "[SmithDeGoes2018]"),
+        Law("neo-raw", "neo-Hookean without logarithm, Lamé's constants as they stand", _simple,
+            f"{DRAKE}/neohookean_model.cc, CalcFirstPiolaStressImpl"),
+        Law("neo", "neo-Hookean without logarithm, lam + mu", _simple_corrected,
             f"{NEWTON}/vbd/particle_vbd_kernels.py:184, "
-            "evaluate_volumetric_neo_hookean_force_and_hessian",
-        ),
-        Law(
-            "neo-split",
-            "neo-Hookean of shape and volume apart",
-            _split,
-            "felupe, constitution/hyperelasticity/_neo_hooke_nearly_incompressible.py",
-        ),
-        Law(
-            "constraints",
-            "two constraints, I - 3 and J - 1",
-            _squares_and_volume,
-            f"{NEWTON}/xpbd/kernels.py:494, solve_tetrahedra, at convergence",
-        ),
+            "evaluate_volumetric_neo_hookean_force_and_hessian"),
+        Law("neo-split", "neo-Hookean of shape and volume apart", _split,
+            "felupe, constitution/hyperelasticity/_neo_hooke_nearly_incompressible.py"),
+        Law("constraints", "two constraints, I - 3 and J - 1", _squares_and_volume,
+            f"{NEWTON}/xpbd/kernels.py:494, solve_tetrahedra, at convergence"),
     )
-}
+}  # fmt: skip
 """Name -> law."""

@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Isotropic, Mesh
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.bodies.laws import stress_of
+from msvalidate.simulators.bodies import laws
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
 from reference_fem.elasticity import solve_on
 from reference_fem.large_strain import Solid, deform
@@ -27,8 +27,6 @@ Stress = Callable[[Array], Array]
 """From deformation gradients (c, 3, 3), real or complex, to first Piola-Kirchhoff stresses, Pa."""
 LawOf = Callable[[Request], Stress]
 """The law that a request's material and settings mean to a simulator."""
-STEP = 1e-30
-"""Of complex derivatives: no difference is taken, so nothing is lost by its being small."""
 STEPS, SETTLED = 20, 1e-12
 """Of Newton's method for an implicit step; residual over the largest force on a node."""
 
@@ -59,12 +57,7 @@ class StressLaw:
 
     def tangent(self, F: Array) -> Array:
         """A (q, 3, 3, 3, 3) in Pa."""
-        found = np.empty((*F.shape, 3, 3))
-        for k, m in np.ndindex(3, 3):
-            change = np.zeros((3, 3), dtype=complex)
-            change[k, m] = 1j * STEP
-            found[..., k, m] = np.imag(self.of(F + change)) / STEP
-        return found
+        return laws.tangent(self.of, F)
 
 
 @lru_cache(maxsize=8)
@@ -80,12 +73,7 @@ def linear_elements(request: Request, E: float, nu: float, mass: Array | None = 
     own = request if mass is None else replace(request, mass=mass)
     value = np.where(own.held, own.value, 0.0)
     material, body = Isotropic(E, nu, "solid"), tetrahedra_of(request.mesh)
-    return solve_on(body, material, own.held, value, outer_force(own), allow_locked=True)
-
-
-def outer_force(request: Request) -> Array:
-    """(n, 3) N on a request's nodes, weight among them."""
-    return np.asarray(request.force + request.mass[:, None] * request.gravity)
+    return solve_on(body, material, own.held, value, own.load, allow_locked=True)
 
 
 def at_rest(request: Request, stress: Stress, start: Array | None = None) -> tuple[Array, Solid]:
@@ -97,7 +85,7 @@ def at_rest(request: Request, stress: Stress, start: Array | None = None) -> tup
         If there is no stable equilibrium to be found.
     """
     solid = Solid(tetrahedra_of(request.mesh), StressLaw(stress), request.held)
-    value, force = np.where(request.held, request.value, 0.0), outer_force(request)
+    value, force = np.where(request.held, request.value, 0.0), request.load
     found = deform(solid, value, force, start=start, allow_locked=True)
     return found.displacement, solid
 
@@ -121,7 +109,7 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
         }
         if request.task == "rest":
             move, solid = at_rest(request, stress)
-            left = np.where(request.held, 0.0, outer_force(request) - solid.internal_force(move)[0])
+            left = np.where(request.held, 0.0, request.load - solid.internal_force(move)[0])
             about["at_rest"] = {"residual": float(np.abs(left).max())}
             return Answer(displacement=move, about=about)
         position, velocity = _in_motion(request, stress, implicit=implicit)
@@ -132,7 +120,7 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
 
 def of_law(law: str, name: str = "linear tetrahedra") -> Callable[[Request], Answer]:
     """The simulator of a law of `LAWS`; at rest the linear one is of small strains, always."""
-    whole = tetrahedra(lambda asked: stress_of(law, asked.material.E, asked.material.nu), name)
+    whole = tetrahedra(lambda asked: laws.stress_of(law, asked.material.E, asked.material.nu), name)
 
     def simulate(request: Request) -> Answer:
         if law != "linear" or request.task != "rest":

@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv
 import re
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
@@ -16,11 +16,13 @@ import pandas as pd
 from msvalidate.bodies.mesh_file import read_points
 from msvalidate.case.results import refuse_wide
 from msvalidate.problem import AXES, Array, ProblemError
-from msvalidate.problem.checks import finite_number, format_value, numbers
+from msvalidate.problem.checks import format_value, numbers
 from msvalidate.simulators.exchange.protocol import (
     LARGEST,
     Answer,
     ForcesAt,
+    MassKind,
+    Precision,
     Request,
     SimulatorError,
     ask,
@@ -99,7 +101,8 @@ NO_NUMBER = re.compile(r'"(\w+)"\s*:\s*\[?\s*(-?NaN|-?Infinity)\b')
 """A key of it whose value Python writes where there is no number, which is no JSON."""
 LARGEST_ABOUT = 1_000_000
 """Bytes of `result.json`."""
-LOOSEST = 0.1
+Amount = Annotated[float, msgspec.Meta(ge=0, le=LARGEST)]
+Part = Annotated[float, msgspec.Meta(ge=0, lt=0.1)]
 """Of what a step may be solved to: beyond that no law can be read from it."""
 LARGEST_EMPTY, BYTES_A_NODE = 10_000_000, 2_000
 """Bytes that a result may have: of its own, and for each node."""
@@ -109,7 +112,7 @@ COLUMNS = {"displacement": "u", "position": "", "velocity": "v", "force": "f"}
 """Array -> what its columns begin with in a table, before x, y and z."""
 
 
-class AtRest(msgspec.Struct, forbid_unknown_fields=True):
+class AtRest(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """How far an answer is from rest, as its program knows it.
 
     Parameters
@@ -122,26 +125,26 @@ class AtRest(msgspec.Struct, forbid_unknown_fields=True):
         Largest change of a node's displacement when run twice as long, m.
     """
 
-    residual: float | None = None
-    largest_speed: float | None = None
-    change_when_twice_as_long: float | None = None
+    residual: Amount | None = None
+    largest_speed: Amount | None = None
+    change_when_twice_as_long: Amount | None = None
 
 
-class About(msgspec.Struct, forbid_unknown_fields=True):
+class About(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """The keys of `result.json`: as `Answer.about` tells them."""
 
     simulator: str
     version: str
     law: str
-    precision: Literal["float64", "float32"]
+    precision: Precision
     settings: dict[str, tuple[Any, str]] = {}
-    steps: int | None = None
-    dt: float | None = None
-    mass: Literal["lumped", "consistent", "one point"] | None = None
+    steps: Annotated[int, msgspec.Meta(ge=0)] | None = None
+    dt: Amount | None = None
+    mass: MassKind | None = None
     forces_at: ForcesAt | None = None
-    solves_to: float | None = None
+    solves_to: Part | None = None
     at_rest: AtRest = msgspec.field(default_factory=AtRest)
-    seconds: float | None = None
+    seconds: Amount | None = None
     notes: str | list[str] = ""
 
 
@@ -158,8 +161,6 @@ def read_answer(folder: str | Path, request: Request) -> Answer:
     try:
         about = _read_about(place / ABOUT)
         arrays = _read_arrays(place, request)
-    except SimulatorError:
-        raise
     except ProblemError as error:
         raise SimulatorError(f"answer: {error}") from error
     answer = Answer(**arrays, about=about)
@@ -180,24 +181,12 @@ def _read_about(path: Path) -> dict[str, Any]:
             ) from error
         known = f"; the keys are {', '.join(About.__struct_fields__)}" if "field" in why else ""
         raise SimulatorError(f"answer: {ABOUT}: {why}{known}") from error
-    for name, least in (("steps", 0), ("dt", 0), ("seconds", 0)):
-        if getattr(about, name) is not None:
-            finite_number(f"{ABOUT}: {name}", getattr(about, name), least=least)
-    if about.solves_to is not None:
-        finite_number(f"{ABOUT}: solves_to", about.solves_to, least=0.0, below=LOOSEST)
-    rest = msgspec.to_builtins(about.at_rest)
-    given = {name: value for name, value in rest.items() if value is not None}
-    for name, value in given.items():
-        finite_number(f"{ABOUT}: at_rest.{name}", value, least=0.0, most=LARGEST)
-    found = msgspec.to_builtins(about) | {"at_rest": given}
-    return {name: value for name, value in found.items() if value is not None}
+    return dict(msgspec.to_builtins(about))
 
 
-def _refuse_large(path: Path, most: int) -> None:
-    _refuse_more(path, path.stat().st_size, most)
-
-
-def _refuse_more(path: Path, size: int, most: int) -> None:
+def _refuse_large(path: Path, most: int, size: int | None = None) -> None:
+    """Raise `SimulatorError` for a file of more bytes, or whose content is of more."""
+    size = path.stat().st_size if size is None else size
     if size > most:
         raise SimulatorError(f"answer: {path.name}: {size:g} bytes; the most is {most:g}")
 
@@ -218,26 +207,30 @@ def _read_arrays(place: Path, request: Request) -> dict[str, Array]:
     return readers[path.suffix](path, request, most)
 
 
-def _wanted(request: Request) -> tuple[tuple[str, ...], ...]:
-    """Arrays that answer a request, the ways that there are."""
-    moved = ("position", "velocity")
-    return (("displacement",),) if request.task == "rest" else (moved, ("force",))
+def _way(
+    request: Request, there: Collection[str], said: str, spelt: Callable[[Sequence[str]], str]
+) -> Sequence[str]:
+    """Arrays of the first way to answer a request that is there; ways are told as `spelt`."""
+    moved: Sequence[str] = ("position", "velocity")
+    ways = [["displacement"]] if request.task == "rest" else [moved, ["force"]]
+    for way in ways:
+        if all(name in there for name in way):
+            return way
+    needed = " or ".join(map(spelt, ways))
+    raise SimulatorError(f"answer: {said}; a {request.task} needs {needed}")
 
 
 def _take(said: str, there: dict[str, Any], request: Request) -> dict[str, Array]:
     """Arrays of the first way to answer that is there."""
-    for way in _wanted(request):
-        if all(name in there for name in way):
-            return {name: numbers(f"{said}: {name}", there[name]) for name in way}
-    ways = " or ".join(" and ".join(way) for way in _wanted(request))
     held = format_value(", ".join(map(str, there)) or "nothing")
-    raise SimulatorError(f"answer: {said} holds {held}; a {request.task} needs {ways}")
+    way = _way(request, there, f"{said} holds {held}", " and ".join)
+    return {name: numbers(f"{said}: {name}", there[name]) for name in way}
 
 
 def _read_npz(path: Path, request: Request, most: int) -> dict[str, Array]:
     try:
         with zipfile.ZipFile(path) as packed:
-            _refuse_more(path, sum(each.file_size for each in packed.infolist()), most)
+            _refuse_large(path, most, sum(each.file_size for each in packed.infolist()))
         with np.load(path, allow_pickle=False) as content:
             there = {name: content[name] for name in content.files if name in COLUMNS}
     except SimulatorError:
@@ -250,24 +243,13 @@ def _read_npz(path: Path, request: Request, most: int) -> dict[str, Array]:
 
 def _read_csv(path: Path, request: Request, _most: int) -> dict[str, Array]:
     axes = AXES[: request.mesh.dim]
+    columns = {name: [f"{start}{a}" for a in axes] for name, start in COLUMNS.items()}
     with path.open(encoding="utf-8-sig", errors="replace") as lines:
         header = [name.strip() for name in lines.readline(LARGEST_ABOUT).split(",")]
-    there = {
-        name: [f"{start}{a}" for a in axes]
-        for name, start in COLUMNS.items()
-        if all(f"{start}{a}" in header for a in axes)
-    }
-    for way in _wanted(request):
-        if all(name in there for name in way):
-            return {name: read_table(path, there[name]) for name in way}
-    raise SimulatorError(
-        f"answer: {path.name} has columns {format_value(', '.join(header))}; a {request.task} "
-        f"needs {' or '.join(','.join(_columns(way, axes)) for way in _wanted(request))}"
-    )
-
-
-def _columns(way: tuple[str, ...], axes: tuple[str, ...] | str) -> list[str]:
-    return [f"{COLUMNS[name]}{a}" for name in way for a in axes]
+    there = [name for name, each in columns.items() if all(column in header for column in each)]
+    said = f"{path.name} has columns {format_value(', '.join(header))}"
+    way = _way(request, there, said, lambda way: ",".join(",".join(columns[n]) for n in way))
+    return {name: read_table(path, columns[name]) for name in way}
 
 
 def _read_vtu(path: Path, request: Request, _most: int) -> dict[str, Array]:

@@ -25,7 +25,10 @@ MASSES = 34
 
 @dataclass(frozen=True)
 class Note:
-    """What could not be asked, and why; `asked` is false after a question that took too long."""
+    """What could not be asked, or was not answered, and why.
+
+    `asked` is false after a question that took too long.
+    """
 
     what: str
     why: str
@@ -35,14 +38,6 @@ class Note:
 def note_of(what: str, error: Exception) -> Note:
     """A note on an error."""
     return Note(what, str(error), not isinstance(error, NotAskedError))
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A question that was not answered, its number and task, and why."""
-
-    question: str
-    why: str
 
 
 class NoAnswerError(Exception):
@@ -76,7 +71,7 @@ class Asked:
     count: int = 0
     answers: int = 0
     refusals: list[str] = field(default_factory=list)
-    failures: list[Failure] = field(default_factory=list)
+    failures: list[Note] = field(default_factory=list)
     ended: bool = False
     about: Mapping[str, Any] = field(default_factory=dict)
     began: float = field(default_factory=time.perf_counter)
@@ -127,5 +122,5 @@ class Asked:
     def _fail(self, asked: str, error: SimulatorError) -> None:
         if self.count == 1:
             raise NoAnswerError(f"{asked}: {error}") from error
-        self.failures.append(Failure(asked, str(error)))
+        self.failures.append(Note(asked, str(error)))
         self.ended = self.ended or isinstance(error, OutOfTime)

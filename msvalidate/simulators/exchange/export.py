@@ -42,7 +42,7 @@ from msvalidate.problem.checks import format_value, require_one_of, whole_number
 from msvalidate.simulators.exchange.lammps import lammps_files
 from msvalidate.simulators.exchange.protocol import Request, Springs
 from reference_fem.body import nodal_forces
-from reference_fem.elasticity import solve
+from reference_fem.elasticity import solve_on
 from reference_fem.first_mesh import first_mesh, grid_lines, kept_places
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
@@ -120,17 +120,9 @@ def export_case(
 
 def on_mesh(request: Request, nu: float) -> Array:
     """Displacement (n, d) in m of linear elements of another ratio on a request's own mesh."""
-    mesh = request.mesh
-    force = request.force + request.mass[:, None] * request.gravity
-    return solve(
-        mesh.points,
-        mesh.cells,
-        of_shape(mesh.shape).name,
-        replace(request.material, nu=nu),
-        [(*at, request.value[at]) for at in zip(*np.nonzero(request.held), strict=True)],
-        [(*at, force[at]) for at in zip(*np.nonzero(force), strict=True)],
-        allow_locked=True,
-    )
+    value, material = np.where(request.held, request.value, 0.0), replace(request.material, nu=nu)
+    body = mesh_discretisation(request.mesh)
+    return solve_on(body, material, request.held, value, request.load, allow_locked=True)
 
 
 def lumped_mass(mesh: Mesh, material: Isotropic) -> Array:

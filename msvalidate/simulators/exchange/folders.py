@@ -14,7 +14,6 @@ import numpy as np
 from msvalidate.output.vtu import mesh_bytes, vtu_bytes
 from msvalidate.problem import AXES, ProblemError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.exchange.answers import read_answer
 from msvalidate.simulators.exchange.protocol import FORMAT, Request
 from msvalidate_check import exchange
 
@@ -130,6 +129,3 @@ def _table(names: Sequence[str], rows: np.ndarray, whole: Iterable[str] = ()) ->
     lines = [",".join(["id", *names])]
     lines += [f"{i}," + ",".join(row) for i, row in enumerate(zip(*texts, strict=True))]
     return ("\n".join(lines) + "\n").encode()
-
-
-__all__ = ["read_answer", "refuse_foreign", "request_files", "write_request"]

@@ -15,14 +15,14 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections import deque
 from pathlib import Path
 from typing import IO
 
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.exchange.folders import REQUEST, read_answer, write_request
+from msvalidate.simulators.exchange.answers import read_answer
+from msvalidate.simulators.exchange.folders import REQUEST, write_request
 from msvalidate.simulators.exchange.protocol import (
     CANNOT,
     Answer,
@@ -238,25 +238,17 @@ class _Stream:
 
     def __init__(self, pipe: IO[bytes]) -> None:
         self._pipe = pipe
-        self._head, self._tail = bytearray(), deque[bytes]()
-        self._held = self._lost = 0
+        self._kept, self._lost = bytearray(), 0
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
 
     def _read(self) -> None:
         with contextlib.suppress(OSError, ValueError):
             while piece := os.read(self._pipe.fileno(), PIECE):
-                room = KEPT - len(self._head)
-                self._head += piece[:room]
-                self._keep(piece[room:] if room > 0 else piece)
-
-    def _keep(self, piece: bytes) -> None:
-        self._tail.append(piece)
-        self._held += len(piece)
-        while self._held - len(self._tail[0]) >= KEPT:
-            gone = self._tail.popleft()
-            self._held -= len(gone)
-            self._lost += len(gone)
+                self._kept += piece
+                more = max(len(self._kept) - 2 * KEPT, 0)
+                del self._kept[KEPT : KEPT + more]
+                self._lost += more
 
     def finish(self) -> None:
         """Wait for its end, but not for ever."""
@@ -268,7 +260,7 @@ class _Stream:
     def content(self) -> bytes:
         """What is kept of it."""
         gap = f"\n... {self._lost} bytes left out ...\n".encode() if self._lost else b""
-        return bytes(self._head) + gap + b"".join(tuple(self._tail))
+        return bytes(self._kept[:KEPT]) + gap + bytes(self._kept[KEPT:])
 
     @property
     def last_line(self) -> str:

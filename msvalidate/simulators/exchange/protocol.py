@@ -44,7 +44,7 @@ def stated_residual_motion(request: Request, answer: Answer) -> float:
         return math.nan
     if "change_when_twice_as_long" in stated:
         return float(stated["change_when_twice_as_long"]) / size
-    force = np.where(request.held, 0.0, request.force + request.mass[:, None] * request.gravity)
+    force = np.where(request.held, 0.0, request.load)
     work = float((force * u).sum())
     if "largest_speed" in stated:
         moved = float((request.mass[:, None] * u**2).sum())
@@ -65,6 +65,10 @@ Task = Literal["rest", "motion"]
 """Bring the body to rest under its loads, or take steps from given positions."""
 ForcesAt = Literal["start", "end"]
 """At which positions of a step the forces act that changed its velocities."""
+Precision = Literal["float64", "float32"]
+MassKind = Literal["lumped", "consistent", "one point"]
+ROUNDING = {"float64": 2.0**-53, "float32": 2.0**-24}
+"""Largest relative error of a rounded number."""
 
 
 class CannotRepresent(ProblemError):  # noqa: N818  read as what a simulator says
@@ -160,6 +164,11 @@ class Request:
                 raise ProblemError("motion: no start or dt; give positions and a step")
             positive_number("dt", self.dt, "s")
             whole_number("steps", self.steps, 1)
+
+    @property
+    def load(self) -> Array:
+        """(n, d) N on the nodes, weight among them."""
+        return np.asarray(self.force + self.mass[:, None] * self.gravity)
 
 
 @dataclass(frozen=True, eq=False)

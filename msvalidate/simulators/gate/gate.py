@@ -9,16 +9,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from msvalidate.case.case import Case
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction, Weight
-from msvalidate.problem.checks import require_type, whole_number
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.exchange.export import export_case
 from msvalidate.simulators.exchange.protocol import (
+    ROUNDING,
     Answer,
     CannotRepresent,
     NotAskedError,
@@ -29,6 +32,9 @@ from msvalidate.simulators.exchange.protocol import (
     solves_to,
     stated_residual_motion,
 )
+from msvalidate.simulators.probe.block import wave_speed
+from msvalidate.simulators.probe.reading import BAND
+from msvalidate_check.causes import Phrase, phrase
 
 ACROSS = 4
 """Cells across the block, whose side is 1 m: quarters are exact in float32."""
@@ -39,37 +45,27 @@ STRAIN = 2.0**-10
 """Of the pulled block: far above rounding in float32, small beside 1."""
 
 
-def pulled_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
-    """A block of side 1 m, clamped at its left, pulled at its right to about `STRAIN`."""
-    pull = (STRAIN * material.E, *[0.0] * (material.dim - 1))
-    return _block(material, settings, lambda box: Traction(box.side("right"), pull))
-
-
-def hanging_block(material: Isotropic, settings: Mapping[str, Any]) -> Request:
-    """The same under a weight that stretches it as much, for programs without nodal forces."""
-    weight = STRAIN * material.E / material.density  # over a side of 1 m
-    acceleration = (weight, *[0.0] * (material.dim - 1))
-    return _block(material, settings, lambda _: Weight(acceleration))
-
-
-def _block(
-    material: Isotropic,
-    settings: Mapping[str, Any],
-    load: Callable[[Box], Traction | Weight],
+def stretched_block(
+    material: Isotropic, settings: Mapping[str, Any], *, hanging: bool = False
 ) -> Request:
-    box = Box((1.0,) * material.dim)
-    clamp = Support(box.side("left"), (0.0,) * material.dim)
-    problem = Problem(box, material, (clamp,), (load(box),), "block")
+    """A block of side 1 m, clamped at its left, stretched to the right by about `STRAIN`.
+
+    It is pulled at its right; `hanging`, it is as much under a weight, for programs without forces
+    on nodes.
+    """
+    box, none = Box((1.0,) * material.dim), (0.0,) * material.dim
+    pull = STRAIN * material.E
+    load: Traction | Weight = Traction(box.side("right"), (pull, *none[1:]))
+    if hanging:
+        load = Weight((pull / material.density, *none[1:]))  # over a side of 1 m
+    problem = Problem(box, material, (Support(box.side("left"), none),), (load,), "block")
     return export_case(Case(problem), cells=ACROSS, settings=settings)
 
 
 def motion(block: Request, start: Array, steps: int = 1) -> Request:
     """The block let go from positions (n, d) in m, in steps short enough to be stable."""
-    material = block.material
-    stiff = min(material.nu, 0.49)
-    modulus = material.E * (1 - stiff) / ((1 + stiff) * (1 - 2 * stiff))
     part = ONE_STEP if steps == 1 else MANY_STEPS
-    dt = part / ACROSS * math.sqrt(material.density / modulus)
+    dt = part / ACROSS / wave_speed(block.material)
     none = np.zeros_like(block.force)
     return replace(
         block,
@@ -77,7 +73,7 @@ def motion(block: Request, start: Array, steps: int = 1) -> Request:
         start=start,
         # A power of two, so that floats of either kind hold it.
         dt=2.0 ** math.floor(math.log2(dt)),
-        steps=whole_number("steps", steps, 1),
+        steps=steps,
         gravity=np.zeros(block.mesh.dim),
         force=none,
         held=none.astype(bool),
@@ -87,8 +83,7 @@ def motion(block: Request, start: Array, steps: int = 1) -> Request:
 
 def epsilon(answer: Answer) -> float:
     """Rounding of the floats that an answer was reckoned in; of float64, where it does not say."""
-    single = answer.about.get("precision") == "float32"
-    return float(np.finfo(np.float32 if single else np.float64).eps)
+    return 2 * ROUNDING.get(answer.about.get("precision", ""), ROUNDING["float64"])
 
 
 def turned(points: Array, angle: float) -> Array:
@@ -103,9 +98,8 @@ def forces(request: Request, answer: Answer) -> Array:
     """Force (n, d) in N that the body puts on its nodes, from what one step does to velocities."""
     if answer.force is not None:
         return answer.force
-    if answer.velocity is None or request.dt is None:
-        raise SimulatorError("answer: neither velocities nor forces")
-    return np.asarray(request.mass[:, None] * (answer.velocity / request.dt - request.gravity))
+    move = np.asarray(answer.velocity) / float(request.dt or 1.0)
+    return np.asarray(request.mass[:, None] * (move - request.gravity))
 
 
 Word = Literal["passed", "stopped", "cannot", "told", "not at rest", "not asked"]
@@ -115,10 +109,6 @@ TOLD: Word = "told"
 MOVING: Word = "not at rest"
 LEFT_OUT: Word = "not asked"
 FREE_FALL = "free fall"
-SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
-"""Rows that only what is not at rest is stopped by: to be mended first."""
-HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
-"""Rows for which it is known what helps."""
 STEPS = 10
 """Of a motion."""
 FALL = 0.25
@@ -129,16 +119,9 @@ LARGE_TURN = math.pi / 6
 ROUNDINGS = 100
 """Roundings of a coordinate that a force or a displacement may be off by: it is a sum of some tens
 of terms, each rounded a few times."""
-FEW = 4
-"""Roundings of the difference of two positions, which a velocity may be: one each, and one to spare
-on either side."""
 UNSTATED = 1e-3
 """Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
 that readings of a modulus are held to."""
-MOVES = 0.01
-"""Part of the displacement beyond which what changes as stated is no state at rest: the band that
-bodies are held to."""
-SOLVES_TO = "what it states to solve to"
 ORDERS = 5
 """Times the strain, by how much laws and shapes of large strain may leave proportion."""
 
@@ -154,7 +137,7 @@ class GateRow:
     value, unit, limit
         Found, and the most that passes; NaN where there is none.
     because
-        Why the limit is as wide as it is, or what kept it from being tried.
+        Why the limit is as wide as it is, a phrase, or what kept it from being tried, in words.
     verdict
         "passed", "stopped", "cannot" (it could not be asked), "told" (no limit), "not asked" (after
         a question that took too long), or "not at rest": within the limit, by what it says may
@@ -165,13 +148,8 @@ class GateRow:
     value: float
     unit: str
     limit: float
-    because: str
+    because: str | Phrase
     verdict: Word
-
-    @property
-    def passed(self) -> bool:
-        """Whether it does not stop the simulator."""
-        return self.verdict != STOPPED
 
 
 @dataclass(frozen=True)
@@ -214,42 +192,58 @@ def gate(
         Of the simulator.
     """
     require_type("gate: material", material, Isotropic)
-    block = pulled_block(material, dict(settings or {}))
-    rows = _motion_rows(simulator, block)
-    hanging = hanging_block(material, dict(settings or {}))
+    own = dict(settings or {})
+    block = stretched_block(material, own)
+    rows = _tried({
+        "rest stays at rest": partial(_at_rest, simulator, block),
+        FREE_FALL: partial(_free_fall, simulator, block),
+        "small turn": partial(_small_turn, simulator, block),
+        "turn by 30°": partial(_large_turn, simulator, block),
+    })  # fmt: skip
+    hanging = stretched_block(material, own, hanging=True)
     for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
         try:
             first = ask(simulator, asked)
         except CannotRepresent as error:
-            rows.append(_no_way(name, str(error)))
+            rows.append(_untried(name, error))
             continue
         except SimulatorError as error:
-            rows.append(_broken(name, error))
+            rows.append(_untried(name, error))
         else:
-            rows += _rest_rows(simulator, asked, first)
+            given = (simulator, asked, first)
+            rows += _tried({
+                "twice the modulus": partial(_twice_the_modulus, *given),
+                "dt / 2": partial(_changed, *given, "dt", 0.5),
+                "twice the iterations": partial(_changed, *given, "iterations", 2),
+                "twice the steps": partial(_changed, *given, "steps", 2),
+                "the same again": partial(_same_again, *given),
+            })  # fmt: skip
         break
     return Gate(tuple(rows))
 
 
-# Motions ------------------------------------------------------------------------------------------
-
-
-def _motion_rows(simulator: Simulator, block: Request) -> list[GateRow]:
+def _tried(tried: Mapping[str, Callable[[], list[GateRow]]]) -> list[GateRow]:
+    """Rows of what is tried, by name: what has no answer, or no way to one, is a row too."""
     rows = []
-    tried: dict[str, Callable[[Simulator, Request], list[GateRow]]] = {
-        "rest stays at rest": _at_rest,
-        "free fall": _free_fall,
-        "small turn": _small_turn,
-        "turn by 30°": _large_turn,
-    }
     for name, act in tried.items():
         try:
-            rows += act(simulator, block)
-        except CannotRepresent as error:
-            rows.append(_no_way(name, str(error)))
-        except SimulatorError as error:
-            rows.append(_broken(name, error))
+            rows += [replace(row, name=f"{name}{row.name}") for row in act()]
+        except (CannotRepresent, SimulatorError) as error:
+            rows.append(_untried(name, error))
     return rows
+
+
+def _untried(name: str, error: CannotRepresent | SimulatorError) -> GateRow:
+    word: Word = LEFT_OUT if isinstance(error, NotAskedError) else STOPPED
+    word = "cannot" if isinstance(error, CannotRepresent) else word
+    return GateRow(name, math.nan, "", math.nan, str(error), word)
+
+
+def _judged(value: float, unit: str, limit: float, because: Phrase) -> list[GateRow]:
+    return [GateRow("", value, unit, limit, because, PASSED if value <= limit else STOPPED)]
+
+
+# Motions ------------------------------------------------------------------------------------------
 
 
 def _at_rest(simulator: Simulator, block: Request) -> list[GateRow]:
@@ -258,13 +252,12 @@ def _at_rest(simulator: Simulator, block: Request) -> list[GateRow]:
         answer = ask(simulator, motion(block, points, STEPS))
     except CannotRepresent:  # a static program, which may still tell forces
         answer = ask(simulator, motion(block, points))
-    because = f"{ROUNDINGS} roundings, which {STEPS} steps may each repeat"
     limit = ROUNDINGS * STEPS * epsilon(answer)
+    because = phrase("limit of rest", roundings=ROUNDINGS, steps=STEPS)
     if answer.position is None:
         strain = _as_strain(block, forces(motion(block, points), answer))
-        return [_judged("rest stays at rest", strain, "strain", limit, because)]
-    moved = float(np.abs(answer.position - points).max())
-    return [_judged("rest stays at rest", moved, "of its size", limit, because)]
+        return _judged(strain, "strain", limit, because)
+    return _judged(float(np.abs(answer.position - points).max()), "of its size", limit, because)
 
 
 def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
@@ -275,33 +268,28 @@ def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
     g[-1] = -2 * FALL / time**2
     answer = ask(simulator, replace(plain, gravity=g))
     if answer.position is None or answer.velocity is None:
-        return [_no_way("free fall", "it answers by forces, and moves nothing")]
+        raise CannotRepresent("it answers by forces, and moves nothing")
     wanted = g * time
     off = float(np.abs(answer.velocity - wanted).max() / np.abs(wanted).max())
     # Velocities may be differences of positions: these are rounded, and one step is a part of them.
     stated = solves_to(answer.about)
     limit = ROUNDINGS * STEPS * epsilon(answer) / FALL + stated
-    because = f"{ROUNDINGS} roundings of a position over a step's part of the fall, and {SOLVES_TO}"
-    because += f" ({stated:g})"
     fallen = float((answer.position - points)[:, -1].mean() / (g[-1] * float(plain.dt or 1) ** 2))
-    return [
-        _judged("free fall", off, "of g t", limit, because),
-        GateRow(
-            "free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen, stated), TOLD
-        ),
-    ]
+    kind = Phrase(_integrator(fallen, stated))
+    because = phrase("limit of fall", roundings=ROUNDINGS, stated=stated)
+    integrator = GateRow(": integrator", fallen, "g dt²", math.nan, kind, TOLD)
+    return [*_judged(off, "of g t", limit, because), integrator]
 
 
 def _integrator(fallen: float, stated: float) -> str:
+    """Kind of the integrator that falls so far, in g dt²."""
     known = {
-        STEPS * (STEPS + 1) / 2: "semi-implicit: velocity first, then position by the new one",
-        STEPS**2 / 2: "positions exact: by the mean of velocities",
-        STEPS * (STEPS - 1) / 2: "position by the old velocity",
+        STEPS * (STEPS + 1) / 2: "semi-implicit",
+        STEPS**2 / 2: "mean velocity",
+        STEPS * (STEPS - 1) / 2: "old velocity",
     }
     near = min(known, key=lambda each: abs(each - fallen))
-    return (
-        known[near] if abs(near - fallen) < 0.1 + stated * near else "of no kind that is known here"
-    )
+    return known[near] if abs(near - fallen) < 0.1 + stated * near else "no known integrator"
 
 
 def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
@@ -312,20 +300,18 @@ def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
         answers.append(ask(simulator, asked))
         found.append(forces(asked, answers[-1]))
     strain = _as_strain(block, (found[0] - found[1]) / 2) / SMALL_TURN
-    # Of a coordinate over a cell; and of positions that velocities are differences of.
-    time = float(asked.dt or 1.0)
-    step = _as_strain(block, asked.mass[:, None]) / time**2
-    limit = (ROUNDINGS * ACROSS + FEW * step) * epsilon(answers[0]) / SMALL_TURN
-    because = f"{ROUNDINGS} roundings of a coordinate over a cell, {FEW} over a step, by the angle"
-    return [_judged("small turn", strain, "strain over angle", limit, because)]
+    # Of a coordinate over a cell. Where velocities are differences of positions, rounding of these
+    # over a step is up to 250 of them, at a ratio of 0.45.
+    limit = ROUNDINGS * ACROSS * epsilon(answers[0]) / SMALL_TURN
+    because = phrase("limit of turn", roundings=ROUNDINGS)
+    return _judged(strain, "strain over angle", limit, because)
 
 
 def _large_turn(simulator: Simulator, block: Request) -> list[GateRow]:
     asked = motion(block, turned(block.mesh.points, LARGE_TURN))
     strain = _as_strain(block, forces(asked, ask(simulator, asked)))
-    linear = 1 - math.cos(LARGE_TURN)
-    because = f"a linear law sees a strain of {linear:.3g}, and others none"
-    return [GateRow("turn by 30°", strain, "strain", math.nan, because, TOLD)]
+    because = phrase("large turn", linear=1 - math.cos(LARGE_TURN))
+    return [GateRow("", strain, "strain", math.nan, because, TOLD)]
 
 
 def _as_strain(block: Request, force: Array) -> float:
@@ -338,74 +324,53 @@ def _as_strain(block: Request, force: Array) -> float:
 # Rest ---------------------------------------------------------------------------------------------
 
 
-def _rest_rows(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
-    rows = []
-    tried: dict[str, Callable[[Simulator, Request, Answer], GateRow]] = {
-        "twice the modulus": _twice_the_modulus,
-        "dt / 2": lambda s, b, a: _changed(s, b, a, "dt", 0.5),
-        "twice the iterations": lambda s, b, a: _changed(s, b, a, "iterations", 2),
-        "twice the steps": lambda s, b, a: _changed(s, b, a, "steps", 2),
-        "the same again": _same_again,
-    }
-    for name, act in tried.items():
-        try:
-            rows.append(replace(act(simulator, block, first), name=name))
-        except CannotRepresent as error:
-            rows.append(_no_way(name, str(error)))
-        except SimulatorError as error:
-            rows.append(_broken(name, error))
-    return rows
-
-
-def _twice_the_modulus(simulator: Simulator, block: Request, first: Answer) -> GateRow:
+def _twice_the_modulus(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
     stiff = replace(block, material=replace(block.material, E=2 * block.material.E))
     answer = ask(simulator, stiff)
-    away = _change(_moved(first), 2 * _moved(answer))
+    away = _change(first.displacement, 2 * np.asarray(answer.displacement))
     rest = _left(block, first) + 2 * _left(stiff, answer)
     limit = ORDERS * STRAIN + rest + ROUNDINGS * epsilon(first) / STRAIN
-    because = f"{ORDERS} times the strain, what rest leaves, and {ROUNDINGS} roundings"
-    return _moving(_judged("", away, "of u", limit, because), rest)
+    because = phrase("limit of modulus", orders=ORDERS, roundings=ROUNDINGS)
+    return _moving(_judged(away, "of u", limit, because), rest)
 
 
 def _changed(
     simulator: Simulator, block: Request, first: Answer, name: str, times: float
-) -> GateRow:
+) -> list[GateRow]:
     """The same with another setting, where the answer names it and takes another."""
     before = _named(first, name)
     if before is None:
-        return _no_way("", f"its settings name no {name}, so that it cannot be changed")
+        raise CannotRepresent(f"its settings name no {name}, so that it cannot be changed")
     wanted: float = before * times if name == "dt" else round(before * times)
     other = replace(block, settings={**block.settings, name: wanted})
     answer = ask(simulator, other)
     if _named(answer, name) == before:
-        return _no_way("", f"asked for {name} {wanted:g}, it took {before:g} again")
-    away = _change(_moved(first), _moved(answer))
-    noise = ROUNDINGS * epsilon(first) / STRAIN
+        raise CannotRepresent(f"asked for {name} {wanted:g}, it took {before:g} again")
+    away = _change(first.displacement, answer.displacement)
     stated = stated_residual_motion(block, first)
-    limit = _left(block, first) + _left(other, answer) + noise
+    rest = _left(block, first) + _left(other, answer)
+    limit = rest + ROUNDINGS * epsilon(first) / STRAIN
     if math.isnan(stated):
-        said = f"nothing is said of rest: {UNSTATED:g} each"
+        because = phrase("unstated rest", each=UNSTATED)
+    elif away <= limit:
+        because = phrase("limit of stated rest", rest=rest, roundings=ROUNDINGS)
     else:
-        said = f"what both say of their rest ({limit - noise:.2g}), and {ROUNDINGS} roundings"
-    row = _judged("", away, "of u", limit, said)
-    if row.verdict == STOPPED and not math.isnan(stated):
-        told = f"its rest is stated to {stated:.2g}, and it moves by {away:.2g}"
-        return replace(row, because=f"{told} with {name} {wanted:g}")
-    return _moving(row, limit - noise)
+        because = phrase("stated rest", stated=stated, away=away, name=name, wanted=wanted)
+    return _moving(_judged(away, "of u", limit, because), rest)
 
 
-def _moving(row: GateRow, rest: float) -> GateRow:
+def _moving(rows: list[GateRow], rest: float) -> list[GateRow]:
     """The row, "not at rest" where what is stated of that alone lets it pass."""
-    if row.verdict != PASSED or row.value <= max(MOVES, row.limit - rest):
-        return row
-    return replace(row, verdict=MOVING, because="it says that so much may still change: run longer")
+    (row,) = rows
+    if row.verdict != PASSED or row.value <= max(BAND, row.limit - rest):
+        return rows
+    return [replace(row, verdict=MOVING, because=Phrase("run it longer"))]
 
 
-def _same_again(simulator: Simulator, block: Request, first: Answer) -> GateRow:
-    away = _change(_moved(first), _moved(ask(simulator, block)))
+def _same_again(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
+    away = _change(first.displacement, ask(simulator, block).displacement)
     limit = ROUNDINGS * epsilon(first) / STRAIN
-    because = f"{ROUNDINGS} roundings, as sums in another order leave; more is state that survives"
-    return _judged("", away, "of u", limit, because)
+    return _judged(away, "of u", limit, phrase("limit of state", roundings=ROUNDINGS))
 
 
 def _named(answer: Answer, name: str) -> float | None:
@@ -415,36 +380,15 @@ def _named(answer: Answer, name: str) -> float | None:
     return float(given) if number and given > 0 else None
 
 
-def _moved(answer: Answer) -> Array:
-    if answer.displacement is None:
-        raise SimulatorError("answer: no displacement")
-    return answer.displacement
-
-
-def _change(before: Array, after: Array) -> float:
-    """Largest difference over the largest displacement."""
-    size = float(np.linalg.norm(before, axis=1).max())
+def _change(before: Array | None, after: Array | None) -> float:
+    """Largest difference of displacements over the largest before."""
+    before, after = np.asarray(before), np.asarray(after)
+    size = max_length(before)
     if not size:
         raise SimulatorError("answer: the pulled block does not move")
-    return float(np.linalg.norm(after - before, axis=1).max() / size)
+    return max_length(after - before) / size
 
 
 def _left(request: Request, answer: Answer) -> float:
     stated = stated_residual_motion(request, answer)
     return UNSTATED if math.isnan(stated) else stated
-
-
-# Rows ---------------------------------------------------------------------------------------------
-
-
-def _judged(name: str, value: float, unit: str, limit: float, because: str) -> GateRow:
-    return GateRow(name, value, unit, limit, because, PASSED if value <= limit else STOPPED)
-
-
-def _no_way(name: str, reason: str) -> GateRow:
-    return GateRow(name, math.nan, "", math.nan, reason, "cannot")
-
-
-def _broken(name: str, error: SimulatorError) -> GateRow:
-    word = LEFT_OUT if isinstance(error, NotAskedError) else STOPPED
-    return GateRow(name, math.nan, "", math.nan, str(error), word)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
 from msvalidate.problem import VOIGT, Array
 from msvalidate.problem.checks import require_one_of
-from msvalidate.problem.records import dataclass, field, replace
+from msvalidate.problem.records import dataclass, field
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     ForcesAt,
+    MassKind,
+    Precision,
     Request,
     Simulator,
     SimulatorError,
@@ -42,58 +44,10 @@ class Push:
     gradient: Array
     force: Array
 
-
-@dataclass(frozen=True, eq=False)
-class Station:
-    """A bench whose answers are read as forces.
-
-    Parameters
-    ----------
-    inertia
-        Velocities (n, 3) -> momentum, kg m/s.
-    forces_at
-        Of the step: "start" or "end".
-    consistent
-        Whether the mass matrix is not diagonal.
-    solves_to
-        Part of a step's change of velocity that its solver leaves, as stated.
-    """
-
-    bench: Bench
-    inertia: Callable[[Array], Array]
-    forces_at: str
-    consistent: bool = False
-    solves_to: float = 0.0
-
-    def push(self, G: Array, *, gravity: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Push:
-        """The state c + (I + G)(X - c), c the origin, that is the block's middle.
-
-        Raises
-        ------
-        CannotRepresent, SimulatorError
-            As the simulator.
-        """
-        bench = self.bench
-        X = bench.block.mesh.points
-        move = X @ G.T
-        answer = bench.step(move, gravity)
-        told = answer.force is not None
-        if answer.force is not None:
-            force = answer.force
-        elif answer.velocity is not None:
-            force = self.inertia(answer.velocity) / bench.dt
-        else:
-            raise SimulatorError("answer: neither force nor velocity")
-        if told or self.forces_at == "start" or answer.position is None:
-            place = bench.placed(move)
-        else:
-            place = answer.position
-        gradient = (place - X).T @ bench.block.weights
-        return Push(-force.T @ X / bench.block.volume, gradient, np.asarray(force))
-
-    def with_step(self, dt: float) -> Station:
-        """The same with a step of another length, s."""
-        return replace(self, bench=self.bench.with_step(dt))
+    def odd(self, back: Push) -> Push:
+        """Half the difference to what the opposite gradient told: even parts drop out."""
+        stress, gradient = self.stress - back.stress, self.gradient - back.gradient
+        return Push(stress / 2, gradient / 2, (self.force - back.force) / 2)
 
 
 def voigt(tensor: Array) -> Array:
@@ -102,13 +56,10 @@ def voigt(tensor: Array) -> Array:
     return np.asarray((tensor + tensor.T)[first, second] / 2)
 
 
-Precision = Literal["float64", "float32"]
-ROUNDING = {"float64": 2.0**-53, "float32": 2.0**-24}
-"""Largest relative error of a rounded number."""
 SAID = {
     "precision": get_args(Precision),
     "forces_at": get_args(ForcesAt),
-    "mass": ("lumped", "consistent", "one point"),
+    "mass": get_args(MassKind),
 }
 """What an answer must say: none of it can be seen from a step, and each changes what is read."""
 
@@ -123,6 +74,14 @@ class Bench:
         Length of the step, s.
     precision
         Positions are rounded to it, so that the simulator starts where it was told.
+    inertia
+        Velocities (n, 3) -> momentum, kg m/s.
+    forces_at
+        Of the step: "start" or "end".
+    consistent
+        Whether the mass matrix is not diagonal.
+    solves_to
+        Part of a step's change of velocity that its solver leaves, as stated.
     """
 
     simulator: Simulator
@@ -130,6 +89,27 @@ class Bench:
     dt: float
     precision: Precision = "float64"
     settings: Mapping[str, Any] = field(default_factory=dict)
+    inertia: Callable[[Array], Array] = lambda v: v
+    forces_at: str = "start"
+    consistent: bool = False
+    solves_to: float = 0.0
+
+    def push(self, G: Array, *, gravity: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Push:
+        """What the state c + (I + G)(X - c) tells, c the origin, that is the block's middle.
+
+        Raises
+        ------
+        CannotRepresent, SimulatorError
+            As the simulator.
+        """
+        X, block = self.block.mesh.points, self.block
+        move = X @ G.T
+        answer = self.step(move, gravity)
+        force = answer.force
+        if force is None:
+            force = np.asarray(self.inertia(np.asarray(answer.velocity)) / self.dt)
+        place = self.placed(move) if self.forces_at == "start" else np.asarray(answer.position)
+        return Push(-force.T @ X / block.volume, (place - X).T @ block.weights, force)
 
     def step(self, move: Array, gravity: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Answer:
         """What comes of one step from the mesh displaced by `move` (n, 3) m.
@@ -155,7 +135,7 @@ class Bench:
             name="probe",
         )
         answer = ask(self.simulator, request)
-        refuse_silence(answer)
+        _refuse_silence(answer)
         return answer
 
     def placed(self, move: Array) -> Array:
@@ -163,12 +143,8 @@ class Bench:
         start = self.block.mesh.points + move
         return np.asarray(start.astype(self.precision), dtype=float)
 
-    def with_step(self, dt: float) -> Bench:
-        """The same with a step of another length, s."""
-        return replace(self, dt=dt)
 
-
-def refuse_silence(answer: Answer) -> None:
+def _refuse_silence(answer: Answer) -> None:
     """Raise `SimulatorError` unless an answer says what `SAID` lists; forces, precision alone."""
     for name, known in SAID.items():
         if answer.force is not None and name != "precision":

@@ -25,6 +25,12 @@ STEP = 2.0**-12
 SEED = 20240
 
 
+def wave_speed(material: Isotropic) -> float:
+    """m/s of pressure waves in a solid; of ratio .49 where its own is nearer to 1/2."""
+    lam, mu = lame(3, material.E, min(material.nu, 0.49))
+    return float(np.sqrt((lam + 2 * mu) / material.density))
+
+
 @lru_cache(maxsize=1)
 def probe_mesh() -> Mesh:
     """A block about the origin, cut into tetrahedra of many sizes and shapes.
@@ -141,9 +147,3 @@ class Block:
     def height(self) -> float:
         """Smallest height (m) of a cell over one of its facets."""
         return float(1 / np.linalg.norm(self.slopes, axis=2).max())
-
-    @property
-    def wave_speed(self) -> float:
-        """m/s of pressure waves in the asked material; of ratio .49 where it is nearer to 1/2."""
-        lam, mu = lame(3, self.material.E, min(self.material.nu, 0.49))
-        return float(np.sqrt((lam + 2 * mu) / self.material.density))

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
-from msvalidate.simulators.probe.bench import ENGINEERING, ROUNDING, Bench, Push, Station, voigt
+from msvalidate.simulators.exchange.protocol import ROUNDING
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, voigt
 from msvalidate.simulators.probe.masses import Masses
-from msvalidate.simulators.probe.reading import INNER, Flag
-from msvalidate_check.causes import phrase
+from msvalidate.simulators.probe.reading import BAND, INNER, Flag
+from msvalidate_check.causes import Phrase, phrase
 
 EXACT = 1e-3
 """Limit of what vanishes of any elastic body: a fifth of the half percent that is shown."""
@@ -25,42 +27,33 @@ order, and from there on they are as likely to be contact as rounding."""
 SMOOTH = 16.0
 """Limit of the second-order part over the strain: smooth laws have 1 to 5; contact, or a limit on
 one side alone, has 1 over the strain."""
-SHARE = 0.01
-"""Limit of masses over asked: what a law is asked to be told apart by."""
 SHORTEST = {"float64": 1 / 256, "float32": 1 / 4}
 """Where forces act at the end of a step, inner nodes are looked at after one in which a wave
 crosses this part of the smallest cell: by its square it reaches them from the surface, and at once
 where the mass matrix is not diagonal. In single precision shorter steps are lost in rounding."""
 AXIS = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
 """Of a small turn: none of the block's own."""
-ARITHMETIC = 1.0
-"""Roundings of the mean stress, each of one part in 2²⁴ or 2⁵³ of the stiffness: a cell's is off by
-some ten at random, the mean over 200 cells by less than one. What is the same in +G and -G drops
-out."""
-OF_SOLVED = {
-    "net force", "symmetry of P", "symmetry of C", "half the step, another strain", "free fall",
-    "masses", "asked again",
-}  # fmt: skip
-"""Flags over what strained states or a weight do: a solver may leave the part that it states."""
 PLACED = 3.0
 """Standard deviations of sums over rounded positions, within which they are taken to be."""
 
 
 def rounding_parts(
-    bench: Bench, strain: float, largest: float, forces_at: str, shrunk: float = 1.0
+    bench: Bench, strain: float, largest: float, shrunk: float = 1.0
 ) -> tuple[float, float]:
     """Errors of C by rounding of stresses and strains, relative to its largest component.
 
-    Arithmetic: deformation gradients near I are rounded, over the strain. Where velocities are
-    differences of positions, a coordinate is rounded by up to half the spacing of numbers there, δ
-    in the root of the mean square, and half the difference of two states by δ/√2. A node's force is
-    then off by m δ/dt², and n such at places up to r add up to ρ δ r/(√n dt²) in the mean stress,
-    and to δ times the root of the sum of squares of the block's weights in the mean strain. Of
-    both, a strain of which only the part `shrunk` is left at the end shows that much more.
+    Arithmetic: deformation gradients near I are rounded, over the strain. A cell's stress is off by
+    some ten roundings at random, the mean over 200 cells by less than one; what is the same in +G
+    and -G drops out. Where velocities are differences of positions, a coordinate is rounded by up
+    to half the spacing of numbers there, δ in the root of the mean square, and half the difference
+    of two states by δ/√2. A node's force is then off by m δ/dt², and n such at places up to r add
+    up to ρ δ r/(√n dt²) in the mean stress, and to δ times the root of the sum of squares of the
+    block's weights in the mean strain. Of both, a strain of which only the part `shrunk` is left at
+    the end shows that much more.
     """
     u, block = ROUNDING[bench.precision], bench.block
-    part, of_strain = ARITHMETIC * u / strain, 0.0
-    if forces_at == "end":
+    part, of_strain = u / strain, 0.0
+    if bench.forces_at == "end":
         X = block.mesh.points
         spacing = np.spacing(np.abs(X).astype(bench.precision)).astype(float)
         delta = float(np.sqrt((spacing**2).mean() / 24))  # half of it, squared, over 3 and 2
@@ -73,7 +66,7 @@ def rounding_parts(
 
 
 def raise_flags(
-    station: Station,
+    bench: Bench,
     pairs: Sequence[tuple[Push, Push]],
     rest: Push,
     C: Array,
@@ -82,103 +75,58 @@ def raise_flags(
     masses: Masses | None,
 ) -> tuple[Flag, ...]:
     """All flags of a reading. Asks the simulator some ten times more."""
-    largest = float(np.abs(C).max())
-    odd = [((a.stress - b.stress) / 2, (a.force - b.force) / 2) for a, b in pairs]
-    forces = [f for _, f in odd]
-    strength = max(float(np.abs(f).max()) for f in forces)
-    found = (
-        *_balance(odd, C, strain),
-        *_at_rest(rest, largest, strength),
-        _one_sided(curvature, strain),
-        _infinitesimal_turn(station, strain, strain * largest),
-        _inner(station, forces, strain, largest),
-        _other_step(station, C, strain),
-        *([] if masses is None else [_free_fall(station, rest, strain)]),
-        *_of_masses(masses, station.consistent),
-        _repeat(station, rest, pairs[0][0], strain, strength),
-    )
-    left = station.solves_to
-    return tuple(replace(f, limit=f.limit + left) if f.name in OF_SOLVED else f for f in found)
-
-
-def _balance(odd: Sequence[tuple[Array, Array]], C: Array, strain: float) -> list[Flag]:
-    """Forces without resultant, and symmetry of the mean stress and of C."""
-    largest = float(np.abs(C).max())
-    skew = max(float(np.abs(P - P.T).max()) for P, _ in odd)
-    return [
-        Flag(
-            "net force",
-            _resultant([f for _, f in odd]),
-            EXACT,
-            "forces between nodes have no resultant; another comes from outside, or masses are off",
-        ),
-        Flag(
-            "symmetry of P", skew / (strain * largest), EXACT, "forces between nodes turn nothing"
-        ),
-        Flag(
-            "symmetry of C",
-            float(np.abs(C - C.T).max()) / largest,
-            EXACT,
-            "a law with an energy is symmetric",
-        ),
+    largest = max_abs(C)
+    exact = EXACT + bench.solves_to  # over what strained states or a weight do
+    stress = np.array([there.odd(back).stress for there, back in pairs])
+    forces = np.array([there.odd(back).force for there, back in pairs])
+    strength = max_abs(forces)
+    # Over the strongest state: some strains of some laws make no force.
+    resultant = max_abs(forces.sum(axis=1)) / float(np.abs(forces).sum(axis=(1, 2)).max())
+    skew = max_abs(stress - np.swapaxes(stress, 1, 2))
+    flags = [
+        _flag("net force", resultant, exact),
+        _flag("symmetry of P", skew / (strain * largest), exact),
+        _flag("symmetry of C", max_abs(C - C.T) / largest, exact),
+        _flag("stress at rest", max_abs(rest.stress) / largest, STRESSED),
+        _flag("forces at rest", max_abs(rest.force) / strength, IDLE),
+        _flag("second-order part", curvature / strain, SMOOTH),
+        _flag("small turn", _of_turn(bench, strain) / (strain * largest), EXACT),
+        _flag(INNER, _inner(bench, forces, strain, largest), RELAXES),
     ]
+    value, noise = _other_step(bench, C, strain)
+    flags.append(_flag("half the step, another strain", value, exact + noise))
+    if masses is not None:
+        value, noise = _free_fall(bench, rest, strain)
+        flags.append(_flag("free fall", value, exact + noise))
+        matrix = "mass matrix" if bench.consistent else "measured masses"
+        because = phrase(matrix, pattern=masses.words)
+        limit = BAND + masses.error + bench.solves_to
+        flags.append(Flag("masses", masses.off, limit, because, refuses=bench.consistent))
+    changed = _repeated(bench, rest, pairs[0][0], strain)
+    return (*flags, _flag("asked again", changed / strength, exact))
 
 
-def _at_rest(rest: Push, largest: float, strength: float) -> list[Flag]:
-    """Stress and forces of the body as it was given."""
-    return [
-        Flag(
-            "stress at rest",
-            float(np.abs(rest.stress).max()) / largest,
-            STRESSED,
-            "over the stiffness; a body under stress is not a stiffness alone",
-        ),
-        Flag(
-            "forces at rest",
-            float(np.abs(rest.force).max()) / strength,
-            IDLE,
-            "over forces of strained states; contact, weight or what is left of other runs",
-        ),
-    ]
+def _flag(name: str, value: float, limit: float) -> Flag:
+    return Flag(name, value, limit, Phrase(f"why {name}"))
 
 
-def _one_sided(curvature: float, strain: float) -> Flag:
-    because = "over the strain; a law with a kink, or contact, pushes one way"
-    return Flag("second-order part", curvature / strain, SMOOTH, because)
+def _of_turn(bench: Bench, strain: float) -> float:
+    """Largest stress (Pa) of a small turn."""
+    x, y, z = strain * AXIS
+    W = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return max_abs(bench.push(W).odd(bench.push(-W)).stress)
 
 
-def _resultant(forces: Sequence[Array]) -> float:
-    """Over the strongest state: some strains of some laws make no force."""
-    strongest = max(float(np.abs(f).sum()) for f in forces)
-    return max(float(np.abs(f.sum(axis=0)).max()) for f in forces) / strongest
-
-
-def _skew(axis: Array) -> Array:
-    x, y, z = axis
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def _infinitesimal_turn(station: Station, strain: float, unit: float) -> Flag:
-    W = strain * _skew(AXIS)
-    odd = (station.push(W).stress - station.push(-W).stress) / 2
-    because = "a small turn strains nothing, in any law"
-    return Flag("small turn", float(np.abs(odd).max()) / unit, EXACT, because)
-
-
-def _inner(station: Station, forces: Sequence[Array], strain: float, largest: float) -> Flag:
+def _inner(bench: Bench, forces: Array, strain: float, largest: float) -> float:
     """Forces on inner nodes over those on the surface, in uniform strain."""
-    if station.forces_at == "end":
-        bench, block = station.bench, station.bench.block
+    block = bench.block
+    if bench.forces_at == "end":
         crossing = block.height * np.sqrt(block.material.density / largest)
-        short = station.with_step(min(bench.dt, SHORTEST[bench.precision] * float(crossing)))
-        G = _generic(strain)
-        forces = [(short.push(G).force - short.push(-G).force) / 2]
-    inner = station.bench.block.inner
-    strongest = max(float(np.abs(f[~inner]).max()) for f in forces)
-    value = max(float(np.abs(f[inner]).max()) for f in forces) / (strongest or 1.0)
-    because = "uniform strain leaves inner nodes of one solid at rest; a lattice's would move, and "
-    because += "C is an upper bound"
-    return Flag(INNER, value, RELAXES, because)
+        dt = min(bench.dt, SHORTEST[bench.precision] * float(crossing))
+        short, G = replace(bench, dt=dt), _generic(strain)
+        forces = short.push(G).odd(short.push(-G)).force[None]
+    inner = block.inner
+    return max_abs(forces[:, inner]) / (max_abs(forces[:, ~inner]) or 1.0)
 
 
 def _generic(strain: float) -> Array:
@@ -187,46 +135,32 @@ def _generic(strain: float) -> Array:
     return np.asarray(strain * G / 4)
 
 
-def _repeat(station: Station, rest: Push, first: Push, strain: float, strength: float) -> Flag:
-    """The first strained state and rest again, after all the others."""
+def _repeated(bench: Bench, rest: Push, first: Push, strain: float) -> float:
+    """By how much (N) the first strained state and rest are others, asked after all the others."""
     G = np.zeros((3, 3))
     G[0, 0] = strain
-    again, idle = station.push(G).force, station.push(np.zeros((3, 3))).force
-    value = max(float(np.abs(again - first.force).max()), float(np.abs(idle - rest.force).max()))
-    because = "over forces of strained states; the same question has the same answer, or state of "
-    because += "earlier runs survives"
-    return Flag("asked again", value / strength, EXACT, because)
+    again, idle = bench.push(G).force, bench.push(np.zeros((3, 3))).force
+    return max(max_abs(again - first.force), max_abs(idle - rest.force))
 
 
-def _other_step(station: Station, C: Array, strain: float) -> Flag:
-    """Stress of another strain after half the step, beside C times that strain."""
-    short = station.with_step(station.bench.dt / 2)
-    G = _generic(strain)
-    there, back = short.push(G), short.push(-G)
-    found = voigt((there.stress - back.stress) / 2)
-    expected = C @ (voigt((there.gradient - back.gradient) / 2) * ENGINEERING)
-    value = float(np.abs(found - expected).max() / (strain * np.abs(C).max()))
-    noise = sum(rounding_parts(short.bench, strain, float(np.abs(C).max()), station.forces_at))
-    because = "a law knows no step, and strains add up; damping in a step's velocity does not"
-    return Flag("half the step, another strain", value, EXACT + noise, because)
+def _other_step(bench: Bench, C: Array, strain: float) -> tuple[float, float]:
+    """Stress of another strain after half the step, beside C times that; and what rounding may."""
+    short, G = replace(bench, dt=bench.dt / 2), _generic(strain)
+    odd = short.push(G).odd(short.push(-G))
+    expected = C @ (voigt(odd.gradient) * ENGINEERING)
+    noise = sum(rounding_parts(short, strain, max_abs(C)))
+    return max_abs(voigt(odd.stress) - expected) / (strain * max_abs(C)), noise
 
 
-def _free_fall(station: Station, rest: Push, strain: float) -> Flag:
-    """Acceleration of the body at rest under a weight that moves it as far as strains do."""
-    bench = station.bench
+def _free_fall(bench: Bench, rest: Push, strain: float) -> tuple[float, float]:
+    """Acceleration at rest under a weight that moves it as far as strains do, less the weight.
+
+    Over the weight; and what rounding may make of that.
+    """
     size = strain * bench.block.height / bench.dt**2
     weight = np.array([1.0, 2.0, -3.0]) / np.sqrt(14.0) * size
-    force = station.push(np.zeros((3, 3)), gravity=tuple(weight.tolist())).force - rest.force
-    mass = station.inertia(np.ones(force.shape)).sum(axis=0)
-    value = float(np.abs(force.sum(axis=0) / mass - weight).max()) / size
-    because = "of weight; a step from rest gives g dt, or velocities are not what forces made them"
-    u, reach = ROUNDING[bench.precision], float(np.abs(bench.block.mesh.points).max())
-    noise = PLACED * u * (1 / strain + reach / (strain * bench.block.height))
-    return Flag("free fall", value, EXACT + noise, because)
-
-
-def _of_masses(masses: Masses | None, consistent: bool) -> list[Flag]:
-    if masses is None:
-        return []
-    because = phrase("mass matrix" if consistent else "measured masses", pattern=masses.words)
-    return [Flag("masses", masses.off, SHARE + masses.error, because, refuses=consistent)]
+    force = bench.push(np.zeros((3, 3)), gravity=tuple(weight.tolist())).force - rest.force
+    mass = bench.inertia(np.ones(force.shape)).sum(axis=0)
+    value = max_abs(force.sum(axis=0) / mass - weight) / size
+    reach = max_abs(bench.block.mesh.points) / bench.block.height
+    return value, PLACED * ROUNDING[bench.precision] * (1 + reach) / strain

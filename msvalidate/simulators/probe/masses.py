@@ -117,24 +117,14 @@ def measure_masses(bench: Bench) -> Masses:
     n = len(bench.block.mesh.points)
     rng = np.random.default_rng(SEED)
     count = int(np.ceil(SURPLUS * n / 3))
-    largest = MOVE * bench.block.height
-    rows = []
+    block, most = bench.block, MOVE * bench.block.height
+    found = []
     for _ in range(count):
-        answer = bench.step(rng.uniform(-largest, largest, (n, 3)))
+        answer = bench.step(rng.uniform(-most, most, (n, 3)))
         if answer.velocity is None:
             raise SimulatorError("masses: forces and no velocity; they say nothing of masses")
-        rows.append(answer.velocity.T)
-    return masses_from(bench.block, np.concatenate(rows))
-
-
-def masses_from(block: Block, rows: Array) -> Masses:
-    """Masses from rows (k, n) of one component of nodes' velocities, m/s, all from rest.
-
-    Raises
-    ------
-    SimulatorError
-        As `measure_masses`.
-    """
+        found.append(answer.velocity.T)
+    rows = np.concatenate(found)
     largest = np.abs(rows).max()
     if largest == 0:
         raise SimulatorError("masses: no node moved; the step does nothing, or the body no force")
@@ -152,9 +142,7 @@ def masses_from(block: Block, rows: Array) -> Masses:
             f"masses: known to {error:.2g} only, {LOOSEST:g} is needed; forces have a resultant, "
             "or are too near to rounding: take a longer step or double precision"
         )
-    values = vector * total / vector.sum()
-    pattern, exceptions, known, times = _recognise(block, values, error)
-    return Masses(values, values / block.lumped, error, pattern, exceptions, known, times)
+    return _recognise(block, vector * total / vector.sum(), error)
 
 
 def _relative_error(singular: Array, vectors: Array, rows: int) -> float:
@@ -187,10 +175,8 @@ def patterns(block: Block) -> dict[str, Array]:
     }
 
 
-def _recognise(
-    block: Block, values: Array, error: float
-) -> tuple[str, Index, Array | None, tuple[float, ...]]:
-    """The pattern that most nodes are of, its exceptions, its masses if there are none; times."""
+def _recognise(block: Block, values: Array, error: float) -> Masses:
+    """Masses, with the pattern that most nodes are of, and its exceptions."""
     allowed = max(SAME, error)
     fits = []
     for name, pattern in patterns(block).items():
@@ -198,8 +184,9 @@ def _recognise(
         ratio = ratio / np.median(ratio)
         fits.append((np.flatnonzero(np.abs(ratio - 1) > allowed), name, pattern, ratio))
     exceptions, name, pattern, ratio = min(fits, key=lambda fit: len(fit[0]))
+    known, times = None, tuple(ratio[exceptions[:NAMED]].tolist())
     if not len(exceptions):
-        return name, exceptions, pattern * (values.sum() / pattern.sum()), ()
-    if len(exceptions) <= FEW * len(values):
-        return name, exceptions, None, tuple(ratio[exceptions[:NAMED]].tolist())
-    return "", np.arange(len(values)), None, ()
+        known = pattern * (values.sum() / pattern.sum())
+    elif len(exceptions) > FEW * len(values):
+        name, exceptions, times = "", np.arange(len(values)), ()
+    return Masses(values, values / block.lumped, error, name, exceptions, known, times)

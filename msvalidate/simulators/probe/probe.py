@@ -25,9 +25,15 @@ import numpy as np
 
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.simulators.exchange.protocol import Answer, Simulator, SimulatorError, solves_to
-from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Precision, Push, Station, voigt
-from msvalidate.simulators.probe.block import Block, probe_mesh
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    Precision,
+    Simulator,
+    SimulatorError,
+    solves_to,
+)
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, voigt
+from msvalidate.simulators.probe.block import Block, probe_mesh, wave_speed
 from msvalidate.simulators.probe.flags import raise_flags, rounding_parts
 from msvalidate.simulators.probe.masses import Masses, measure_masses
 from msvalidate.simulators.probe.reading import SOLVED, STRAINS, Reading
@@ -83,19 +89,19 @@ def probe(
         For arguments out of their range.
     """
     block = Block(probe_mesh(), material)
-    base = float(2.0 ** np.floor(np.log2(block.height / block.wave_speed)))  # it rounds nothing
+    base = float(2.0 ** np.floor(np.log2(block.height / wave_speed(material))))  # it rounds nothing
     bench = Bench(simulator, block, base, "float32", dict(settings or {}))
     first = bench.step(np.zeros(block.mesh.points.shape))
     told: Precision = first.about["precision"]
     forces_at = "start" if first.force is not None else str(first.about["forces_at"])
     stretch = LONGER if told == "float32" and forces_at == "end" else 1.0
-    bench = replace(bench, precision=told, dt=base * stretch)
+    bench = replace(bench, precision=told, dt=base * stretch, forces_at=forces_at)
     if first.force is None and masses is None:
         masses = measure_masses(bench)
     inertia = _inertia(block, masses, first)
     consistent = first.force is None and first.about["mass"] != "lumped"
-    station = Station(bench, inertia, forces_at, consistent, solves_to(first.about))
-    return _read(station, STRAIN[told], masses, first)
+    bench = replace(bench, inertia=inertia, consistent=consistent, solves_to=solves_to(first.about))
+    return _read(bench, STRAIN[told], masses, first)
 
 
 def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Array], Array]:
@@ -109,71 +115,55 @@ def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Ar
     return lambda v: np.asarray(matrix @ v)
 
 
-def _read(station: Station, strain: float, masses: Masses | None, first: Answer) -> Reading:
-    rest = station.push(np.zeros((3, 3)))
-    fit = _fit(station, strain)
+def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> Reading:
+    rest = bench.push(np.zeros((3, 3)))
+    fit = _fit(bench, strain)
     largest = float(np.abs(fit.C).max())
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
-    bench = station.bench
-    noise, of_strain = rounding_parts(bench, strain, largest, station.forces_at, fit.shrunk)
+    noise, of_strain = rounding_parts(bench, strain, largest, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
-    half = _fit(station, strain / 2)
+    half = _fit(bench, strain / 2)
     step = float(np.abs(half.C - fit.C).max()) / largest
     C = (4 * half.C - fit.C) / 3
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
     cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
-    flags = raise_flags(station, fit.pairs, rest, C, strain, curvature, masses)
-    flagged = {flag.name: flag.value or 0.0 for flag in flags}
+    flags = raise_flags(bench, fit.pairs, rest, C, strain, curvature, masses)
+    flagged = {flag.name: flag.value for flag in flags}
     causes = {
         # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's.
         "rounding of stresses": 3 * noise * largest,
         STRAINS: 3 * of_strain * largest,
-        SOLVED: station.solves_to * largest,
+        SOLVED: bench.solves_to * largest,
         "finite strain": cut * largest,
         "stress not symmetric": flagged["symmetry of P"] * largest,
         "C not symmetric": flagged["symmetry of C"] * largest,
         "resultant": flagged["net force"] * largest,
-        "masses": _mass_part(masses) * largest,
+        # Those of a known pattern have no error of their own.
+        "masses": 0.0 if masses is None or masses.known is not None else masses.error * largest,
     }
-    return Reading(
-        C,
-        float(np.linalg.norm(list(causes.values()))),
-        causes,
-        flags,
-        masses,
-        strain,
-        bench.dt,
-        bench.precision,
-        station.forces_at,
-        dict(first.about),
-    )
+    error = float(np.linalg.norm(list(causes.values())))
+    about = dict(first.about)
+    return Reading(C, error, causes, flags, masses, strain, bench.precision, about)
 
 
-def _mass_part(masses: Masses | None) -> float:
-    """What the masses' own error may add, relative: none, where they are of a known pattern."""
-    if masses is None or masses.known is not None:
-        return 0.0
-    return masses.error
-
-
-def _fit(station: Station, strain: float) -> _Fit:
+def _fit(bench: Bench, strain: float) -> _Fit:
     """C = S E⁻¹, with mean stresses S and strains E (6, 6), a column a state."""
     pairs, S, E = [], [], []
     for a, b in VOIGT[3]:
         G = np.zeros((3, 3))
         G[a, b] += strain / 2
         G[b, a] += strain / 2
-        there, back = station.push(G), station.push(-G)
+        there, back = bench.push(G), bench.push(-G)
         pairs.append((there, back))
-        S.append(voigt((there.stress - back.stress) / 2))
-        E.append(voigt((there.gradient - back.gradient) / 2) * ENGINEERING)
+        S.append(voigt(there.odd(back).stress))
+        E.append(voigt(there.odd(back).gradient) * ENGINEERING)
     E_columns = np.transpose(E)
-    if np.linalg.cond(E_columns) > WORST:
+    shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
+    if not shrunk:
         raise SimulatorError(
             "probe: six strains at the end of the step are not independent; take a shorter dt"
         )
-    shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
     return _Fit(np.transpose(S) @ np.linalg.inv(E_columns), shrunk, tuple(pairs))
 
 
@@ -183,7 +173,3 @@ def _curvature(fit: _Fit, rest: Push) -> float:
         float(np.abs(there.stress + back.stress - 2 * rest.stress).max()) / 2
         for there, back in fit.pairs
     )
-
-
-WORST = 1e3
-"""Condition of the six strains beyond which a step was so long that the body is back at rest."""

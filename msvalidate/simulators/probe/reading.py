@@ -16,14 +16,18 @@ from msvalidate_check.causes import Phrase, phrase
 SHOWN = 5e-3
 """No number is shown that is not known to this: of E relative, of nu absolute, of a component
 of C by its largest."""
+BAND = 0.01
+"""What is off by less agrees: of masses, of displacements, of a law's prediction."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Elastic:
     """The isotropic solid nearest to a stiffness; None where there is none, and then a reason.
 
     Parameters
     ----------
+    C
+        (6, 6) Pa, the stiffness.
     E, E_error
         Pa.
     nu, nu_error
@@ -32,6 +36,7 @@ class Elastic:
         Why one is not there; none if both are.
     """
 
+    C: Array
     E: float | None
     nu: float | None
     E_error: float
@@ -49,13 +54,6 @@ def bulk_and_shear(C: Array) -> tuple[float, float]:
     return K, (b - 3 * K) / 10
 
 
-def isotropic_of(K: float, G: float) -> Array:
-    """Voigt tensor (6, 6) of K and G in Pa."""
-    C = np.diag([2 * G] * 3 + [G] * 3)
-    C[:3, :3] += K - 2 * G / 3
-    return C
-
-
 def anisotropy(C: Array) -> float:
     """How far a tensor is from the isotropic one nearest to it, by their components' squares.
 
@@ -65,7 +63,9 @@ def anisotropy(C: Array) -> float:
     scale = np.array([1.0] * 3 + [np.sqrt(2)] * 3)
     scaled = C * np.outer(scale, scale)
     whole = float(np.linalg.norm(scaled))
-    near = isotropic_of(*bulk_and_shear(C)) * np.outer(scale, scale)
+    K, G = bulk_and_shear(C)
+    near = np.diag([2 * G] * 6)
+    near[:3, :3] += K - 2 * G / 3
     return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
 
 
@@ -90,7 +90,7 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
     K, G = bulk_and_shear(C)
     reason = _no_solid(C, K, G, error + of_strain * float(np.abs(C).max()))
     if reason:
-        return Elastic(None, None, np.inf, np.inf, reason)
+        return Elastic(C, None, None, np.inf, np.inf, reason)
     below = (3 * K + G) ** 2
     E, nu = 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)
     K_error, G_error = error + of_strain * K, error + of_strain * G
@@ -105,9 +105,8 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
         )
         if not known
     ]
-    return Elastic(
-        E if known_E else None, nu if known_nu else None, E_error, nu_error, tuple(missing)
-    )
+    moduli = E if known_E else None, nu if known_nu else None
+    return Elastic(C, *moduli, E_error, nu_error, tuple(missing))
 
 
 def _no_solid(C: Array, K: float, G: float, error: float) -> tuple[Phrase, ...]:
@@ -132,7 +131,7 @@ class Flag:
     name
         What was looked at.
     value
-        Without unit; None where it could not be asked.
+        Without unit.
     limit
         Largest value of a reading that counts.
     because
@@ -142,21 +141,19 @@ class Flag:
     """
 
     name: str
-    value: float | None
+    value: float
     limit: float
-    because: str | Phrase
+    because: Phrase
     refuses: bool = True
 
     @property
     def holds(self) -> bool:
-        """Whether the value is there and within the limit."""
-        return self.value is not None and bool(self.value <= self.limit)
+        """Whether the value is within the limit."""
+        return bool(self.value <= self.limit)
 
     @property
     def shown(self) -> Phrase:
         """Its name and value."""
-        if self.value is None:
-            return phrase("flag not asked", name=self.name)
         return phrase("flag", name=self.name, value=self.value)
 
 
@@ -178,8 +175,8 @@ class Reading:
         In order.
     masses
         Measured; None where a program told forces.
-    strain, dt, precision, forces_at
-        How it was read; dt in s.
+    strain, precision
+        How it was read.
     about
         What the simulator says of itself.
     """
@@ -190,9 +187,7 @@ class Reading:
     flags: tuple[Flag, ...]
     masses: Masses | None
     strain: float
-    dt: float
     precision: str
-    forces_at: str
     about: Mapping[str, Any]
 
     @property
@@ -223,7 +218,7 @@ class Reading:
             others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
             of_parts = parts / float(np.abs(self.C).max())
             return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
-        return Elastic(None, None, np.inf, np.inf, self.refusals())
+        return Elastic(self.C, None, None, np.inf, np.inf, self.refusals())
 
     @property
     def E(self) -> float | None:

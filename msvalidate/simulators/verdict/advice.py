@@ -6,15 +6,17 @@ from collections.abc import Collection
 from functools import reduce
 
 from msvalidate.simulators.exchange.asked import Asked
-from msvalidate.simulators.gate.gate import FREE_FALL, HELPED, SETTLES
+from msvalidate.simulators.gate.gate import FREE_FALL
 from msvalidate.simulators.probe.reading import SHOWN
 from msvalidate.simulators.verdict.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import phrase
 
-NEAR = 0.1
-"""Of 2: how far off a fall is that goes the other way."""
+SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
+"""Rows that only what is not at rest is stopped by: to be mended first."""
+HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
+"""Rows for which it is known what helps."""
 
 
 def _advice(kind: str, **values: object) -> Cause:
@@ -52,7 +54,7 @@ def _at_gate(found: Judgement, asked: Asked) -> Cause:
         either = reduce(lambda one, other: phrase("or", one=one, other=other), further)
         return _advice("settle", row=few[0], settings=either)
     first = found.gate.stops[0]
-    if first.name == FREE_FALL and abs(first.value - 2) < NEAR:
+    if first.name == FREE_FALL and round(first.value, 1) == 2:  # as fast, and the other way
         return _advice("falls up")
     return _advice(first.name if first.name in HELPED else "mend row", row=first.name)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bodies.bodies import BAND, EVEN, MORE, BodyRow
+from msvalidate.simulators.bodies.bodies import EVEN, MORE, BodyRow
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain
 from msvalidate.simulators.bodies.laws import LAWS, nearest_law
 from msvalidate.simulators.gate.gate import GateRow
-from msvalidate.simulators.probe.reading import SHOWN, Reading
+from msvalidate.simulators.probe.reading import BAND, SHOWN, Reading
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
 

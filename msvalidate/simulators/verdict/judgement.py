@@ -9,15 +9,14 @@ they do not is told as not explained.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, TypeVar
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies import blocks, laws
 from msvalidate.simulators.bodies.blocks import AtRest, Elements
 from msvalidate.simulators.bodies.bodies import (
-    BAND,
     MESHES,
     BodyRow,
     body_row,
@@ -31,14 +30,10 @@ from msvalidate.simulators.bodies.bodies import (
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain, at_large_strain
 from msvalidate.simulators.bodies.tetrahedra import linear_elements
 from msvalidate.simulators.exchange.asked import Note, note_of
-from msvalidate.simulators.exchange.protocol import (
-    CannotRepresent,
-    Simulator,
-    SimulatorError,
-)
+from msvalidate.simulators.exchange.protocol import CannotRepresent, Simulator
 from msvalidate.simulators.gate.gate import Gate, gate
 from msvalidate.simulators.probe.probe import probe
-from msvalidate.simulators.probe.reading import Reading
+from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
     STOPPED,
     is_over_density,
@@ -46,7 +41,9 @@ from msvalidate.simulators.verdict.causes import (
     stop_causes,
 )
 from msvalidate.simulators.verdict.sentences import Cause
+from msvalidate_check.beside import best_scale
 
+Found = TypeVar("Found")
 PARTS = ("gate", "probe", "bodies")
 """What a simulator is asked, in this order."""
 
@@ -139,21 +136,27 @@ def judge_simulator(
     notes: list[Note] = []
     reading = None
     if "probe" in parts:
-        reading = _probed(simulator, material, own | dict(probed or {}), notes)
+        stepped = own | dict(probed or {})
+        reading = _noted("probe", notes, lambda: probe(simulator, material, settings=stepped))
     bodies = "bodies" in parts
     found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
-    settled = _further(simulator, own, converged, found, notes)
+    settled = _noted(
+        "brought further to rest", notes, lambda: bring_further(simulator, own, converged, found)
+    )
     read, total = _law(reading, found, predicted, material)
     furthest = own | dict(converged or {})
     rows = of_one_kind(
-        tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
+        tuple(body_row(body, each, read, reading, total, settled or {}) for body, each in found)
     )
     if read is not None:
         rows = _loaded_more(simulator, rows, found, (read, reading, total), furthest)
     large = None
     linear = elements is linear_elements
     if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
-        large = _large(simulator, material, law, furthest, (reading, total), notes)
+        large = _noted("large strain", notes, lambda: at_large_strain(
+            simulator, material, laws.stress_of(law, material.E, material.nu), furthest,
+            lambda asked: masses_on(asked, reading, total),
+        ))  # fmt: skip
     state, causes = state_and_causes(
         material, predicted, reading, read, rows if bodies else None, large,
         linear=linear, moving=gated.moving,
@@ -193,19 +196,13 @@ def _refuse_material(material: Isotropic) -> None:
         )
 
 
-def _further(
-    simulator: Simulator,
-    settings: Mapping[str, Any],
-    converged: Mapping[str, Any] | None,
-    found: list[tuple[str, AtRest]],
-    notes: list[Note],
-) -> Mapping[tuple[str, str], AtRest]:
-    """Bodies brought further to rest; none where that fails, which is told."""
+def _noted(what: str, notes: list[Note], act: Callable[[], Found]) -> Found | None:
+    """What is found; None where that fails, which is told."""
     try:
-        return bring_further(simulator, settings, converged, found)
+        return act()
     except (CannotRepresent, SolverError) as error:
-        notes.append(note_of("brought further to rest", error))
-        return {}
+        notes.append(note_of(what, error))
+        return None
 
 
 def _first_order(law: str, material: Isotropic) -> tuple[float, float] | None:
@@ -214,38 +211,6 @@ def _first_order(law: str, material: Isotropic) -> tuple[float, float] | None:
         return None
     known = laws.predicted(law, material.E, material.nu)
     return None if known.E is None or known.nu is None else (known.E, known.nu)
-
-
-def _large(
-    simulator: Simulator,
-    material: Isotropic,
-    law: str,
-    settings: Mapping[str, Any],
-    weighed: tuple[Reading | None, float],
-    notes: list[Note],
-) -> AtLargeStrain | None:
-    """A body at large strain beside elements of the documented law."""
-    try:
-        return at_large_strain(
-            simulator,
-            material,
-            laws.stress_of(law, material.E, material.nu),
-            settings,
-            mass_of=lambda request: masses_on(request, *weighed),
-        )
-    except (CannotRepresent, SolverError) as error:
-        notes.append(note_of("large strain", error))
-        return None
-
-
-def _probed(
-    simulator: Simulator, material: Isotropic, settings: Mapping[str, Any], notes: list[Note]
-) -> Reading | None:
-    try:
-        return probe(simulator, material, settings=settings)
-    except (CannotRepresent, SimulatorError) as error:
-        notes.append(note_of("probe", error))
-        return None
 
 
 def _law(
@@ -286,7 +251,7 @@ def _weighs(found: list[tuple[str, AtRest]], reading: Reading) -> bool:
     for _, each in found:
         if each.case.driven == "weight":
             expected = each.of_elements(float(reading.E or 0), float(reading.nu or 0))
-            return abs(float((each.move * expected).sum() / (expected**2).sum()) - 1) <= BAND
+            return abs(best_scale(each.move, expected) - 1) <= BAND
     return False
 
 

@@ -16,12 +16,8 @@ from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sheet import Sheet
 
 PAGE = "check.html"
-CAUSES = {
-    "law": "law",
-    "resolution": "resolution",
-    "mass": "mass",
-    "solver": "solver",
-    "not explained": "left",
+CAUSES = {name: name for name in ("law", "resolution", "mass", "solver")} | {
+    "not explained": "left"
 }
 """What a bar is called -> the factor that it is."""
 

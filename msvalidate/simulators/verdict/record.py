@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
 
 from msvalidate.simulators.bodies.bodies import BodyRow
-from msvalidate.simulators.bodies.large_strain import AtLargeStrain
 from msvalidate.simulators.gate.gate import PASSED, STOPPED, GateRow
 from msvalidate.simulators.probe.reading import Reading
 from msvalidate.simulators.verdict.judgement import Judgement
@@ -26,7 +26,7 @@ def record_of(found: Judgement) -> dict[str, Any]:
     law = found.predicted
     return {
         "asked": {"E": found.asked.E, "nu": found.asked.nu, "density": found.asked.density},
-        "predicted": None if law is None else {"E": _number(law[0]), "nu": _number(law[1])},
+        "predicted": None if law is None else {"E": _plain(law[0]), "nu": _plain(law[1])},
         "state": found.state,
         "causes": [each.said for each in found.causes],
         "kinds": [each.kind for each in found.causes],
@@ -34,40 +34,31 @@ def record_of(found: Judgement) -> dict[str, Any]:
         "gate": [_gate_row(row) for row in found.gate.rows],
         "probe": None if found.reading is None else probe_record(found.reading),
         "bodies": [_body(row) for row in found.bodies],
-        "large": _large(found.large),
+        "large": _plain(found.large),
     }
 
 
 def _gate_row(row: GateRow) -> dict[str, Any]:
     """What was tried; why its limit is what it is stands in `gate`, and here only what stops."""
-    kept = {"name": row.name, "verdict": row.verdict, "value": _number(row.value)}
+    kept = {"name": row.name, "verdict": row.verdict, "value": _plain(row.value)}
     if row.verdict in {PASSED, STOPPED}:
-        kept |= {"unit": row.unit, "limit": _number(row.limit)}
-    return kept if row.verdict == PASSED else kept | {"because": row.because}
-
-
-def _large(found: AtLargeStrain | None) -> dict[str, Any] | None:
-    if found is None:
-        return None
-    return {name: v if isinstance(v, str) else _number(v) for name, v in vars(found).items()}
+        kept |= {"unit": row.unit, "limit": _plain(row.limit)}
+    return kept if row.verdict == PASSED else kept | {"because": text_of(row.because)}
 
 
 def probe_record(reading: Reading) -> dict[str, Any]:
     """A reading of the probe as JSON takes it."""
-    masses = reading.masses
+    masses, elastic = reading.masses, reading.elastic
+    moduli = {name: getattr(elastic, name) for name in ("E", "nu", "E_error", "nu_error")}
+    whose = None if masses is None else {"pattern": text_of(masses.words), "off": masses.off}
     return {
-        "E": _number(reading.E),
-        "nu": _number(reading.nu),
-        "E_error": _number(reading.elastic.E_error),
-        "nu_error": _number(reading.elastic.nu_error),
-        "because": text_of(reading.elastic.because),
-        "C": [[_number(value) for value in row] for row in reading.C],
-        "error": _number(reading.error),
+        **_plain(moduli),
+        "because": text_of(elastic.because),
+        "C": _plain(reading.C),
+        "error": _plain(reading.error),
         "valid": reading.is_valid,
-        "flags": {flag.name: _number(flag.value) for flag in reading.flags},
-        "mass": None
-        if masses is None
-        else {"pattern": text_of(masses.words), "off": _number(masses.off)},
+        "flags": {flag.name: _plain(flag.value) for flag in reading.flags},
+        "mass": _plain(whose),
         "strain": reading.strain,
         "precision": reading.precision,
         "about": {key: reading.about.get(key) for key in ("simulator", "version", "law", "mass")},
@@ -75,30 +66,21 @@ def probe_record(reading: Reading) -> dict[str, Any]:
 
 
 def _body(row: BodyRow) -> dict[str, Any]:
-    factors = None
-    if row.factors is not None:
-        factors = {name: _number(value) for name, value in vars(row.factors).items()}
-    return {
-        "body": row.body,
-        "case": row.case,
-        "mesh": row.mesh,
-        "error": _number(row.error),
-        "E": _number(row.on_mesh.E),
-        "nu": _number(row.on_mesh.nu),
-        "left": _number(row.on_mesh.left),
-        "rest": _number(row.rest),
-        "factors": factors,
-        "shape": "" if row.shape is None else row.shape.said,
-        "even": _number(row.even),
-        "finer": row.finer,
-        "loaded_more": _number(row.loaded_more),
-        "far_away": _number(row.far_away),
-    }
+    own = {name: value for name, value in vars(row).items() if name != "on_mesh"}
+    shape = "" if row.shape is None else row.shape.said
+    return dict(_plain(own | vars(row.on_mesh) | {"shape": shape}))
 
 
-def _number(value: float | None) -> float | None:
-    """With few digits; None for what is not finite."""
-    if value is None or not math.isfinite(value):
+def _plain(value: Any) -> Any:
+    """As JSON takes it: records by their names, numbers with few digits, null for not finite."""
+    if isinstance(value, np.ndarray):
+        return [_plain(each) for each in value] if value.ndim else _plain(value.item())
+    if is_dataclass(value) or isinstance(value, dict):
+        named = value if isinstance(value, dict) else vars(value)
+        return {name: _plain(each) for name, each in named.items()}
+    if not isinstance(value, float):
+        return value
+    if not math.isfinite(value):
         return None
     return float(np.format_float_positional(value, DIGITS, unique=False, fractional=False))
 

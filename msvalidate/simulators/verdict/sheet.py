@@ -6,25 +6,18 @@ import math
 from collections.abc import Collection, Iterable
 
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.bodies.blocks import BENT
-from msvalidate.simulators.bodies.bodies import BAND, BodyRow
+from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
-from msvalidate.simulators.probe.reading import Reading, anisotropy
+from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
-from msvalidate.simulators.verdict.causes import AGREES, STOPPED
+from msvalidate.simulators.verdict.causes import AGREES, NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate_check.causes import Phrase, phrase
 
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
-WHOLE = Phrase("")
-ISOTROPIC = 0.01
-"""Anisotropy beyond which that is told: at it E and nu differ by direction by about as much as a
-law is asked to be told apart."""
-NOTICED = 5e-4
-"""Of a factor: what is nearer to 1 is left blank."""
 
 
 @dataclass(frozen=True)
@@ -97,11 +90,11 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
         tables.append(_bodies_table(found))
     known = {failure.why for failure in asked.failures}
     causes = [c for c in found.causes if not (c.kind == FAILED and c.of["because"] in known)]
-    failures = [phrase("failure", question=f.question, why=f.why) for f in asked.failures]
+    failures = [phrase("note", what=each.what, why=each.why) for each in asked.failures]
     word = _word(found, asked, parts)
     return Sheet(
         word=text_of(word),
-        agrees=word == phrase("state", state=AGREES, some=WHOLE),
+        agrees=word == phrase("state", state=AGREES, some=NOTHING),
         who=text_of(_who(asked)),
         causes=(*(each.said for each in causes), *map(text_of, dict.fromkeys(failures))),
         tables=tuple(tables),
@@ -121,7 +114,7 @@ def _by_reason(notes: Iterable[Note]) -> tuple[str, ...]:
 
 
 def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
-    some = WHOLE
+    some = NOTHING
     if any(part not in parts for part in PARTS):
         some = phrase("some", parts=" and ".join(part for part in PARTS if part in parts))
     if asked.failures:
@@ -133,7 +126,7 @@ def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
         return phrase("gate alone")
     coarse = max(found.bodies, key=lambda row: row.error, default=None)
     if found.state == AGREES and coarse is not None and coarse.error > BAND:
-        body = f"{coarse.body} {'beam' if coarse.body in BENT else 'block'}"
+        body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
         return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
     return phrase("state", state=found.state, some=some)
 
@@ -160,9 +153,9 @@ def _gate_table(found: Judgement) -> SheetTable:
 def _gate_words(row: GateRow) -> str:
     if math.isnan(row.limit):
         value = "" if math.isnan(row.value) else f"{row.value:.2g} {row.unit}: "
-        return f"{value}{row.because}"
+        return f"{value}{text_of(row.because)}"
     told = f"{row.value:.1e} {row.unit}, at most {row.limit:.1e}"
-    return told if row.verdict == PASSED else f"{told}: {row.because}"
+    return told if row.verdict == PASSED else f"{told}: {text_of(row.because)}"
 
 
 # Law ----------------------------------------------------------------------------------------------
@@ -218,7 +211,7 @@ def _reading_lines(reading: Reading) -> list[str]:
         lines.append(reading.uncertain)
     if reading.is_valid and (reading.E is None or reading.nu is None):
         lines.append(phrase("no moduli", because=reading.elastic.because))
-    if reading.is_valid and (part := anisotropy(reading.C)) > ISOTROPIC:
+    if reading.is_valid and (part := anisotropy(reading.C)) > BAND:
         lines.append(phrase("anisotropy", part=part))
     return list(map(text_of, lines))
 
@@ -234,16 +227,8 @@ def _bodies_table(found: Judgement) -> SheetTable:
         said = {"case": large.case, "strain": large.strain, "apart": large.apart}
         below.append(text_of(phrase("large line", **said, linear=large.from_linear)))
     columns = (
-        "body",
-        "case",
-        "mesh",
-        "error",
-        "law",
-        "resolution",
-        "mass",
-        "solver",
-        "not explained",
-    )
+        "body", "case", "mesh", "error", "law", "resolution", "mass", "solver", "not explained",
+    )  # fmt: skip
     return SheetTable(
         "bodies at rest: error, and what each cause multiplies the displacement by", columns, rows,
         tuple(below),
@@ -258,13 +243,10 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
     if not parts[-1] and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
-    shape = (
-        f", {row.shape}"
-        if row.shape is not None and not f.is_explained and not row.may_settle
-        else ""
-    )
+    told = row.shape is not None and not f.is_explained and not row.may_settle
+    shape = f", {row.shape}" if told else ""
     return (*head, *parts, f"{f.apart:.2%}{shape}")
 
 
 def _factor(part: float) -> str:
-    return "" if abs(part - 1) < NOTICED else f"{part:.4g}"
+    return "" if round(part, 3) == 1 else f"{part:.4g}"

@@ -52,6 +52,8 @@ def test_one_node_of_twice_its_mass_is_named(kind):
 def test_shares_by_count_and_last_cell_are_told_apart():
     counted = np.bincount(MESH.cells.ravel()).astype(float)
     assert "a share for each cell" in measured(masses=counted).pattern
+    few_digits = np.array([float(f"{mass:.4g}") for mass in OWN])
+    assert measured(masses=few_digits).pattern == "each node's own share"
     wild = np.random.default_rng(1).uniform(1, 3, len(OWN))
     found = measured(masses=wild)
     assert found.pattern == ""
