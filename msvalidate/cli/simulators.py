@@ -38,13 +38,13 @@ from msvalidate.simulators.exchange.protocol import (
     SimulatorError,
     stated_residual_motion,
 )
-from msvalidate.simulators.verdict.causes import AGREES
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
+from msvalidate_check.verdict import AGREES
 
 RUN = "-run"
 """End of the name of the folder in which the latest question stays, beside its page."""
@@ -174,7 +174,7 @@ def check_adapter(args: argparse.Namespace) -> int:
             return tell_error(f"{name}: {error}{where}", FAILED)
         finally:  # also when we are interrupted
             show.clear()
-    code = HELD if found.state == AGREES else MISSED
+    code = HELD if found.word == AGREES else MISSED
     if asked.failures or not asked.answers:
         code = FAILED if asked.failures else NOTHING
     if args.quiet:

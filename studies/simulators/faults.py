@@ -11,8 +11,8 @@ from __future__ import annotations
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.verdict.causes import AGREES
 from msvalidate.simulators.verdict.judgement import judge_simulator
+from msvalidate_check.verdict import AGREES
 
 from .synthetic import Faulty, clean, clean_implicit, synthetic_faults
 
@@ -67,7 +67,7 @@ def _row(name: str, faulty: Faulty) -> dict[str, object]:
     found = judge_simulator(faulty.simulate, ASKED, meshes=MESH)
     return {
         "fault": name,
-        "state_said": found.state,
+        "state_said": found.word,
         "said": found.causes[0].said if found.causes else "",
         "named": faulty.is_named_in(found),
     }

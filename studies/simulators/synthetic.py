@@ -14,16 +14,11 @@ from msvalidate.simulators.bodies.laws import LAWS, lame
 from msvalidate.simulators.bodies.tetrahedra import Stress, of_law, tetrahedra
 from msvalidate.simulators.exchange.program import Program
 from msvalidate.simulators.exchange.protocol import Answer, Request, Simulator, SimulatorError
-from msvalidate.simulators.verdict.causes import (
-    CAUSE,
-    NOT_AT_REST,
-    NOT_EXPLAINED,
-    OVER_DENSITY,
-    STOPPED,
-)
+from msvalidate.simulators.verdict.causes import CAUSE, NOT_EXPLAINED, OVER_DENSITY, STOPPED
 from msvalidate.simulators.verdict.judgement import Judgement
-from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate.statics.equilibrium import equilibrium
+from msvalidate_check.causes import Cause
+from msvalidate_check.verdict import NOT_AT_REST
 
 OWN_LAW = "neo-Hookean, log J"
 SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
@@ -64,7 +59,7 @@ class Faulty:
 
     def is_named_in(self, found: Judgement) -> bool:
         """Whether state and causes name the fault."""
-        return found.state == self.state and (
+        return found.word == self.state and (
             not self.kind or any(self._is(cause) for cause in found.causes)
         )
 

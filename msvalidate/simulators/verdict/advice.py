@@ -8,10 +8,11 @@ from functools import reduce
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.gate.gate import FREE_FALL
 from msvalidate.simulators.probe.reading import SHOWN
-from msvalidate.simulators.verdict.causes import AGREES, CAUSE, NOT_AT_REST, STOPPED
+from msvalidate.simulators.verdict.causes import CAUSE, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import phrase
+from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
 """Rows that only what is not at rest is stopped by: to be mended first."""
@@ -29,14 +30,14 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
         return _advice("ended")
     if asked.failures:
         return _advice("failed")
-    if found.state == STOPPED:
+    if found.word == STOPPED:
         return _at_gate(found, asked)
-    if found.state == NOT_AT_REST:
+    if found.word == NOT_AT_REST:
         return _advice("run longer")
-    if found.state == AGREES:
+    if found.word == AGREES:
         rest = " --only ".join(part for part in PARTS if part not in parts)
         return _advice("ask the rest", rest=rest) if rest else _advice("own body")
-    return _of_cause(found) if found.state == CAUSE else _of_rest(found)
+    return _of_cause(found) if found.word == CAUSE else _of_rest(found)
 
 
 def _at_gate(found: Judgement, asked: Asked) -> Cause:

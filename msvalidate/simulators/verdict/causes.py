@@ -1,4 +1,4 @@
-"""State and causes: what is said of a simulator from what was read and what bodies owe to what."""
+"""What is said of a simulator, from what was read and what bodies owe to what."""
 
 from __future__ import annotations
 
@@ -10,16 +10,15 @@ from msvalidate.simulators.gate.gate import GateRow
 from msvalidate.simulators.probe.reading import BAND, SHOWN, Reading
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
+from msvalidate_check.verdict import AGREES, NOT_AT_REST, Verdict
 
-AGREES = "agrees"
 CAUSE = "differs with cause"
-NOT_AT_REST = "not at rest"
 NOT_EXPLAINED = "not explained"
 STOPPED = "gate"
 NOTHING, OVER_DENSITY = Phrase(""), Phrase("over density")
 
 
-def state_and_causes(
+def rows_verdict(
     material: Isotropic,
     predicted: tuple[float, float] | None,
     reading: Reading | None,
@@ -29,8 +28,8 @@ def state_and_causes(
     *,
     linear: bool = True,
     moving: float = 0.0,
-) -> tuple[str, tuple[Cause, ...]]:
-    """What the simulator is in a word, and the causes, from what differs from what was asked.
+) -> Verdict:
+    """What the simulator is, and the causes, from what differs from what was asked.
 
     `rows` are None where no body was asked for, and empty where none could be represented. Of
     elements that are not `linear` what they are off by is told: it is by design, and no mesh's.
@@ -61,13 +60,13 @@ def state_and_causes(
     if open_rows or unread or other or missing:
         causes += [*other, *map(_open, open_rows)]
         causes += [Cause("bodies", of=phrase("no bodies"))] if missing else []
-        return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
+        return Verdict(NOT_EXPLAINED, tuple(dict.fromkeys(causes)))
     if moving or left or (residual_motion and len(causes) == 1):
-        return NOT_AT_REST, tuple(dict.fromkeys([*still, *causes]))
-    return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
+        return Verdict(NOT_AT_REST, tuple(dict.fromkeys([*still, *causes])))
+    return Verdict(CAUSE if causes else AGREES, tuple(dict.fromkeys(causes)))
 
 
-def stop_causes(stops: tuple[GateRow, ...]) -> tuple[Cause, ...]:
+def stop_verdict(stops: tuple[GateRow, ...]) -> Verdict:
     """What stopped a simulator at the gate, and by how much."""
     found = []
     for row in stops:
@@ -78,7 +77,7 @@ def stop_causes(stops: tuple[GateRow, ...]) -> tuple[Cause, ...]:
         else:
             of = phrase("gate failed", row=row.name, because=row.because)
             found.append(Cause("gate failed", of=of))
-    return tuple(found) or (Cause("nothing passed", of=phrase("nothing passed")),)
+    return Verdict(STOPPED, tuple(found) or (Cause("nothing passed", of=phrase("nothing passed")),))
 
 
 def _rounded(row: BodyRow) -> Cause:

@@ -35,22 +35,21 @@ from msvalidate.simulators.gate.gate import Gate, gate
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
-    STOPPED,
     is_over_density,
-    state_and_causes,
-    stop_causes,
+    rows_verdict,
+    stop_verdict,
 )
-from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.beside import best_scale
+from msvalidate_check.verdict import Verdict
 
 Found = TypeVar("Found")
 PARTS = ("gate", "probe", "bodies")
 """What a simulator is asked, in this order."""
 
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """What is said of a simulator with one law and one material.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Judgement(Verdict):
+    """What is said of a simulator with one law and one material: a word of `verdict.causes`.
 
     Parameters
     ----------
@@ -65,10 +64,6 @@ class Judgement:
         At rest.
     large
         A body at 5 % strain beside elements of its documented law; None where that is not known.
-    state
-        Agrees, or what it does instead: a constant of `verdict.causes`.
-    causes
-        The largest first; none where it agrees.
     notes
         What could not be asked, and why.
     """
@@ -76,12 +71,10 @@ class Judgement:
     asked: Isotropic
     predicted: tuple[float, float] | None
     gate: Gate
-    reading: Reading | None
-    bodies: tuple[BodyRow, ...]
-    state: str
-    causes: tuple[Cause, ...]
-    notes: tuple[Note, ...]
+    reading: Reading | None = None
+    bodies: tuple[BodyRow, ...] = ()
     large: AtLargeStrain | None = None
+    notes: tuple[Note, ...] = ()
 
 
 def judge_simulator(
@@ -131,8 +124,8 @@ def judge_simulator(
     predicted = _first_order(law, material)
     gated = gate(simulator, material, own) if "gate" in parts else Gate(())
     if "gate" in parts and not gated.passed:
-        causes = stop_causes(gated.stops)
-        return Judgement(material, predicted, gated, None, (), STOPPED, causes, ())
+        stopped = vars(stop_verdict(gated.stops))
+        return Judgement(**stopped, asked=material, predicted=predicted, gate=gated)
     notes: list[Note] = []
     reading = None
     if "probe" in parts:
@@ -157,11 +150,14 @@ def judge_simulator(
             simulator, material, laws.stress_of(law, material.E, material.nu), furthest,
             lambda asked: masses_on(asked, reading, total),
         ))  # fmt: skip
-    state, causes = state_and_causes(
+    verdict = rows_verdict(
         material, predicted, reading, read, rows if bodies else None, large,
         linear=linear, moving=gated.moving,
     )  # fmt: skip
-    return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
+    return Judgement(
+        **vars(verdict), asked=material, predicted=predicted, gate=gated, reading=reading,
+        bodies=rows, large=large, notes=tuple(notes),
+    )  # fmt: skip
 
 
 def _loaded_more(

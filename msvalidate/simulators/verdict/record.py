@@ -27,7 +27,7 @@ def record_of(found: Judgement) -> dict[str, Any]:
     return {
         "asked": {"E": found.asked.E, "nu": found.asked.nu, "density": found.asked.density},
         "predicted": None if law is None else {"E": _plain(law[0]), "nu": _plain(law[1])},
-        "state": found.state,
+        "state": found.word,
         "causes": [each.said for each in found.causes],
         "kinds": [each.kind for each in found.causes],
         "notes": [f"{each.what}: {each.why}" for each in found.notes],

@@ -11,10 +11,11 @@ from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
 from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
-from msvalidate.simulators.verdict.causes import AGREES, NOTHING, STOPPED
+from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate_check.causes import Phrase, phrase
+from msvalidate_check.verdict import AGREES
 
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
@@ -84,7 +85,7 @@ class Sheet:
 def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Sheet:
     """A judgement in words; `parts` are those that were asked for."""
     tables = [_gate_table(found)] if found.gate.rows else []
-    if found.state != STOPPED and set(parts) - {"gate"}:
+    if found.word != STOPPED and set(parts) - {"gate"}:
         tables.append(_law_table(found))
     if found.bodies:
         tables.append(_bodies_table(found))
@@ -120,15 +121,15 @@ def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
     if asked.failures:
         counts = {"failures": len(asked.failures), "count": asked.count}
         return phrase("no answer", **counts, some=some)
-    if found.state == STOPPED:
+    if found.word == STOPPED:
         return phrase("stopped" if found.gate.stops else "nothing", some=some)
-    if found.state == AGREES and set(parts) == {"gate"}:
+    if found.word == AGREES and set(parts) == {"gate"}:
         return phrase("gate alone")
     coarse = max(found.bodies, key=lambda row: row.error, default=None)
-    if found.state == AGREES and coarse is not None and coarse.error > BAND:
+    if found.word == AGREES and coarse is not None and coarse.error > BAND:
         body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
         return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
-    return phrase("state", state=found.state, some=some)
+    return phrase("state", state=found.word, some=some)
 
 
 def _who(asked: Asked) -> Phrase:

@@ -59,7 +59,7 @@ def test_a_simulator_without_motion_or_forces_is_held_against_its_documented_law
         return simulator_of("linear")(request)
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
-    assert (found.state, found.causes, found.reading) == ("agrees", (), None)
+    assert (found.word, found.causes, found.reading) == ("agrees", (), None)
     assert np.isfinite([row.factors.total for row in found.bodies]).all()
     assert any("no motion" in note.why for note in found.notes)
 
@@ -69,7 +69,7 @@ def test_any_material_is_judged_alike(material):
     found = judge_simulator(
         simulator_of("neo-Hookean, log J"), material, law="neo-Hookean, log J", meshes=("tet4",)
     )
-    assert (found.state, found.causes, found.notes) == ("agrees", (), ())
+    assert (found.word, found.causes, found.notes) == ("agrees", (), ())
     assert found.large is not None
     assert 0.03 < found.large.strain < 0.1
     assert found.large.apart < 1e-8
@@ -79,7 +79,7 @@ def test_a_law_of_the_same_first_order_is_told_apart_at_large_strain():
     found = judge_simulator(
         simulator_of("Saint Venant-Kirchhoff"), ASKED, law="neo-Hookean, log J", meshes=("tet4",)
     )
-    assert found.state == "not explained"
+    assert found.word == "not explained"
     assert found.causes[0].kind == "large strain"
 
 
@@ -93,7 +93,7 @@ def test_a_law_whose_ratio_is_below_those_known_is_explained():
     law = "neo-Hookean without logarithm, Lamé's constants as they stand"
     material = Isotropic(1e7, 0.2, "solid")
     found = judge_simulator(simulator_of(law), material, law=law, meshes=("tet4",))
-    assert found.state == "differs with cause"
+    assert found.word == "differs with cause"
     assert all(row.factors.is_explained for row in found.bodies)
 
 
@@ -129,7 +129,7 @@ def test_coarse_positions_are_a_cause_and_other_faults_are_not(fault, precision,
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
     rounded = [cause for cause in found.causes if cause.kind == "rounding"]
-    assert (found.state, bool(rounded)) == (state, state == "differs with cause")
+    assert (found.word, bool(rounded)) == (state, state == "differs with cause")
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_what_bodies_at_rest_do_apart_from_the_law_is_not_called_law_or_mass(nam
         return Answer(displacement=fault(found.displacement), about=found.about)
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
-    assert found.state == "not explained"
+    assert found.word == "not explained"
     assert not [cause for cause in found.causes if cause.kind in {"law", "mass"}]
     assert any(said in cause.said for cause in found.causes)
 
@@ -163,7 +163,7 @@ def test_bodies_that_stay_where_they_are_are_no_answer():
         return Answer(displacement=0 * found.displacement, about=found.about)
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
-    assert (found.state, found.bodies) == ("not explained", ())
+    assert (found.word, found.bodies) == ("not explained", ())
     assert "cantilever_gravity_space does not move" in "\n".join(note.why for note in found.notes)
 
 
@@ -180,7 +180,7 @@ def test_better_elements_are_not_taken_for_another_law():
         return Answer(displacement=move, about=found.about)
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
-    assert (found.state, found.causes) == ("agrees", ())
+    assert (found.word, found.causes) == ("agrees", ())
 
 
 def test_what_is_linear_elements_elsewhere_is_no_better_element():
@@ -198,7 +198,7 @@ def test_what_is_linear_elements_elsewhere_is_no_better_element():
         return Answer(displacement=move, about=found.about)
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
-    assert found.state == "not explained"
+    assert found.word == "not explained"
 
 
 def settling(request, left, told):
@@ -226,7 +226,7 @@ def settling(request, left, told):
 def test_not_at_rest_is_a_state_of_its_own(left, told, state, said):
     asked = Asked(lambda request: settling(request, left, told))
     found = judge_simulator(asked, ASKED, law="linear", meshes=("tet4",))
-    assert (found.state, said in " ".join(map(str, found.causes))) == (state, True), found.causes
+    assert (found.word, said in " ".join(map(str, found.causes))) == (state, True), found.causes
     text = "\n".join(sheet_of(found, asked).lines("mine"))
     assert ("run it longer" in text) == (state == "not at rest")
     assert ("± " in text.partition("bodies at rest")[2]) == (told > 0.01)
@@ -242,7 +242,7 @@ def test_not_at_rest_is_a_state_of_its_own(left, told, state, said):
 )
 def test_a_law_is_told_with_the_nearest_of_the_catalogue(law, named, said):
     found = judge_simulator(simulator_of(law), ASKED, law=named, parts=("probe",))
-    assert (found.state == "not explained") == bool(named)
+    assert (found.word == "not explained") == bool(named)
     assert said in " ".join(map(str, found.causes))
     assert bool(said) == bool(found.causes)
 

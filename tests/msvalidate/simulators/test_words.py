@@ -25,7 +25,7 @@ def decided(faulty, law):
     kinds = [(cause.kind, cause.value) for cause in found.causes]
     shown = (len(sheet.causes), len(sheet.notes), [len(table.rows) for table in sheet.tables])
     reworded = [*sheet.causes, sheet.next, sheet.word]
-    return (found.state, kinds, next_step(found, asked).kind, sheet.agrees, shown), reworded, found
+    return (found.word, kinds, next_step(found, asked).kind, sheet.agrees, shown), reworded, found
 
 
 @pytest.mark.parametrize(
