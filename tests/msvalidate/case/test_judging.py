@@ -185,6 +185,8 @@ def test_what_is_not_at_rest(tmp_path):
     unknown = judged(tmp_path, X, slow)
     assert unknown.row.verdict == "differs"
     assert np.isnan(unknown.residual_motion)
+    rest = [budget(each).set_index("part")["value"]["rest"] for each in (stated, unknown)]
+    np.testing.assert_array_equal(rest, [0.0, np.nan])
 
 
 def test_points_in_any_order_outside_doubled_and_in_a_unit(tmp_path):
