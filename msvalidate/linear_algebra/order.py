@@ -158,9 +158,8 @@ def _make_separator(side: Index, piece: Index, inner: Index, pieces: int) -> Non
 def _adjacent_separators(piece: Index, outer: Index, pieces: int) -> Array:
     """Points of earlier cuts (p,) that each piece is joined to."""
     n = len(piece)
-    key = np.sort(piece[outer[0]] * n + outer[1])
-    fresh = key[np.diff(key, prepend=-1) > 0]  # np.unique goes by hashes: far slower
-    return np.bincount(fresh // n, minlength=pieces).astype(float)
+    key = np.sort(piece[outer[0]] * n + outer[1])  # np.unique goes by hashes: far slower
+    return np.bincount(key[np.diff(key, prepend=-1) > 0] // n, minlength=pieces).astype(float)
 
 
 def _remaining_pairs(taken: Index, inner: Index, outer: Index) -> tuple[Index, Index]:

@@ -93,6 +93,7 @@ SHUFFLED = U2[np.random.default_rng(1).permutation(30)]
 
 @table("found, wanted, uncertainty, causes", [
     (1.1 * U2[:, ::-1], U2, 1e-6, ["axes and scale"]),
+    (U2[:, ::-1] + 1e-3, U2, 1e-6, ["axes"]),
     (X2 + 1.3 * U2, U2, 1e-6, ["positions and scale"]),
     (1003 * SHUFFLED, U2, 5e-3, ["node order and unit"]),
     (-U2 * [1, 0], U2 * [1, 0], 1e-6, ["sign"]),

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +130,12 @@ def test_damping_is_told_and_shortens_euler_cromer():
         "not by E and nu: within 0.1 % of rest after 0.01 s, 6 steps" in lines[-1]
     )  # of 0.9 · 2/ω
     assert json.loads(json.dumps(advice_record(advice)))["steps_to_rest"] == 6
+
+
+@pytest.mark.parametrize(("zener", "unequal"), [(0.5, True), (1.0, False), (2.0, True)])
+def test_unequal_directions_are_told(zener, unequal):
+    advice = replace(advise(material("plane_strain", 0.25), "square", 1.0), zener=zener)
+    assert ("by direction unequal" in advice_lines(advice)[0]) is unequal
 
 
 def test_a_price_is_in_proportion_to_the_change_of_the_ratio():

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from msvalidate.case import choice
-from msvalidate.case.budget import budget
+from msvalidate.case.budget import budget, mesh_rows
 from msvalidate.case.case import Case
-from msvalidate.case.choice import choice_sentences, choose
+from msvalidate.case.choice import _equal_cost, choice_sentences, choose
 from msvalidate.case.comparison import NOT_TOLD, compare_case
 from msvalidate.case.page import sentences
 from msvalidate.linear_algebra.norms import max_length
@@ -49,6 +50,15 @@ def test_another_material_has_no_spacing():
     assert "for about 5 % in displacement: no spacing does" in choice_sentences(chosen)[0]
 
 
+def test_a_mesh_of_as_many_nodes_as_the_finest_springs_is_compared():
+    asked = SimpleNamespace(lattice=SimpleNamespace(points=np.zeros((9, 2))))
+    reference = SimpleNamespace(error=0.0)
+    found = SimpleNamespace(springs=[asked], reference=reference, points=asked.lattice.points)
+    rows = [{"points": 4, "difference": 0.2}, {"points": 9, "difference": 0.1}]
+    cost = _equal_cost(found, rows, [{"nodes": 9, "difference": 0.05}])
+    assert cost == pytest.approx((18, 2.0))
+
+
 def test_what_every_lattice_meets_takes_the_coarsest():
     rollers = (Support(BEAM.side("left"), (0.0, None)), Support(BEAM.side("bottom"), (None, 0.0)))
     pulled = Problem(BEAM, LAW, rollers, (Traction(BEAM.side("right"), (10.0, 0.0)),))
@@ -73,6 +83,10 @@ def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing
     assert max_length(away - found.support) < 0.4 * max_length(away)
     assert found.kind == "coarse"  # what is left closes in, though the whole falls unevenly
     assert abs(parts.loc["boundary", "value"]) < parts.loc["boundary", "uncertainty"]
+    assert parts.loc["boundary", "uncertainty"] == parts.loc["spacing", "uncertainty"]
+    assert parts.loc["total", "value"] == pytest.approx(max_length(away) / found.size)
+    off = max_length(found.reference.by_mesh[0] - found.reference.displacement.value)
+    assert mesh_rows(found)[0]["difference"] == pytest.approx(off / found.size)
     said = sentences(replace(found, kind=NOT_TOLD))[1][0]  # as the budget has it
     assert "material is right to 0." in said
     assert "from material" not in said

@@ -15,6 +15,7 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
+from msvalidate.case.matching import _contradicted
 from msvalidate.case.results import read_result
 from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
@@ -184,6 +185,8 @@ def test_what_is_not_at_rest(tmp_path):
     unknown = judged(tmp_path, X, slow)
     assert unknown.verdict.word == "differs"
     assert np.isnan(unknown.displacement.residual_motion)
+    rest = [budget(each).set_index("part")["value"]["rest"] for each in (stated, unknown)]
+    np.testing.assert_array_equal(rest, [0.0, np.nan])
 
 
 def test_points_in_any_order_outside_doubled_and_in_a_unit(tmp_path):
@@ -355,3 +358,7 @@ def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
         read_result(tmp_path / "a.npz", 2)
     assert tracemalloc.get_traced_memory()[1] < 1e7
     tracemalloc.stop()
+
+
+def test_places_are_contradicted_where_their_displacements_differ():
+    assert [len(_contradicted(apart)) for apart in (0.0, 1e-3)] == [0, 1]

@@ -11,6 +11,7 @@ from msvalidate.case.building import build_case
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.comparison import compare_case
 from msvalidate.case.page import sentences
+from msvalidate.case.part_mesh import straighten
 from msvalidate.case.reading import parse_source
 from msvalidate.case.springs import solve_springs
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction, Zone
@@ -54,6 +55,14 @@ def loaded(mesh: Mesh, nu: float = 0.3) -> Problem:
     pulled = Traction(mesh.side("high"), (0.0, -1e3, 5e2)[: mesh.dim])
     loads = (Traction(mesh.side("outer"), (2e3, 1e3, 0.0)[: mesh.dim]), pulled)
     return Problem(mesh, law, held, loads, "sector", (Zone(mesh.zone("stiff"), other),))
+
+
+@pytest.mark.parametrize("element", ["P2", "T2"])
+def test_cut_cells_are_of_the_region_of_the_cell_that_is_cut(element):
+    mesh = sector(element)
+    cut = straighten(loaded(mesh), 2).domain
+    share = len(mesh.zones["stiff"]) / len(mesh.cells)
+    assert len(cut.zones["stiff"]) / len(cut.cells) == share
 
 
 @pytest.mark.parametrize("element", ["P2", "T2"])

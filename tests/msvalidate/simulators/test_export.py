@@ -30,6 +30,7 @@ from msvalidate.problem import (
 )
 from msvalidate.simulators.exchange.export import export_case, lumped_mass
 from msvalidate.simulators.exchange.folders import write_request
+from msvalidate.simulators.exchange.lammps import lammps_files
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
 
@@ -168,3 +169,13 @@ def test_what_cannot_be_asked_is_told(case, options, words):
     with pytest.raises(ProblemError) as found:
         export_case(case, **options)
     assert words in str(found.value)
+
+
+def test_bonds_of_lammps_join_the_springs_ends_counted_from_one():
+    held = np.array([[True, True], [True, True], [False, False]])
+    force = np.array([[0.0, 0.0], [0.0, 0.0], [1e-3, 0.0]])
+    points, springs = np.array([[0.0, 0], [1, 0], [0, 1]]), np.array([[0, 2], [1, 2]])
+    net = spring_network(points, springs, np.array([1.0, 2.0]), held=held, force=force)
+    lines = lammps_files(net, equilibrium(net), "two")["springs.data"].decode().splitlines()
+    first = lines.index("Bonds") + 2
+    assert lines[first : first + 2] == ["1 1 1 3", "2 2 2 3"]

@@ -96,6 +96,21 @@ def test_an_answer_is_read_from_any_of_its_files(tmp_path):
         read_answer(tmp_path / "a", REST)
 
 
+def test_a_third_component_of_nothing_is_left_out_in_the_plane(tmp_path):
+    box = Box((0.3, 0.1))
+    held = (Support(box.side("left"), (0.0, 0.0)),)
+    flat = export_case(Case(Problem(box, Isotropic(1e5, 0.3), held)), cells=2)
+    x = np.pad(flat.mesh.points, ((0, 0), (0, 1)))
+    for out in (0.0, 1e-3):
+        data = {"displacement": x + np.array([0, 0, out])}
+        mesh = meshio.Mesh(x, [("triangle", flat.mesh.cells)], point_data=data)
+        mesh.write(left(tmp_path / "a") / "result.vtu")
+        if not out:
+            assert np.array_equal(read_answer(tmp_path / "a", flat).displacement, x[:, :2])
+    with pytest.raises(SimulatorError):
+        read_answer(tmp_path / "a", flat)
+
+
 def test_a_motion_is_answered_by_what_moved_or_by_forces(tmp_path):
     both = {"position": X + 1, "velocity": X}
     assert np.array_equal(read_answer(left(tmp_path / "a", both), MOTION).velocity, X)

@@ -75,6 +75,14 @@ def test_any_material_is_judged_alike(material):
     assert found.large.apart < 1e-8
 
 
+def test_settings_that_converge_are_asked_for_each_body():
+    found = judge_simulator(
+        simulator_of("linear"), ASKED, law="linear", meshes=("tet4",), converged={"n": 9}
+    )
+    assert (found.word, found.notes) == ("agrees", ())
+    assert frozen_case("block_pull_space", "tet4", 0.32).nu == 0.3
+
+
 def test_a_law_of_the_same_first_order_is_told_apart_at_large_strain():
     found = judge_simulator(
         simulator_of("Saint Venant-Kirchhoff"), ASKED, law="neo-Hookean, log J", meshes=("tet4",)

@@ -7,7 +7,7 @@ from msvalidate.problem import Isotropic
 from msvalidate.simulators.exchange.protocol import SimulatorError
 from msvalidate.simulators.probe.bench import Bench
 from msvalidate.simulators.probe.block import Block, probe_mesh
-from msvalidate.simulators.probe.masses import measure_masses
+from msvalidate.simulators.probe.masses import _relative_error, measure_masses
 from msvalidate.simulators.verdict.sentences import text_of
 from tests.msvalidate.simulators.little import Little, Tetrahedra, isotropic, lame, linear, lumped
 from tests.table import table
@@ -68,3 +68,8 @@ def test_forces_from_outside_are_refused():
 def test_a_body_that_does_not_move_is_refused():
     with pytest.raises(SimulatorError, match="no node moved"):
         measured(keep=0.0)
+
+
+def test_masses_that_rows_leave_open_are_not_known():
+    singular = np.array([1.0, 0.5, 0.2, 0.0, 0.0])
+    assert _relative_error(singular, np.eye(5), 6) == np.inf

@@ -145,6 +145,13 @@ def test_reading_springs_is_a_bound():
     assert failed(reading) == {"force on inner nodes"}
     implicit = Little(lambda mesh, kind: Springs(mesh, 1e4, kind), implicit=True)
     assert probe(implicit, ASKED).is_bound
+    stiffer = probe(Little(lambda mesh, kind: Springs(mesh, 1e7, kind)), ASKED)
+    inner, same = (
+        next(flag.value for flag in one.flags if flag.name == "force on inner nodes")
+        for one in (reading, stiffer)
+    )
+    assert same == pytest.approx(inner, rel=1e-6)
+    assert min(stiffer.causes[part] for part in ("resultant", "C not symmetric")) > 0
 
 
 BLOCK = Block(probe_mesh(), ASKED)

@@ -1,11 +1,14 @@
 """Nothing that is decided of a simulator depends on how a sentence is worded."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.verdict import sentences
 from msvalidate.simulators.verdict.advice import next_step
+from msvalidate.simulators.verdict.causes import _factor_causes
 from msvalidate.simulators.verdict.judgement import judge_simulator
 from msvalidate.simulators.verdict.record import record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
@@ -49,3 +52,24 @@ def test_other_words_change_no_state_cause_or_advice(monkeypatch, fault, law):
     np.testing.assert_equal(after, before)
     assert all(each.startswith("word ") for each in words)
     assert record_of(found)["kinds"] == [kind for kind, _ in before[1]]
+
+
+@pytest.mark.parametrize(
+    ("given", "kind"),
+    [
+        ({"causes": [causes.Cause("documents")]}, "name another"),
+        ({"causes": [causes.Cause("law")], "bodies": ()}, "answer rest"),
+        ({"reading": SimpleNamespace(is_valid=True, flags=())}, "whole body"),
+    ],
+)
+def test_what_helps_goes_by_what_is_there(given, kind):
+    plain = {"state": "not explained", "reading": None, "causes": (), "bodies": (1,)}
+    found = SimpleNamespace(**plain | {"predicted": (1e7, 0.3)} | given)
+    assert next_step(found, SimpleNamespace(ended=False, failures=())).kind == kind
+
+
+def test_a_body_that_moves_by_half_has_its_cause():
+    body = SimpleNamespace(factors=SimpleNamespace(mass=0.5, solver=1.0, resolution=1.0))
+    assert [(one.kind, one.value) for one in _factor_causes((body,), linear=True)] == [
+        ("mass", 0.5)
+    ]
