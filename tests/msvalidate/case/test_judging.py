@@ -15,7 +15,6 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
-from msvalidate.case.matching import _contradicted
 from msvalidate.case.results import read_result
 from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
@@ -358,7 +357,3 @@ def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
         read_result(tmp_path / "a.npz", 2)
     assert tracemalloc.get_traced_memory()[1] < 1e7
     tracemalloc.stop()
-
-
-def test_places_are_contradicted_where_their_displacements_differ():
-    assert [len(_contradicted(apart)) for apart in (0.0, 1e-3)] == [0, 1]

@@ -63,7 +63,7 @@ def test_other_words_change_no_state_cause_or_advice(monkeypatch, fault, law):
     ],
 )
 def test_what_helps_goes_by_what_is_there(given, kind):
-    plain = {"state": "not explained", "reading": None, "causes": (), "bodies": (1,)}
+    plain = {"word": "not explained", "reading": None, "causes": (), "bodies": (1,)}
     found = SimpleNamespace(**plain | {"predicted": (1e7, 0.3)} | given)
     assert next_step(found, SimpleNamespace(ended=False, failures=())).kind == kind
 
