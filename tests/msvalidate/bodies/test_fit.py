@@ -14,7 +14,7 @@ from msvalidate.bodies.fit import fitted_constants
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import square
 from msvalidate.linear_algebra import choice
-from msvalidate.network import cycles
+from msvalidate.network import multigrid
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
@@ -58,9 +58,9 @@ def test_a_network_that_multigrid_finds_no_end_of_is_not_called_loose(monkeypatc
     wanted = moves(*networks((2.3, 0.7)))
     expected = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
-    real = cycles.conjugate_gradients
+    real = multigrid.conjugate_gradients
     monkeypatch.setattr(
-        cycles, "conjugate_gradients", lambda *args, **rest: real(*args, **{**rest, "most": 0})
+        multigrid, "conjugate_gradients", lambda *args, **rest: real(*args, **{**rest, "most": 0})
     )
     found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
     assert found.constants == expected.constants

@@ -172,7 +172,7 @@ def test_a_mechanism_is_not_stable(hinged_blocks, n):
     assert not is_stable(Configuration(network))
     assert not is_stable(Configuration(network), system(network)[1])
     with pytest.raises(SolverError, match=r"mechanism: nothing resists point .* moving along"):
-        relax(network, MULTIGRID, max_steps=20)
+        equilibrium(network, solver="multigrid")
 
 
 @without_factors
