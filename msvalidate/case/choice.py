@@ -15,23 +15,30 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+import shapely
+from scipy.spatial import KDTree
 
 from msvalidate.case.budget import lattice_row, mesh_rows
 from msvalidate.case.case import MESH_EDGES, MOST_ASKED, Case, is_filled, spacing_of
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.quantities import POINT_STRESS
 from msvalidate.case.springs import (
     HIGHEST_ORDER,
     LOWEST_ORDER,
     ROUNDING,
+    SpringAnswer,
     at_other_cells,
     compared_points,
     solve_springs,
 )
+from msvalidate.lattice import PatternLattice
 from msvalidate.lattice.cut import joins_corners
+from msvalidate.lattice.outline import outline
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem import Array, Box, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
+from msvalidate_check.verdict import DIFFERS
 
 TARGETS = (0.05, 0.01)
 """Differences, over the largest displacement, for which spacing and mesh are sought."""
@@ -47,8 +54,9 @@ ALIKE = math.log(1.5)
 to a box is taken before one that fills it, but far off."""
 GROWTH = 1.2
 """Exponent of the springs that seconds grow with: factors and multigrid, at most."""
-BETTER = 3.0
-"""Times by which elements are nearer from which they are advised."""
+BETTER, MAIN, THIN = 3.0, 0.5, 5.0
+"""Times by which elements are nearer from which they are advised, part of the difference that is
+most of it, and cells across a wall that is thin."""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
 """Where what a target takes lies: between what was solved; beyond the finest; the coarsest meets
 it; or no spacing does."""
@@ -90,12 +98,15 @@ class Choice:
         own error is not known.
     unknowns, times
         At how many unknowns elements are how many times nearer than springs; NaN if not known.
+    reasons
+        Why they are, as far as the case shows it.
     """
 
     springs: tuple[Need, ...] = ()
     elements: tuple[Need, ...] = ()
     unknowns: int = 0
     times: float = math.nan
+    reasons: tuple[str, ...] = ()
 
 
 def choose(found: Comparison) -> Choice:
@@ -107,6 +118,7 @@ def choose(found: Comparison) -> Choice:
         tuple(_springs(found, rows, t) for t in TARGETS if found.case.lattice != MESH_EDGES),
         tuple(_elements(meshes, found.reference.error, t) for t in TARGETS),
         *_equal_cost(found, rows, meshes),
+        _reasons(found),
     )
 
 
@@ -213,6 +225,40 @@ def _equal_cost(
     return mesh["nodes"] * found.points.shape[1], times
 
 
+def _reasons(found: Comparison) -> tuple[str, ...]:
+    """What in a case elements do better than springs."""
+    domain, away = found.case.problem.domain, found.displacement
+    away = away - found.reference.displacement.value
+    worst = int(np.linalg.norm(away, axis=1).argmax())
+    own, total = away[worst] @ found.support[worst], away[worst] @ away[worst]
+    walls = _thickest(found.springs[0])
+    fits = {
+        "a support that no line of the lattice runs along": own >= MAIN * total,
+        f"{walls:.2g} cells across where the body is thickest": walls <= THIN,
+        "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
+        "stress at points differs": any(
+            row.word == DIFFERS and row.of == POINT_STRESS for row in found.rows
+        ),
+    }
+    return tuple(why for why, fit in fits.items() if fit)
+
+
+def _thickest(answer: SpringAnswer) -> float:
+    """Cells across a body where it is thickest; of a mesh in space to about a cell."""
+    lattice, domain, h = answer.lattice, answer.lattice.domain, answer.spacing
+    if isinstance(domain, Box):
+        return min(domain.size) / h
+    if domain.dim == 2:
+        return 2 * float(shapely.maximum_inscribed_circle(outline(domain)).length) / h
+    if not isinstance(lattice, PatternLattice):
+        return math.inf
+    inner = answer.surrounded
+    if not inner.any():
+        return 1.0
+    depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
+    return 2 * float(depth) / h + 1
+
+
 def choice_sentences(chosen: Choice) -> tuple[str, ...]:
     """What to take, in words."""
     said = []
@@ -223,9 +269,10 @@ def choice_sentences(chosen: Choice) -> tuple[str, ...]:
         ]
         said += [f"{kind} {'; '.join(each)}."] if each else []
     if chosen.times >= BETTER:
+        why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
         said.append(
             f"Use elements: at {chosen.unknowns:,} unknowns they are {chosen.times:.2g} times "
-            "nearer than springs."
+            f"nearer than springs{why}."
         )
     return tuple(said)
 

@@ -16,7 +16,8 @@ network is in [BornHuang1954]. Stresses are Voigt's, xx, yy, xy or xx, yy, zz, y
 from __future__ import annotations
 
 import math
-from itertools import product
+from itertools import combinations, combinations_with_replacement
+from typing import Literal
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -25,36 +26,47 @@ from scipy.spatial import cKDTree
 from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.ties import TIE
-from msvalidate.network import Network
+from msvalidate.network import Configuration, Network
 from msvalidate.network.laws.volumes import Volumes, dilatation, tension_virial
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
     positive_number,
+    require_one_of,
     require_type,
     whole_number,
 )
 from msvalidate.statics.equilibrium import Equilibrium
 
+Geometry = Literal["linear", "nonlinear"]
 
-def spring_virial(network: Network, found: Equilibrium) -> Array:
+
+def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
     """Virial (m, d, d) in N·m of each spring: its pull times its vector, f d⊗d/|d|.
 
-    To first order in the displacement: the force times the reference vector, f⊗D.
+    "linear": the force to first order in the displacement times the reference vector, f⊗D.
+    "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
 
     Source: [Clausius1870], [BornHuang1954].
 
-    Raises `ProblemError` if the equilibrium is not one of this network.
+    Raises
+    ------
+    ProblemError
+        If the equilibrium is not one of this network.
     """
     require_type("network", network, Network)
     require_type("equilibrium", found, Equilibrium)
+    require_one_of("geometry", geometry, ("linear", "nonlinear"))
     if found.position.shape != network.points.shape:
         raise ProblemError(
             f"stress: displacements {found.position.shape}, points {network.points.shape}; give "
             "the network's own equilibrium"
         )
     # Elongations come from displacements: positions have few digits of small ones, or none.
+    if geometry == "nonlinear":
+        at = Configuration(network, found.displacement)
+        return np.asarray(at.force_density[:, None, None] * _dyads(at.vector, at.vector))
     vector, (i, j) = network.vector, network.springs.T
     apart = found.displacement[j] - found.displacement[i]
     strain = (apart * vector).sum(axis=1) / network.distance**2
@@ -77,6 +89,7 @@ def cell_stress(
     lattice: Lattice,
     found: Equilibrium,
     *,
+    geometry: Geometry = "linear",
     thickness: float = 1.0,
     parts: csr_array | None = None,
 ) -> Array:
@@ -104,10 +117,7 @@ def cell_stress(
         If they do not belong together, or a spring runs in no cell, as in lattices whose springs
         reach from one cell to the next.
     """
-    require_type("network", network, Network)
-    require_type("lattice", lattice, Lattice)
-    if not np.array_equal(network.springs, lattice.springs):
-        raise ProblemError("stress: the network's springs are not the lattice's; give its own")
+    _refuse_other_lattice(network, lattice)
     volume = cell_volume(lattice) * positive_number("thickness", thickness, "m")
     if parts is None:
         spring, cell = spring_cell_pairs(lattice)
@@ -117,23 +127,31 @@ def cell_stress(
             raise ProblemError(f"stress: parts {parts.shape}; give spring_shares of this lattice")
         spring, cell = parts.nonzero()
         part = parts[spring, cell]
-    virial = part[:, None, None] * spring_virial(network, found)[spring]
+    virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
-    total += network.of_cells(_pressure_virial, lattice, found)
-    first, second = np.array(VOIGT[network.dim]).T
-    return np.asarray(total[:, first, second] / volume[:, None])
+    total += network.of_cells(_pressure_virial, lattice, found, geometry)
+    if geometry == "nonlinear":
+        volume = volume * _volume_ratio(lattice, found)
+    return _voigt_components(total / volume[:, None, None])
 
 
-def _pressure_virial(volumes: Volumes, lattice: Lattice, found: Equilibrium) -> Array:
+def _pressure_virial(
+    volumes: Volumes, lattice: Lattice, found: Equilibrium, geometry: Geometry
+) -> Array:
     """Virial (c, d, d) in N·m of the cells' volumes: U'(J) V along each axis."""
     if not np.array_equal(volumes.cells, lattice.cells):
         raise ProblemError(
             "stress: the network's volumes are not the lattice's cells; give its own"
         )
-    pressure = volumes.curvature * dilatation(volumes, found.displacement, linear=True)
-    even = np.multiply.outer(volumes.rest_volume * pressure, np.eye(volumes.dim))
-    return even + tension_virial(volumes, found.displacement)
+    d = volumes.dim
+    if geometry == "linear":
+        grown = dilatation(volumes, found.displacement, linear=True)
+        even = np.multiply.outer(volumes.rest_volume * volumes.curvature * grown, np.eye(d))
+        return even + tension_virial(volumes, found.displacement)
+    grown = dilatation(volumes, found.displacement)
+    slope = volumes.slope + volumes.law.change(*volumes.coefficients, grown)
+    return np.multiply.outer(slope * volumes.rest_volume * (1 + grown), np.eye(d))
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:
@@ -158,6 +176,13 @@ def point_stress(lattice: Lattice, stress: Array) -> Array:
     total = np.zeros((n, given.shape[1]))
     np.add.at(total, lattice.cells, corner[..., None] * given[:, None])
     return np.asarray(total / around[:, None])
+
+
+def _refuse_other_lattice(network: Network, lattice: Lattice) -> None:
+    require_type("network", network, Network)
+    require_type("lattice", lattice, Lattice)
+    if not np.array_equal(network.springs, lattice.springs):
+        raise ProblemError("stress: the network's springs are not the lattice's; give its own")
 
 
 def fitted_stress(
@@ -246,15 +271,17 @@ def cell_volume(lattice: Lattice) -> Array:
 def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
     """Springs and cells (q,) of which each spring is an edge or a diagonal.
 
-    Raises `ProblemError` if a spring joins corners of no one cell.
+    Raises
+    ------
+    ProblemError
+        If a spring joins corners of no one cell.
     """
     require_type("lattice", lattice, Lattice)
     n = len(lattice.points)
     code = lattice.springs.min(axis=1) * n + lattice.springs.max(axis=1)
     order = np.argsort(code, kind="stable")
-    first, second = np.triu_indices(lattice.cells.shape[1], 1)
-    ends = lattice.cells[:, first], lattice.cells[:, second]
-    wanted = (np.minimum(*ends) * n + np.maximum(*ends)).T
+    pairs = [np.sort(lattice.cells[:, ends], axis=1) for ends in _pairs(lattice.cells.shape[1])]
+    wanted = np.stack([pair[:, 0] * n + pair[:, 1] for pair in pairs])
     at = np.minimum(np.searchsorted(code[order], wanted), len(code) - 1)
     spring = order[at]
     there = code[spring] == wanted
@@ -267,6 +294,10 @@ def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
     return spring[there], np.broadcast_to(np.arange(len(lattice.cells)), there.shape)[there]
 
 
+def _pairs(corners: int) -> list[list[int]]:
+    return [list(pair) for pair in combinations(range(corners), 2)]
+
+
 def _corner_volume(lattice: Lattice) -> Array:
     """Area (m²) or volume (m³) of each cell (c, corners) that is each of its corners'."""
     if isinstance(lattice, CutLattice):
@@ -274,10 +305,32 @@ def _corner_volume(lattice: Lattice) -> Array:
     return corner_volumes(lattice.points, lattice.cells)
 
 
+def _volume_ratio(lattice: Lattice, found: Equilibrium) -> Array:
+    """Volume (c,) of each cell at rest relative to that before."""
+    near = lattice.points - lattice.points[0]
+    now, before = (
+        corner_volumes(x, lattice.cells).sum(axis=1) for x in (near + found.displacement, near)
+    )
+    return np.asarray(now / before)
+
+
+def _voigt_components(tensors: Array) -> Array:
+    """Voigt components (c, 3) or (c, 6) of symmetric tensors (c, d, d)."""
+    first, second = np.array(VOIGT[tensors.shape[-1]]).T
+    return np.asarray(tensors[:, first, second])
+
+
 def _monomial_powers(dim: int, degree: int) -> Index:
     """Powers (q, d) of all monomials up to a degree: 1 first, then the coordinates."""
-    powers = [p for p in product(range(degree + 1), repeat=dim) if sum(p) <= degree]
-    return np.array(sorted(powers, key=lambda p: (sum(p), [-power for power in p])))
+    each = [
+        np.bincount(axes, minlength=dim)
+        for total in range(degree + 1)
+        for axes in (
+            np.array(some, dtype=np.intp)
+            for some in combinations_with_replacement(range(dim), total)
+        )
+    ]
+    return np.array(each)
 
 
 def _fit_strain(x: Array, u: Array, place: Array, powers: Index) -> Array:

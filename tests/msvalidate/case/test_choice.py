@@ -87,6 +87,7 @@ def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing
     assert parts.loc["total", "value"] == pytest.approx(max_length(away) / found.size)
     off = max_length(found.reference.by_mesh[0] - found.reference.displacement.value)
     assert mesh_rows(found)[0]["difference"] == pytest.approx(off / found.size)
+    assert "a support that no line of the lattice runs along" in choose(found).reasons
     said = sentences(replace(found, kind=NOT_TOLD))[1][0]  # as the budget has it
     assert "material is right to 0." in said
     assert "from material" not in said

@@ -25,6 +25,7 @@ from msvalidate.statics.stress import (
     fitted_stress,
     point_stress,
     spring_cell_pairs,
+    spring_virial,
 )
 from tests.table import refused
 
@@ -91,17 +92,19 @@ def gradient(strain):
     return e
 
 
+@pytest.mark.parametrize("geometry", ["linear", "nonlinear"])
 @pytest.mark.parametrize("kappa", [0.0, 1.3])
 @pytest.mark.parametrize("name", LATTICES)
-def test_stress_times_volume_sums_to_the_virial_of_the_forces_from_outside(name, kappa):
+def test_stress_times_volume_sums_to_the_virial_of_the_forces_from_outside(name, kappa, geometry):
     lattice, constants, _ = LATTICES[name]
     d = lattice.points.shape[1]
     weight = BodyForce((0.01, -0.05, 0.02)[:d])
     network = clamped(lattice, constants, kappa, (weight,))
-    found, place = equilibrium(network), network.points
+    found = equilibrium(network, geometry)
+    place = found.position if geometry == "nonlinear" else network.points
     outside = (network.force + found.reaction).T @ place
     t = THICKNESS if d == 2 else 1.0
-    stress = cell_stress(network, lattice, found, thickness=t)
+    stress = cell_stress(network, lattice, found, geometry=geometry, thickness=t)
     volume = t * corner_volumes(place, lattice.cells).sum(axis=1)
     total = volume @ stress
     first, second = ([0, 1, 0], [0, 1, 1]) if d == 2 else ([0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1])
@@ -109,6 +112,21 @@ def test_stress_times_volume_sums_to_the_virial_of_the_forces_from_outside(name,
     scale = found.residual * np.abs(place).sum() + 1e-13 * np.abs(outside).max()
     np.testing.assert_allclose(outside, outside.T, rtol=0, atol=scale)
     np.testing.assert_allclose(total, outside[first, second], rtol=0, atol=scale)
+
+
+@pytest.mark.parametrize("name", ["square", "cubic 18"])
+def test_stress_turns_with_the_body(name):
+    lattice, constants, _ = LATTICES[name]
+    d = lattice.points.shape[1]
+    network = clamped(lattice, constants, 1.3)
+    strained = lattice.points @ (np.eye(d) + 0.1 * gradient(PLANE if d == 2 else SPACE)).T
+    Q = np.eye(d)
+    Q[:2, :2] = [[0, -1], [1, 0]]  # a quarter turn about z
+    states = [moved(network, x - lattice.points) for x in (strained, strained @ Q.T)]
+    one, two = (cell_stress(network, lattice, state, geometry="nonlinear") for state in states)
+    swapped = [1, 0, 2] if d == 2 else [1, 0, 2, 4, 3, 5]
+    sign = [1, 1, -1] if d == 2 else [1, 1, 1, 1, -1, -1]
+    np.testing.assert_allclose(two, one[:, swapped] * sign, rtol=0, atol=1e-13)
 
 
 def test_springs_from_cell_to_cell_have_no_stress_by_cells():
@@ -183,6 +201,8 @@ def test_what_does_not_belong_together_is_refused():
         cell_stress(other, lattice, found)
     with refused("stress: displacements (15, 2), points"):
         cell_stress(other, LATTICES["triangular"][0], found)
+    with refused("geometry: 'affine'"):
+        spring_virial(network, found, "affine")
     with refused("stress of the cells: shape (3, 3); the lattice has 8 cells"):
         point_stress(lattice, np.eye(3))
     with refused("16 of 15 points a fit"):
