@@ -13,10 +13,9 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import finite, finite_number, require_one_of, require_type
+from msvalidate.problem import Array
+from msvalidate.problem.checks import finite, require_one_of, require_type
 from msvalidate.problem.records import dataclass
 from reference_fem.electric.electrostatics import Dielectric, Potential, no_nodes
 from reference_fem.electric.mesh import SlabMesh
@@ -25,8 +24,6 @@ Far = Literal["natural", "floating"]
 FAR: tuple[Far, ...] = ("natural", "floating")
 SAME = 1e-9
 """Part of a distance by which two are told apart."""
-TIP = 0.05
-"""Radius around electrodes' edges within which `gathered` takes forces on the air, in heights."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,30 +70,6 @@ class Charged:
         displacements from another mesh, let that one carry `solution.forces`.
         """
         return self.mesh.carried(self.solution.forces)
-
-    def gathered(self, radius: float | None = None) -> Array:
-        """Maxwell's forces (m, 2) on the slab's own nodes, tip forces gathered (N/m).
-
-        Near an electrode's edge the field is singular, and any mesh, however fine, leaves up to a
-        tenth of the edge's force on nodes of the air. What acts on these within a radius (m) is put
-        on the edge's node; a radius of 0 leaves it out. The slab's nodes keep their forces: near an
-        edge on a face between two permittivities the pull goes as 1/r, down on one side and up on
-        the other, and to gather that as well would lose its moment.
-
-        Raises
-        ------
-        ProblemError
-            If the radius is no finite number, 0 or above.
-        """
-        size = TIP * self.mesh.slab.height if radius is None else finite_number("radius", radius)
-        if size < 0:
-            raise ProblemError(f"radius: {size:g} m; give 0 or more")
-        force, air = self.solution.forces.copy(), self.mesh.air
-        points = self.mesh.body.points
-        distance, nearest = KDTree(points[self.mesh.tips]).query(points[air])
-        near = distance <= size * (1 + SAME)  # a node of an even mesh may lie just there
-        np.add.at(force, self.mesh.tips[nearest[near]], force[air[near]])
-        return force[self.mesh.nodes]
 
 
 def solve_charges(

@@ -13,6 +13,7 @@ from msvalidate.network import (
     configuration_at,
     energy,
     internal_force,
+    mode_energy,
     spring_network,
     tangent,
 )
@@ -196,3 +197,15 @@ def test_springs_are_checked_however_a_network_is_made(wrong):
     network = spring_network(**TRIANGLE)
     with refused("springs"):
         replace(network, springs=np.array([[0, 1], [1, 2], wrong]))
+
+
+@examples
+@given(data=st.data(), seed=st.integers(0, 2**32 - 1))
+def test_energy_of_small_motions_is_that_of_the_tangent(networks, data, seed):
+    network, position = data.draw(networks(stressed=True))
+    motion = np.random.default_rng(seed).normal(size=position.shape)
+    K = tangent(network, position)
+    expected = motion.ravel() @ (K @ motion.ravel())
+    size = np.abs(motion.ravel()) @ (abs(K) @ np.abs(motion.ravel()))
+    # Sums of terms of either sign, each rounded.
+    assert mode_energy(network, position, motion) == pytest.approx(expected, abs=1e-12 * size)

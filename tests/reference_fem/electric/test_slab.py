@@ -126,22 +126,10 @@ def pull_on_corner(mesh, force):
     return force[(x > 0.5 * mesh.slab.length) & (y > 0.5 * mesh.slab.height), 0].sum()
 
 
-def pull_on_top(mesh, force):
-    """Pull along x on that electrode's own nodes, of its right half."""
-    x, y = mesh.body.points[mesh.nodes].T
-    return force[(x > 0.5 * mesh.slab.length) & (y == mesh.slab.height), 0].sum()
-
-
-def test_forces_off_the_electrode_are_a_tenth_of_the_tip_force_on_any_mesh():
-    exact = tip_force(6.0)
-    for layers in (8, 16):
-        mesh = slab_mesh(facing_slab(6.0, 1.0), layers)
-        found = solve_charges(mesh)
-        assert pull_on_top(mesh, found.gathered(0.0)) / exact == pytest.approx(0.881, abs=0.002)
-        assert pull_on_corner(mesh, found.gathered(0.0)) / exact < 0.95
-    # Gathered or carried it is whole.
-    assert pull_on_corner(mesh, found.gathered()) == pytest.approx(exact, rel=2e-3)
-    assert pull_on_corner(mesh, found.forces) == pytest.approx(exact, rel=2e-3)
+def test_carried_forces_hold_the_whole_pull_of_a_tip():
+    mesh = slab_mesh(facing_slab(6.0, 1.0), 16)
+    pull = pull_on_corner(mesh, solve_charges(mesh).forces)
+    assert pull == pytest.approx(tip_force(6.0), rel=2e-3)
 
 
 def test_net_force_on_a_closed_body_is_nothing():
@@ -151,7 +139,6 @@ def test_net_force_on_a_closed_body_is_nothing():
     found = solve_charges(slab_mesh(Slab(5.0, 1.0, electrodes), 16))
     size = np.abs(found.forces).sum()
     assert np.abs(found.forces.sum(axis=0)).max() <= 1e-5 * size
-    assert np.abs(found.gathered(0.0).sum(axis=0)).max() > 1e-3 * size
 
 
 @pytest.mark.parametrize("strained", [0.0, 0.05])
@@ -280,8 +267,6 @@ def test_what_does_not_fit_a_mesh_is_refused():
         solve_charges(mesh, (1.0, 2.0, 3.0))
     with pytest.raises(ProblemError, match="far boundary: 'open'; choose natural or floating"):
         solve_charges(mesh, far="open")
-    with pytest.raises(ProblemError, match="radius: -1 m"):
-        solve_charges(mesh).gathered(-1.0)
     with pytest.raises(ProblemError, match=r"forces on all nodes: shape \(3, 2\); give \("):
         mesh.carried(np.zeros((3, 2)))
     with pytest.raises(ProblemError, match="force: shape"):
