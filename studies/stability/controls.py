@@ -85,7 +85,7 @@ def damped_order(scheme: Integrator) -> float:
     ratio, steps = order.RATIOS[1], np.array(order.QUICK_STEPS)
     exact = order.exact_swing(1.0, ratio)
     errors = [oscillator.swing(scheme, int(n), order.ANGLE, ratio) - exact for n in steps]
-    expected = order.of_matrix(scheme, ratio, steps)
+    expected = order.on_paper(scheme, ratio, steps)
     limit = order.order_uncertainty(scheme, ratio, steps)
     return abs(kit.observed_order(order.ANGLE / steps, errors) - expected) / limit
 

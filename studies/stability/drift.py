@@ -28,6 +28,7 @@ from msvalidate.dynamics.step_limits import one_step_matrix
 
 from . import common, oscillator
 from .common import Schemes
+from .matrices import matrix_of
 
 STEPS_A_PERIOD = 63
 PERIODS = 10_000
@@ -120,7 +121,7 @@ def size(steps: int) -> float:
 
 def closed_growth(scheme: Integrator) -> float:
     """Factor by which the steps of a period multiply the energy; see `SWELLING`."""
-    step = one_step_matrix(INTEGRATORS.get(scheme.name, scheme), 1.0, size(STEPS_A_PERIOD))
+    step = matrix_of(scheme, size(STEPS_A_PERIOD), 0.0)
     return float(np.linalg.det(step)) ** STEPS_A_PERIOD
 
 

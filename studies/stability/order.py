@@ -3,9 +3,9 @@
 Question   Order of accuracy of each scheme on a smooth motion, without and with damping.
 Candidate  `integrate.motion` on a network of 6 x 6 points that swings in its lowest mode, so little
            that it is linear; leapfrog starts from `stagger_velocity`.
-Reference  The mode's motion in closed form, and the matrix of each scheme's step of one mode,
-           whose powers say what order is to be seen over these very steps. As printed, Verlet
-           follows half of all forces: see `misprints`.
+Reference  The mode's motion in closed form, and each scheme's step as a matrix on paper, whose
+           powers say what order is to be seen over these very steps. As printed, Verlet follows
+           half of all forces: see `misprints`.
 Expected   The order that each scheme claims, undamped. Under damping leapfrog keeps its second
            order, for its viscous force is centred; velocity Verlet falls to the first: two half
            kicks leave (1 - ch/2)² = 1 - ch + c²h²/4 of the velocity, where exp(-ch) has c²h²/2.
@@ -25,10 +25,10 @@ from msvalidate import kit
 from msvalidate.dynamics.integrate import State, motion, stagger_velocity
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.step_limits import one_step_matrix
 
 from . import common, oscillator
 from .common import Schemes
+from .matrices import matrix_of
 from .networks import Body, clamped, free_components, linear
 
 BODY = Body("square", 6)
@@ -47,9 +47,9 @@ LEFT_ALONE = 1e-13
 """The same of one oscillator: the rounding of 800 steps, 1e-16 each."""
 CLEAR, CLEAR_ALONE = 5.0, 1e4
 """Times what is left that the least error of a fit has to be; steps of an oscillator may be few, so
-that the order of powers of its matrix is the same on every processor."""
+that its order on paper, of powers of a matrix, is the same on every processor."""
 BECAUSE = (
-    "powers of the step's own matrix have the very same errors but for {left} of the amplitude, "
+    "the step's matrix on paper has the very same errors but for {left} of the amplitude, "
     "{what}: the part of each error that this is, times what a point's logarithm "
     "weighs in the slope of the line"
 )
@@ -58,7 +58,7 @@ ABOVE = 3.0
 
 
 ON = ("scheme", "damping_ratio")
-judged = partial(kit.Rule, unit="1", table="orders", value="order", reference="order_of_matrix")
+judged = partial(kit.Rule, unit="1", table="orders", value="order", reference="order_on_paper")
 
 
 def quantity(name: str, ratio: float) -> str:
@@ -172,7 +172,7 @@ def fit_orders(
         "order_low": power.low,
         "order_high": power.high,
         "order_expected": scheme.damped_order if ratio else scheme.order,
-        "order_of_matrix": of_matrix(scheme, ratio, rows["steps"].to_numpy()),
+        "order_on_paper": on_paper(scheme, ratio, rows["steps"].to_numpy()),
     }
 
 
@@ -194,9 +194,9 @@ class Mover(NamedTuple):
     alone: bool = False
 
     def shows(self, scheme: Integrator, ratio: float) -> bool:
-        """Whether every error of the matrix stands clear of what is left."""
+        """Whether every error on paper stands clear of what is left."""
         clear = CLEAR_ALONE if self.alone else CLEAR
-        return bool((errors_of_matrix(scheme, ratio, self.steps) >= clear * self.left).all())
+        return bool((errors_on_paper(scheme, ratio, self.steps) >= clear * self.left).all())
 
 
 def mover(scheme: Integrator, ratio: float, numbers: tuple[int, ...]) -> Mover:
@@ -220,10 +220,10 @@ def mover(scheme: Integrator, ratio: float, numbers: tuple[int, ...]) -> Mover:
     raise kit.SolverError(f"{scheme.name}: order of accuracy: its errors are rounding at any step")
 
 
-def of_matrix(scheme: Integrator, ratio: float, numbers: kit.Index) -> float:
+def on_paper(scheme: Integrator, ratio: float, numbers: kit.Index) -> float:
     """Order that the errors of a scheme's matrix show, steps by steps in `numbers`."""
     return float(
-        kit.fitted_power(ANGLE / numbers, errors_of_matrix(scheme, ratio, numbers)).exponent
+        kit.fitted_power(ANGLE / numbers, errors_on_paper(scheme, ratio, numbers)).exponent
     )
 
 
@@ -233,17 +233,16 @@ def order_uncertainty(
     """How far what is left on every error moves the fitted order at most."""
     size = np.log(ANGLE / numbers)
     weight = np.abs(size - size.mean()) / ((size - size.mean()) ** 2).sum()
-    return float(weight @ (left / errors_of_matrix(scheme, ratio, numbers)))
+    return float(weight @ (left / errors_on_paper(scheme, ratio, numbers)))
 
 
-def errors_of_matrix(scheme: Integrator, ratio: float, numbers: kit.Index) -> kit.Array:
+def errors_on_paper(scheme: Integrator, ratio: float, numbers: kit.Index) -> kit.Array:
     """Errors (n,) of the matrix's powers after `ANGLE`, over the amplitude."""
     exact, sizes, left = exact_swing(scheme.share, ratio), ANGLE / numbers, []
-    claimed = INTEGRATORS.get(scheme.name, scheme)
     for h, steps in zip(sizes, numbers, strict=True):
         # A staggered velocity is half a step back, where the mean of two around the start is zero.
         start = np.array([1.0, h / 2 if scheme.staggered else 0.0])
-        power = np.linalg.matrix_power(one_step_matrix(claimed, 1.0, h, 2 * ratio), int(steps))
+        power = np.linalg.matrix_power(matrix_of(scheme, float(h), 2 * ratio), int(steps))
         left.append(abs((power @ start)[0] - exact))
     return np.array(left)
 
