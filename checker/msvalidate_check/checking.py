@@ -71,6 +71,11 @@ class FieldVerdict(Verdict):
         return self.displacement.uncertainty
 
     @property
+    def quantities(self) -> tuple[Difference, ...]:
+        """Of the other quantities that were given."""
+        return self.differences[1:]
+
+    @property
     def E(self) -> float:
         """Modulus (Pa) of the material that the field is elasticity of."""
         return self.material.E

@@ -13,6 +13,7 @@ halve these errors, for twice the time and a closed form that loses its digits o
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import (
@@ -23,10 +24,12 @@ from msvalidate.dielectric.charges.checks import (
 )
 from msvalidate.dielectric.charges.moments import factorise
 from msvalidate.dielectric.kernels import polygons
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import (
+    finite_coordinates,
     finite_number,
     format_value,
+    integers,
     length_in_metres,
     refuse_too_many,
     require_type,
@@ -37,6 +40,8 @@ from msvalidate.problem.records import ReadOnly, dataclass
 GRADING, SECTORS = 4.0, 4
 """The n-th line from an edge is n to this power away; patches in each ring of a disc, few, as the
 charge of a disc alone is the same all around."""
+OVERLAP = 1e-6
+"""Of the smaller patch, what two may share: corners are rounded where they meet along edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +57,31 @@ class Patches(ReadOnly):
         (n,) which conductor each patch belongs to: 0, 1, ..., none left out.
     middle
         (n, 3) a point of each patch, where its potential is asked for (m).
+
+    Raises
+    ------
+    ProblemError
+        If a patch is not parallel to z = 0, has no area, crosses itself or is without its middle,
+        or if patches overlap, or conductors touch.
     """
 
     corners: Array
     conductor: Index
     middle: Array
+
+    def __post_init__(self) -> None:
+        need = "give (n, c, 3), c above 2"
+        corners = finite_coordinates("corners of patches", self.corners, "n>0", "c>2", 3, need=need)
+        middle = finite_coordinates("middles of patches", self.middle, len(corners), 3)
+        number = integers("conductor", self.conductor, len(corners))
+        if not np.array_equal(known := np.unique(number), np.arange(len(known))):
+            said = f"conductor: {format_value(known)}; count them 0, 1 and so on, leaving none out"
+            raise ProblemError(said)
+        near = PLACEMENT * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+        _refuse_bodies(corners, number, middle, near)
+        for name, value in {"corners": corners, "conductor": number, "middle": middle}.items():
+            object.__setattr__(self, name, value)
+        super().__post_init__()
 
     @property
     def area(self) -> Array:
@@ -65,6 +90,35 @@ class Patches(ReadOnly):
         second = np.roll(first, -1, axis=1)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return np.asarray(0.5 * cross.sum(axis=1))
+
+
+def _refuse_bodies(corners: Array, conductor: Index, middle: Array, near: float) -> None:
+    """Raise `ProblemError` unless patches are level polygons with their middles, none on another.
+
+    Lengths below `near` (m) are none.
+    """
+    flat = shapely.polygons(corners[..., :2])
+    tilt = np.ptp(np.column_stack([corners[..., 2], middle[:, 2]]), axis=1)
+    for bad, said in (
+        (tilt > near, "its corners and middle differ in z; give a polygon parallel to z = 0"),
+        ((shapely.area(flat) <= near**2) | ~shapely.is_valid(flat),
+            "it has no area or crosses itself; give its corners in order"),
+        (~shapely.intersects_xy(flat, *middle[:, :2].T),
+            "its middle is beside it; give a point inside"),
+    ):  # fmt: skip
+        if bad.any():
+            raise ProblemError(f"patch {bad.argmax()}: {said}")
+    i, j = shapely.STRtree(flat).query(flat, predicate="dwithin", distance=near)
+    level = (i < j) & (np.abs(corners[i, 0, 2] - corners[j, 0, 2]) <= near)
+    i, j = i[level], j[level]
+    shared = shapely.area(shapely.intersection(flat[i], flat[j]))
+    over = shared > OVERLAP * np.minimum(shapely.area(flat[i]), shapely.area(flat[j]))
+    for bad, said in (
+        (conductor[i] != conductor[j], "they touch, and are of two conductors; leave a gap"),
+        (over, "they overlap; let them share edges only"),
+    ):
+        if bad.any():
+            raise ProblemError(f"patches {i[bad][0]} and {j[bad][0]}: {said}")
 
 
 def patch_charges(patches: Patches, voltages: ArrayLike) -> Array:
@@ -90,7 +144,13 @@ def patch_charges(patches: Patches, voltages: ArrayLike) -> Array:
 
 
 def patch_capacitance(patches: Patches) -> float:
-    """Capacitance over the permittivity (m) of one conductor to far away, or between two."""
+    """Capacitance over the permittivity (m) of one conductor to far away, or between two.
+
+    Raises `ProblemError` for more than two, or as `patch_charges`.
+    """
+    require_type("patches", patches, Patches)
+    if (count := int(patches.conductor.max()) + 1) > 2:
+        raise ProblemError(f"patches: {count} conductors; a capacitance is of one or two")
     voltages = (0.5, -0.5) if patches.conductor.any() else (1.0,)
     return float(patch_charges(patches, voltages)[patches.conductor == 0].sum())
 

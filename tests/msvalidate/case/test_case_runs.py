@@ -27,7 +27,6 @@ from msvalidate.case.run import case_files, judged_files, reference_content
 from msvalidate.case.springs import solve_springs
 from msvalidate.lattice import patterns
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.output.body_drawing import MOST_ARROWS, body_axes
 from msvalidate.problem import (
     Box,
     Contact,
@@ -45,7 +44,6 @@ from msvalidate.problem import (
 )
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.converged import converge
-from reference_fem.mesh.boxes import box_discretisation
 from tests.table import table
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -388,35 +386,6 @@ def test_an_even_pressure_is_drawn_by_arrows_of_one_length():
     size = np.linalg.norm(arrow, axis=1).round(12)
     assert sorted(set(size)) == [0.5, 1.0]
     assert (at[size == 0.5][:, 0] == 2.0).all()
-
-
-@pytest.mark.parametrize(("element", "shown"), [("Q1", 32), ("H1", 112)])
-def test_pictures_show_what_is_there(element, shown):
-    """Of many loads a few; a region's cells, or the sides round them; what is far is left out."""
-    d = 2 if element == "Q1" else 3
-    box, law = Box((2.0, 1.0, 1.0)[:d]), Isotropic(1e5, 0.3, "plane_stress" if d == 2 else "solid")
-    zone = Zone(Region(((0.0, 1.0), *[None] * (d - 1))), replace(law, E=2e5))
-    held = (Support(box.side("left"), (0.0,) * d),)
-    problem = Problem(box, law, held, (Weight((0.0, -9.81, 0.0)[:d]),), zones=(zone,))
-    body = box_discretisation(box, (8,) * d if d == 2 else (4, 8, 4), element)
-    solution, x = SimpleNamespace(body=body), body.points
-    outside = np.array([[2.5, 0.5, 0.5], [-1.5, 0.5, 0.5], [50.0, 0.5, 0.5]])[:, :d]
-    matched = SimpleNamespace(places=x, outside=outside, doubled=x[:0], missing=x[:0])
-    reference = SimpleNamespace(solutions=[solution])
-    found = SimpleNamespace(
-        case=SimpleNamespace(problem=problem), reference=reference, matched=matched
-    )
-    assert len(figures._arrows(found)[0]) <= MOST_ARROWS
-    figure, axis = body_axes(x)
-    figures._draw_materials(axis, found)
-    figure.draw_without_rendering()
-    assert [len(each.get_paths()) for each in axis.collections] == [shown]
-    lines = {line.get_label(): line for line in figures.draw_matching(found).axes[0].lines}
-    assert len(lines["outside (3)"].get_xdata(orig=True)) == 2
-    worst = figures.draw_difference(x, np.arange(len(x)) / len(x), solution).axes[0].lines[-1]
-    assert worst.get_label() == "largest"
-    if d == 2:
-        np.testing.assert_array_equal(worst.get_xydata(), x[-1:])
 
 
 def test_folders_of_others_are_left(tmp_path):

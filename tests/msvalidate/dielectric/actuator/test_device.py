@@ -113,6 +113,11 @@ def test_parallel_plates_need_a_flat_held_bottom(small):
     )
 
 
+def test_arrays_are_read_only(small):
+    with pytest.raises(ValueError, match="read-only"):
+        small.electrodes[0][0] = 3
+
+
 def test_without_tips_holds_points_near_the_edges():
     body = slab(6.0, 2.0, 4, covered=1 / 3)
     held = fix_near_tips(body, 0.5).network.held & ~body.network.held

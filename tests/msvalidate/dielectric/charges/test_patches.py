@@ -23,6 +23,7 @@ from msvalidate.dielectric.charges.patches import (
 from msvalidate.dielectric.charges.pieces import corner_potential
 from msvalidate.dielectric.kernels.polygons import seen
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 EXACT = 1e-11  # rounding of 1e-16, lost to cancellation over distances of up to 1e3 sizes
 examples = settings(max_examples=25, deadline=None)
@@ -151,6 +152,31 @@ def test_potentials_are_met_at_middles():
     )
     at_middles = seen(patches.middle, patches.corners) @ density / (4 * np.pi)
     assert at_middles == pytest.approx(np.array([3.0, -1.0])[patches.conductor], rel=1e-10)
+
+
+CENTRE = [[0.5, 0.5, 0.0]]
+TILTED = SQUARE + np.array([[0, 0, 0], [0, 0, 0], [0, 0, 0.1], [0, 0, 0]])
+TWICE = np.concatenate([SQUARE, np.add(SQUARE, [0.5, 0, 0])])
+MIDDLES = np.concatenate([CENTRE, np.add(CENTRE, [0.5, 0, 0])])
+
+
+@table(
+    ("corners", "conductor", "middle", "said"),
+    [
+        (SQUARE[0], [0], CENTRE, r"give \(n, c, 3\), c above 2"),
+        (SQUARE, [0], CENTRE[0], "middles of patches: shape"),
+        (SQUARE, [1], CENTRE, r"conductor: \[1\]; count them 0, 1 and so on"),
+        (TILTED, [0], CENTRE, "patch 0: its corners and middle differ in z"),
+        (SQUARE[:, [0, 2, 1, 3]], [0], CENTRE, "patch 0: it has no area or crosses itself"),
+        (SQUARE, [0], [[1.5, 0.5, 0.0]], "patch 0: its middle is beside it"),
+        (TWICE, [0, 0], MIDDLES, "patches 0 and 1: they overlap"),
+        (TWICE, [0, 1], MIDDLES, "patches 0 and 1: they touch, and are of two conductors"),
+        (np.nan * SQUARE, [0], CENTRE, "every value must be finite"),
+    ],
+)
+def test_bad_patches_are_refused(corners, conductor, middle, said):
+    with pytest.raises(ProblemError, match=said):
+        Patches(corners, conductor, middle)
 
 
 def test_bad_questions_are_refused():
