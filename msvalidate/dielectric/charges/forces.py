@@ -20,8 +20,6 @@ so one solve with as many columns as there are components gives all of it.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from msvalidate.dielectric.charges.dielectric import ChargesInAir
@@ -36,8 +34,9 @@ from msvalidate.problem.checks import require_type
 def forces(charges: Charges) -> Array:
     """Force (n, 2) per depth (N/m) on each point of the electrodes."""
     require_type("charges", charges, Charges)
-    slope, _ = _derivatives(charges)
-    return -0.5 * (charges.charge @ slope).reshape(-1, 2)
+    electrodes, q = charges.moments.electrodes, charges.charge
+    total = integrals.pulled(*electrodes.lines, electrodes.segments, q, len(electrodes.points))
+    return _slopes(total[None]).reshape(-1, 2) / (4 * np.pi * charges.moments.permittivity)
 
 
 def tangent(charges: Charges) -> Array:
@@ -57,18 +56,15 @@ def tangent(charges: Charges) -> Array:
         raise ProblemError(
             f'charges: their weighting is {moments.weighting}; a tangent takes weighting="galerkin"'
         )
-    slope, bend = _derivatives(charges)
-    return slope.T @ moments.solve(slope) - 0.5 * bend
-
-
-@lru_cache(maxsize=1)
-def _derivatives(charges: Charges) -> tuple[Array, Array]:
-    """(∂P/∂x) q (m, 2n), and q'(∂²P/∂x²) q (2n, 2n), kept for what is asked next."""
-    electrodes, q = charges.moments.electrodes, charges.charge
+    electrodes, q, scale = (
+        moments.electrodes,
+        charges.charge,
+        1 / (2 * np.pi * moments.permittivity),
+    )
     lines, n = electrodes.lines, len(electrodes.points)
     first, _, second = integrals.turned(*lines, electrodes.segments, q, q, n)
-    scale = -1 / (2 * np.pi * charges.moments.permittivity)
-    return scale * _slopes(first), scale * _bends(second)
+    slope = -scale * _slopes(first)
+    return slope.T @ moments.solve(slope) + 0.5 * scale * _bends(second)
 
 
 def forces_in_air(charges: ChargesInAir) -> Array:
@@ -87,9 +83,12 @@ def forces_in_air(charges: ChargesInAir) -> Array:
     """
     require_type("charges", charges, ChargesInAir)
     on_covered, weight = _adjoint_weights(charges)
-    potential, flux = _derivatives_in_air(charges)
-    total = on_covered @ potential[0] / (2 * charges.moments.around) + weight @ flux[0]
-    return _slopes(total[None]).reshape(-1, 2)
+    faces, q, n = charges.moments.electrodes, charges.charge, len(weight)
+    lines = *faces.lines, faces.segments
+    # A form of two vectors, from that of one.
+    more, less = (integrals.pulled(*lines, on_covered + s * q, n) for s in (1, -1))
+    total = (more - less) / (8 * charges.moments.around) + fluxes.dragged(*lines, weight, q, n)
+    return _slopes(total[None]).reshape(-1, 2) / (2 * np.pi)
 
 
 def tangent_in_air(charges: ChargesInAir) -> Array:
@@ -98,29 +97,17 @@ def tangent_in_air(charges: ChargesInAir) -> Array:
     Symmetric, being of a second derivative. Components of a point stand together.
     """
     require_type("charges", charges, ChargesInAir)
-    potential, flux = _derivatives_in_air(charges)
-    moments = charges.moments
-    bare = moments.electrodes.bare[:, None]
+    moments, q = charges.moments, charges.charge
+    faces, (on_covered, weight) = moments.electrodes, _adjoint_weights(charges)
+    lines, n = (*faces.lines, faces.segments), len(weight)
+    potential = [each / (2 * np.pi) for each in integrals.turned(*lines, on_covered, q, n)]
+    flux = [each / (2 * np.pi) for each in fluxes.twisted(*lines, weight, q, n)]
+    bare = faces.bare[:, None]
     right = -np.where(bare, 2 * moments.contrast * _slopes(flux[0]), _slopes(potential[0]))
     moved = moments.solve(right)[:-1]
     turned = _slopes(potential[1] / moments.around + 2 * flux[1])
     cross = turned.T @ moved
     return _bends(potential[2] / (2 * moments.around) + flux[2]) - 0.5 * (cross + cross.T)
-
-
-Derivatives = tuple[Complex, ...]
-"""In the nodes, of what charges make (m, n), of what weights make, and second ones (n, n)."""
-
-
-@lru_cache(maxsize=1)
-def _derivatives_in_air(charges: ChargesInAir) -> tuple[Derivatives, Derivatives]:
-    """Of ln r/(2π) between charges and the first weights, and of fluxes Φ with the second."""
-    on_covered, weight = _adjoint_weights(charges)
-    faces, q, n = charges.moments.electrodes, charges.charge, len(weight)
-    potential = integrals.turned(*faces.lines, faces.segments, on_covered, q, n)
-    flux = fluxes.twisted(*faces.lines, faces.segments, weight, q, n)
-    whole = 2 * np.pi
-    return tuple(each / whole for each in potential), tuple(each / whole for each in flux)
 
 
 def _adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:

@@ -75,6 +75,27 @@ def fields(points: Complex, start: Complex, along: Complex) -> Complex:
 
 
 @compiled()
+def pulled(start: Complex, along: Complex, ends: Index, charge: Array, nodes: int) -> Complex:
+    """Derivative of Σᵢⱼ qᵢ·qⱼ·(mean of ln r)ᵢⱼ in the nodes (n,).
+
+    Complex: that of a point z in x is its real part, in y minus its imaginary part.
+    """
+    total = np.zeros(nodes, dtype=np.complex128)
+    for i in range(len(start)):
+        square = charge[i] * charge[i] / along[i]
+        total[ends[i, 0]] -= square
+        total[ends[i, 1]] += square
+        for j in range(i):
+            slope = jet(start[i] - start[j], along[i], along[j])
+            twice = 2 * charge[i] * charge[j]
+            total[ends[i, 0]] += twice * (slope[1] - slope[2])
+            total[ends[i, 1]] += twice * slope[2]
+            total[ends[j, 0]] -= twice * (slope[1] + slope[3])
+            total[ends[j, 1]] += twice * slope[3]
+    return total
+
+
+@compiled()
 def turned(
     start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
 ) -> tuple[Complex, Complex, Complex]:

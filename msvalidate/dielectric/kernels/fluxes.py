@@ -37,6 +37,33 @@ def crossed(start: Complex, along: Complex) -> Complex:
     return part
 
 
+@compiled()
+def dragged(
+    start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
+) -> Complex:
+    """Derivative of Σᵢⱼ weightᵢ·chargeⱼ·Im Gᵢⱼ in the nodes (n,), complex.
+
+    That of a point in x is its real part, in y minus its imaginary part.
+    """
+    total = np.zeros(nodes, dtype=np.complex128)
+    for i in range(len(start)):
+        for j in range(i):
+            through_i, through_j = weight[i] * charge[j], weight[j] * charge[i]
+            if through_i == 0 and through_j == 0:
+                continue
+            _, mean, _, _, zz, za, zb, _, _, _ = jet(start[i] - start[j], along[i], along[j])
+            both = through_i * along[i] - through_j * along[j]
+            in_z = both * zz
+            in_a = both * za + through_i * mean
+            in_b = both * zb - through_j * mean
+            # The real part of -iG is the imaginary part of G.
+            total[ends[i, 0]] -= 1j * (in_z - in_a)
+            total[ends[i, 1]] -= 1j * in_a
+            total[ends[j, 0]] += 1j * (in_z + in_b)
+            total[ends[j, 1]] -= 1j * in_b
+    return total
+
+
 @compiled(inner=True)
 def _inverse(r: complex, nothing: float) -> complex:
     """1/R; at a corner where neighbours touch it only meets factors of 0, and 0 serves."""

@@ -133,17 +133,9 @@ def judge_simulator(
         reading = _noted("probe", notes, lambda: probe(simulator, material, settings=stepped))
     bodies = "bodies" in parts
     found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
-    settled = _noted(
-        "brought further to rest", notes, lambda: bring_further(simulator, own, converged, found)
-    )
     read, total = _law(reading, found, predicted, material)
-    furthest = own | dict(converged or {})
-    rows = of_one_kind(
-        tuple(body_row(body, each, read, reading, total, settled or {}) for body, each in found)
-    )
-    if read is not None:
-        rows = _loaded_more(simulator, rows, found, (read, reading, total), furthest)
-    large = None
+    rows = _body_rows(simulator, found, (read, reading, total), own, converged, notes)
+    large, furthest = None, own | dict(converged or {})
     linear = elements is linear_elements
     if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
         large = _noted("large strain", notes, lambda: at_large_strain(
@@ -160,16 +152,25 @@ def judge_simulator(
     )  # fmt: skip
 
 
-def _loaded_more(
+def _body_rows(
     simulator: Simulator,
-    rows: tuple[BodyRow, ...],
     found: list[tuple[str, AtRest]],
-    known: tuple[tuple[float, float], Reading | None, float],
-    settings: Mapping[str, Any],
+    known: tuple[tuple[float, float] | None, Reading | None, float],
+    own: Mapping[str, Any],
+    converged: Mapping[str, Any] | None,
+    notes: list[Note],
 ) -> tuple[BodyRow, ...]:
-    """The rows, those in single precision under more load too."""
+    """A row a body, brought further to rest; of single precision under more load too."""
     law, reading, total = known
-    each = []
+    settled = _noted(
+        "brought further to rest", notes, lambda: bring_further(simulator, own, converged, found)
+    )
+    rows = of_one_kind(
+        tuple(body_row(body, each, law, reading, total, settled or {}) for body, each in found)
+    )
+    if law is None:
+        return rows
+    settings, each = {**own, **(converged or {})}, []
     for row, (_, body) in zip(rows, found, strict=True):
         expected = body.of_elements(*law, masses_of(body, law, reading, total))
         each.append(load_more(simulator, row, body, expected, settings))
