@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.dielectric.actuator import at_voltage, relax_actuator, slab
+from msvalidate.dielectric.actuator import at_voltage, motion, relax_actuator, slab
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
 
@@ -21,6 +21,21 @@ def test_motion_beyond_pull_in_says_so(plates):
     with pytest.raises(SolverError, match=r"actuator moving at 8 V") as caught:
         relax_actuator(plates, 8.0)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("DIVERGED", 0.0, "actuator moving at 1 V diverged by step 0; take a lower voltage"),
+        ("step_limit", lambda _: 3, "actuator moving at 1 V is not at rest after 3 steps"),
+    ],
+)
+def test_motion_that_diverges_or_is_not_at_rest_in_time_says_so(
+    film, monkeypatch, name, value, said
+):
+    monkeypatch.setattr(motion, name, value)
+    with pytest.raises(SolverError, match=said):
+        relax_actuator(film, 1.0)
 
 
 def test_a_start_of_another_network_is_refused(film):
