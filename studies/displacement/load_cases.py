@@ -37,7 +37,7 @@ replaces a material known to some percent: closer than that, nobody could tell t
 class LoadCase:
     """One load case, the same on every body.
 
-    `figure`: number of the report's figure. `magnification`: factor on displacements in the drawing.
+    `figure`: number of the report's figure. `magnification`: of the redrawn displacements.
     `loads`: named part of the body -> total force (N) on it. `supports`: named part -> components
     held. `strain`: nominal strain.
     """
