@@ -76,7 +76,7 @@ def test_a_material_that_the_lattice_cannot_be_is_refused_with_the_reason(
     ],
 )
 def test_constants_that_are_not_known_must_be_given(name, material, message):
-    lattice = replace(diagonal_square(Box((1.0, 1.0)), 2), name=name)
+    lattice = replace(diagonal_square(Box((1.0, 1.0)), 2), name=name, unit_cell=None)
     with pytest.raises(ProblemError, match=f"spring constants: {message}"):
         default_constants(material, lattice)
 
