@@ -14,12 +14,9 @@ from msvalidate.problem import SHAPES
 from reference_fem.mesh.elements import ELEMENTS
 
 HERE = Path(__file__).parent
-REGISTRIES = [
-    frozenset(names)
-    for names in (
-        all_patterns(), INTEGRATORS, RELAXATIONS, ROUTES, WEIGHTS, EDGE_RULES, SHAPES, ELEMENTS,
-    )
-]  # fmt: skip
+REGISTRIES = (
+    all_patterns(), INTEGRATORS, RELAXATIONS, ROUTES, WEIGHTS, EDGE_RULES, SHAPES, ELEMENTS,
+)  # fmt: skip
 MANY = 3
 """Names of one registry that are no chance examples any more."""
 
@@ -27,20 +24,16 @@ MANY = 3
 def partial_lists(source: str) -> list[str]:
     """Lists of names alone, over which a test in some source runs, that are part of a registry."""
     lists = [
-        row
+        (row, {getattr(item, "value", getattr(item, "attr", item)) for item in row.elts})
         for test in ast.walk(ast.parse(source))
-        if isinstance(test, ast.FunctionDef)
-        for decorator in test.decorator_list
-        if isinstance(decorator, ast.Call)
-        for row in decorator.args[1:]
+        for decorator in getattr(test, "decorator_list", ())
+        for row in getattr(decorator, "args", [])[1:]
         if isinstance(row, ast.List | ast.Tuple | ast.Set)
     ]
     return [
         ast.unparse(row)
-        for row in lists
-        for names in [{getattr(item, "value", getattr(item, "attr", None)) for item in row.elts}]
-        for registry in REGISTRIES
-        if {str(name) for name in names} <= registry != names and len(names) >= MANY
+        for row, names in lists
+        if any(MANY <= len(names) < len(known) and names <= set(known) for known in REGISTRIES)
     ]
 
 

