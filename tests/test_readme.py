@@ -10,6 +10,7 @@ import pandas as pd
 import msvalidate
 from msvalidate.judging import catalogue
 from msvalidate.output.front import first_screen, ledger
+from tests.reference_fem.test_scikit_fem import EQUAL
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -56,6 +57,16 @@ def test_the_ledger_is_that_of_the_committed_baseline():
     for entry in ledger(pd.read_csv(FULL / "claims" / "ledger.csv")):
         row = (entry.sentence, entry.verdict, entry.number)
         assert f"| {' | '.join(row)} |" in TEXTS["docs/studies/claims.md"]
+
+
+def test_readme_and_pages_describe_one_reference():
+    page = (ROOT / "msvalidate/output/templates/reference.html").read_text(encoding="utf-8")
+    (sentences,) = re.findall(r"<p.*?>(.*)</p>", page)
+    assert sentences in re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", " ".join(README.split()))
+    rows = re.findall(r"^\| [A-Z]\d \|.* ([\d.]+) to ([\d.]+) \|$", TEXTS["docs/speed.md"], re.M)
+    factors = [float(number) for row in rows for number in row]
+    stated = f"{min(factors):.0f} to {max(factors):.0f} times faster"
+    assert sentences.endswith(f"equal to scikit-fem's to {EQUAL:g} and {stated}.")
 
 
 def test_readme_is_short():
