@@ -1,25 +1,32 @@
 """Names in backticks, in docstrings, comments and documents, name something that is there.
 
 A dotted name is a module (or the end of its name) and what it binds, a class and its member, or a
-variable of the file and a member of some class; another name is any word of the code.
+variable of the file and a member of some class; another name is any word of the code. A docstring
+of a name that users import is read without its file, so its names import from where it says.
 """
 
 from __future__ import annotations
 
 import ast
+import builtins
+import importlib
+import inspect
 import keyword
 import re
 from functools import cache
 
 import pytest
 
+import msvalidate
+import msvalidate_check
+import reference_fem
 from tests.test_architecture import ROOT, SOURCES, tree, within
 
 TICKED = re.compile(r"(?<!`)`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\([^`]*\))?`(?!`)")
 FILES = {"bib", "csv", "html", "inp", "json", "md", "msh", "npz", "toml", "txt", "vtu"}
 FILES |= {"data", "dump", "in"}  # of LAMMPS
 """Ends of names of files, which look like dotted names."""
-LIBRARIES = {"concurrent", "llvmlite", "loky", "numba", "numpy", "pandas", "scipy"}
+LIBRARIES = {"concurrent", "llvmlite", "loky", "numba", "numpy", "pandas", "scipy", "skfem"}
 DOCUMENTS = [ROOT / "ARCHITECTURE.md", *(ROOT / "docs").glob("*.md")]
 """Decisions are left out: they name what was there when they were taken."""
 
@@ -113,6 +120,99 @@ def unresolved(module):
     if within(module, "msvalidate.studies"):
         names = {name for name in names if "." in name}
     return sorted(name for name in names if not resolves(name, words(module)))
+
+
+PUBLIC = {package.__name__: package for package in (msvalidate, reference_fem, msvalidate_check)}
+"""Packages whose `__all__` users import from."""
+
+
+def public_docstrings():
+    """Label, owner, object and docstring of all public names and of the members of classes."""
+    for package in PUBLIC.values():
+        for name in package.__all__:
+            owner = getattr(package, name)
+            if callable(owner):
+                yield name, owner, owner, inspect.getdoc(owner) or ""
+            for member, value in vars(owner).items() if inspect.isclass(owner) else ():
+                plain = getattr(value, "fget", getattr(value, "func", value))
+                if not member.startswith("_") and callable(plain):
+                    yield f"{name}.{member}", owner, plain, plain.__doc__ or ""
+
+
+def has(thing, names):
+    """Return True if an object has a chain of members; fields of a class count."""
+    for name in names:
+        if name in getattr(thing, "__annotations__", {}) and not hasattr(thing, name):
+            return name == names[-1]
+        if not hasattr(thing, name):
+            return False
+        thing = getattr(thing, name)
+    return True
+
+
+def own_names(thing):
+    """Parameters, fields and members of a function or class."""
+    try:
+        parameters = set(inspect.signature(thing).parameters)
+    except (TypeError, ValueError):
+        parameters = set()
+    return parameters | set(dir(thing)) | set(getattr(thing, "__annotations__", {}))
+
+
+@cache
+def imports(name, module):
+    """Return True if a name imports as it stands, from its package or from beside its module."""
+    package, parts = PUBLIC[module.partition(".")[0]], name.split(".")
+    if parts[0] in package.__all__ and has(package, parts):
+        return True
+    if parts[0] in msvalidate.__all__ and has(msvalidate, parts):
+        return True
+    for start in ("", f"{package.__name__}.", f"{module.rpartition('.')[0]}."):
+        for cut in range(len(parts), 0, -1):
+            try:
+                found = importlib.import_module(start + ".".join(parts[:cut]))
+            except ImportError:
+                continue
+            if has(found, parts[cut:]):
+                return True
+    return False
+
+
+def reachable(name, owner, thing):
+    """Return True if the reader of a public docstring can find a name in it."""
+    first, last = name.split(".")[0], name.split(".")[-1]
+    if first in own_names(thing) | own_names(owner) or hasattr(builtins, name):
+        return True
+    if first in LIBRARIES or last in FILES or keyword.iskeyword(name):
+        return True
+    return imports(name, owner.__module__)
+
+
+def test_names_in_docstrings_of_public_names_are_imported_from_where_they_say():
+    lost = [
+        f"{label}: {name}"
+        for label, owner, thing, text in public_docstrings()
+        for name in TICKED.findall(text)
+        if not reachable(name, owner, thing)
+    ]
+    assert sorted(set(lost)) == []
+
+
+def test_a_public_docstring_that_leaves_out_the_module_is_noticed():
+    step = msvalidate.recommended_time_step
+    named = ("step_limits.SAFETY", "dynamics.step_limits.SAFETY", "integrator", "Problem.materials")
+    assert [name for name in named if not reachable(name, step, step)] == []
+    lost = ("SAFETY", "euler_cromer", "step_limits.NOTHING", "Problem.nothing")
+    assert [name for name in lost if reachable(name, step, step)] == []
+
+
+@pytest.mark.parametrize("folder", ["msvalidate", "reference_fem", "checker", "docs", "."])
+def test_statements_of_import_in_texts_run(folder):
+    files = [*(ROOT / folder).glob("*.md")]
+    files += [] if folder == "." else (ROOT / folder).rglob("*.py")
+    for path in files:
+        for statement in re.findall(r"`(from [\w.]+ import [^`\n]+)`", path.read_text("utf-8")):
+            exec(statement, {})  # noqa: S102
 
 
 def test_names_in_docstrings_and_comments_are_there():

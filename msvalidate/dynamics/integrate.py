@@ -76,22 +76,23 @@ def motion(
 ) -> State:
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
-    The plain NumPy form, for studies of schemes; `euler_cromer` is the compiled one of its scheme.
-    Both advance displacements, which have digits that positions far from the origin lack.
+    The plain NumPy form, for studies of schemes; `integrate.euler_cromer` is the compiled one of
+    its scheme. Both advance displacements, which have digits that positions far from the origin
+    lack.
 
     Parameters
     ----------
     network, state, dt, steps, damping
-        As in `euler_cromer`. Velocities of all states, also those that `watch` receives, belong to
-        the time of their positions. For a `staggered` integrator they are shifted by half a step
-        at the start, and back for every state that is returned.
+        As in `integrate.euler_cromer`. Velocities of all states, also those that `watch` receives,
+        belong to the time of their positions. For a staggered integrator they are shifted by half a
+        step at the start, and back for every state that is returned.
     integrator
         One of `integrators.INTEGRATORS`.
     watch
         Called after every step with its number and the state.
     warn
         Whether to warn, before the first step, that steps are beyond the stability limit at the
-        reference positions (`StabilityWarning`).
+        reference positions (`dynamics.divergence.StabilityWarning`).
     ground
         Ground springs of an obstacle, by schemes with one velocity a step; their friction
         remembers, so that each motion begins with its own.
@@ -157,9 +158,10 @@ def recommended_time_step(
     damping: ArrayLike = 0.0,
     ground: Ground | None = None,
 ) -> float:
-    """Time step (s): `SAFETY` times the stability limit of a network at its reference positions.
+    """Stable time step (s) of a network at its reference positions.
 
-    Source: `stability_limit` at the highest frequency; with ground springs at their bound.
+    It is `step_limits.SAFETY` times the `step_limits.stability_limit` at the highest frequency,
+    with ground springs at their bound.
 
     Raises
     ------
