@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import importlib
 import inspect
 import keyword
@@ -122,80 +123,63 @@ def unresolved(module):
     return sorted(name for name in names if not resolves(name, words(module)))
 
 
-PUBLIC = {package.__name__: package for package in (msvalidate, reference_fem, msvalidate_check)}
+PUBLIC = (msvalidate, msvalidate_check, reference_fem)
 """Packages whose `__all__` users import from."""
 
 
 def public_docstrings():
-    """Label, owner, object and docstring of all public names and of the members of classes."""
-    for package in PUBLIC.values():
-        for name in package.__all__:
-            owner = getattr(package, name)
-            if callable(owner):
-                yield name, owner, owner, inspect.getdoc(owner) or ""
-            for member, value in vars(owner).items() if inspect.isclass(owner) else ():
-                plain = getattr(value, "fget", getattr(value, "func", value))
-                if not member.startswith("_") and callable(plain):
-                    yield f"{name}.{member}", owner, plain, plain.__doc__ or ""
+    """Owner, object and docstring of all public names and of the members of classes."""
+    for owner in (getattr(package, name) for package in PUBLIC for name in package.__all__):
+        if callable(owner):
+            yield owner, owner, inspect.getdoc(owner) or ""
+        for name, value in vars(owner).items() if inspect.isclass(owner) else ():
+            plain = getattr(value, "fget", getattr(value, "func", value))
+            if not name.startswith("_") and callable(plain):
+                yield owner, plain, plain.__doc__ or ""
+
+
+def members_of(thing):
+    """Members, fields and parameters of a module, class or function."""
+    code = getattr(thing, "__code__", None)
+    parameters = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount] if code else ()
+    return {*dir(thing), *getattr(thing, "__annotations__", ()), *parameters}
 
 
 def has(thing, names):
-    """Return True if an object has a chain of members; fields of a class count."""
-    for name in names:
-        if name in getattr(thing, "__annotations__", {}) and not hasattr(thing, name):
-            return name == names[-1]
-        if not hasattr(thing, name):
-            return False
-        thing = getattr(thing, name)
-    return True
-
-
-def own_names(thing):
-    """Parameters, fields and members of a function or class."""
-    try:
-        parameters = set(inspect.signature(thing).parameters)
-    except (TypeError, ValueError):
-        parameters = set()
-    return parameters | set(dir(thing)) | set(getattr(thing, "__annotations__", {}))
+    """Return True if an object has a chain of members; the last may be a field."""
+    for name in names[:-1]:
+        thing = getattr(thing, name, None)
+    return not names or names[-1] in members_of(thing)
 
 
 @cache
 def imports(name, module):
     """Return True if a name imports as it stands, from its package or from beside its module."""
-    package, parts = PUBLIC[module.partition(".")[0]], name.split(".")
-    if parts[0] in package.__all__ and has(package, parts):
-        return True
-    if parts[0] in msvalidate.__all__ and has(msvalidate, parts):
-        return True
-    for start in ("", f"{package.__name__}.", f"{module.rpartition('.')[0]}."):
-        for cut in range(len(parts), 0, -1):
-            try:
-                found = importlib.import_module(start + ".".join(parts[:cut]))
-            except ImportError:
-                continue
-            if has(found, parts[cut:]):
-                return True
+    parts, package = name.split("."), module.partition(".")[0]
+    for start in ("", f"{package}.", f"{module.rpartition('.')[0]}.", "msvalidate."):
+        for cut in range(len(parts), -1, -1):
+            with contextlib.suppress(ImportError, ValueError):
+                place = importlib.import_module((start + ".".join(parts[:cut])).strip("."))
+                if has(place, parts[cut:]) and (cut or place in PUBLIC):
+                    return True
     return False
 
 
 def reachable(name, owner, thing):
     """Return True if the reader of a public docstring can find a name in it."""
     first, last = name.split(".")[0], name.split(".")[-1]
-    if first in own_names(thing) | own_names(owner) or hasattr(builtins, name):
-        return True
-    if first in LIBRARIES or last in FILES or keyword.iskeyword(name):
-        return True
-    return imports(name, owner.__module__)
+    known = members_of(thing) | members_of(owner) | LIBRARIES | set(keyword.kwlist)
+    return first in known | set(dir(builtins)) or last in FILES or imports(name, owner.__module__)
 
 
 def test_names_in_docstrings_of_public_names_are_imported_from_where_they_say():
-    lost = [
-        f"{label}: {name}"
-        for label, owner, thing, text in public_docstrings()
+    lost = {
+        f"{thing.__qualname__}: {name}"
+        for owner, thing, text in public_docstrings()
         for name in TICKED.findall(text)
         if not reachable(name, owner, thing)
-    ]
-    assert sorted(set(lost)) == []
+    }
+    assert sorted(lost) == []
 
 
 def test_a_public_docstring_that_leaves_out_the_module_is_noticed():
@@ -206,11 +190,8 @@ def test_a_public_docstring_that_leaves_out_the_module_is_noticed():
     assert [name for name in lost if reachable(name, step, step)] == []
 
 
-@pytest.mark.parametrize("folder", ["msvalidate", "reference_fem", "checker", "docs", "."])
-def test_statements_of_import_in_texts_run(folder):
-    files = [*(ROOT / folder).glob("*.md")]
-    files += [] if folder == "." else (ROOT / folder).rglob("*.py")
-    for path in files:
+def test_statements_of_import_in_texts_run():
+    for path in [*SOURCES.values(), ROOT / "README.md", *DOCUMENTS]:
         for statement in re.findall(r"`(from [\w.]+ import [^`\n]+)`", path.read_text("utf-8")):
             exec(statement, {})  # noqa: S102
 
