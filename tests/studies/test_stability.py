@@ -147,14 +147,77 @@ def test_oscillator_is_the_network_in_its_mode():
         )
 
 
-@pytest.mark.parametrize("name", cost.TOLD)
-def test_leading_terms_are_leading(name):
-    """What is left beside the leading term falls with the step."""
-    left = []
-    for evaluations in (2000, 8000):
-        error, leading = cost.errors(INTEGRATORS[name], evaluations)
-        left.append(abs(error / leading - 1))
-    assert left[1] < 0.3 * left[0]
+# --- work for an accuracy -------------------------------------------------------------------------
+
+QUARTER = 0.5 * np.pi
+WORK = 0.05
+"""Largest part by which work may depend on when errors are sampled: a quarter of a period more is
+1/40 of ten periods, and the ellipse of Verlet's states is an eighth of its error there."""
+
+
+def work():
+    """Force evaluations for an error of 1e-3, by scheme."""
+    needed = cost.run(INTEGRATORS, QUICK).tables["cost_needed"]
+    return needed[needed["wanted"] == 1e-3].set_index("scheme")["evaluations_needed"].astype(float)
+
+
+def test_every_scheme_in_its_true_form_has_its_work(tables):
+    assert set(tables["cost_needed"]["scheme"]) == set(common.TRUE)
+
+
+@pytest.mark.parametrize("later", [-QUARTER, QUARTER])
+def test_a_motion_that_ends_a_quarter_of_a_period_later_takes_the_same_work(monkeypatch, later):
+    before = work()
+    monkeypatch.setattr(cost, "ANGLE", cost.ANGLE + later)
+    np.testing.assert_allclose(work(), before, rtol=WORK)
+
+
+@pytest.mark.parametrize("name", common.TRUE)
+def test_a_motion_that_starts_a_quarter_of_a_period_later_takes_the_same_work(name):
+    """From x = 0, where a staggered velocity is v half a step before and after."""
+    scheme = INTEGRATORS[name]
+    evaluations = min(round(cost.needed_for(scheme, 1e-3)), 4000)  # explicit Euler takes 200,000
+    h = cost.step_size(scheme, evaluations)
+    matrix, states = one_step_matrix(scheme, 1.0, h), [np.array([0.0, 1.0])]
+    for _ in range(round(cost.ANGLE / h) + 1):
+        states.append(matrix @ states[-1])
+    x, v = np.array(states).T
+    v = 0.5 * (v[:-1] + v[1:]) if scheme.staggered else v[:-1]
+    exact = 1j * np.exp(-1j * h * np.arange(len(v)))
+    later = np.abs(x[:-1] + 1j * v - exact).max()
+    error, _ = cost.errors(scheme, evaluations)
+    assert later == pytest.approx(error, rel=WORK * scheme.order)
+
+
+@pytest.mark.parametrize(
+    ("name", "leading"),
+    [
+        ("explicit_euler", lambda h: cost.ANGLE * h / 2),
+        ("euler_cromer", lambda h: h / 2),
+        ("leapfrog", lambda h: cost.ANGLE * h**2 / 24),
+        ("velocity_verlet", lambda h: cost.ANGLE * h**2 / 24),
+        ("runge_kutta", lambda h: cost.ANGLE * h**4 / 120),
+        ("average_acceleration", lambda h: cost.ANGLE * h**2 / 12),
+    ],
+)
+def test_work_is_that_of_the_leading_term(name, leading):
+    """By growth, ellipse and phase on paper; Verlet's ellipse adds 1.3 % to the phase."""
+    scheme = INTEGRATORS[name]
+    h = cost.step_size(scheme, cost.needed_for(scheme, 1e-5))
+    assert leading(h) == pytest.approx(1e-5, rel=0.02)
+
+
+@pytest.mark.parametrize("name", [name for name in common.TRUE if INTEGRATORS[name].order > 1])
+def test_a_run_of_that_work_has_that_error(name):
+    scheme = INTEGRATORS[name]
+    evaluations = round(cost.needed_for(scheme, 1e-3))
+    assert cost.errors(scheme, evaluations)[0] == pytest.approx(1e-3, rel=0.01)
+
+
+def test_a_scheme_without_a_closed_form_is_refused():
+    silent = replace(INTEGRATORS["leapfrog"], free_motion=None)
+    with pytest.raises(ProblemError, match="leapfrog: no closed form"):
+        stability.run(INTEGRATORS | {"leapfrog": silent}, QUICK, ("cost",))
 
 
 @pytest.mark.parametrize("name", drift.KEPT)
