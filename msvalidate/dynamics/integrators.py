@@ -53,7 +53,7 @@ EXPLICIT_EULER = Integrator(
     damping=OLD,
     limit=explicit_euler_limit,
     swelling=1.0,
-    free_motion=_explicit_euler_motion,
+    undamped_motion=_explicit_euler_motion,
 )
 
 
@@ -80,7 +80,7 @@ EULER_CROMER = Integrator(
     step=partial(_with_one_velocity, _euler_cromer),
     damping=OLD,
     limit=_euler_cromer_limit,
-    free_motion=_euler_cromer_motion,
+    undamped_motion=_euler_cromer_motion,
     factors=_euler_cromer,
 )
 
@@ -110,7 +110,7 @@ LEAPFROG = Integrator(
     limit=_leapfrog_limit,
     damped_order=2,
     staggered=True,
-    free_motion=_verlet_motion,
+    undamped_motion=_verlet_motion,
     factors=_leapfrog,
 )
 """Source: [Verlet1967]. Its undamped positions are velocity Verlet's."""
@@ -148,7 +148,7 @@ VELOCITY_VERLET = Integrator(
     step=_velocity_verlet,
     damping="in each half kick from the velocity before it",
     limit=_velocity_verlet_limit,
-    free_motion=_verlet_motion,
+    undamped_motion=_verlet_motion,
 )
 """Source: [Swope1982]."""
 
@@ -204,7 +204,7 @@ RUNGE_KUTTA = Integrator(
     limit=_runge_kutta_limit,
     damped_order=4,
     evaluations=4,
-    free_motion=_runge_kutta_motion,
+    undamped_motion=_runge_kutta_motion,
 )
 """Source: [Kutta1901]."""
 
@@ -238,7 +238,7 @@ AVERAGE_ACCELERATION = Integrator(
     damped_order=2,
     implicit=True,
     keeps_energy=True,
-    free_motion=_average_acceleration_motion,
+    undamped_motion=_average_acceleration_motion,
 )
 """Newmark's method with β = 1/4 and γ = 1/2, the trapezoidal rule. Of large rotations it keeps the
 angular momentum to its order only.

@@ -34,8 +34,8 @@ Factors = Callable[[float, Array], tuple[Array, Array]]
 """(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
 States = NDArray[np.complex128]
 """States x + i·v/ω (n,) of an oscillator, both of the same time, over the amplitude (1)."""
-FreeMotion = Callable[[float, Array], States]
-"""States without damping, from rest at 1, by h·ω (rad) and numbers of steps (n,)."""
+UndampedMotion = Callable[[float, Array], States]
+"""States from rest at 1 by h·ω (rad) and numbers of steps (n,)."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Integrator:
     swelling
         What (h·ω)² times it is added to an area of phase space in an undamped step, of a scheme
         that no step makes stable (1).
-    free_motion
+    undamped_motion
         Closed form of its undamped motion, where there is one.
     factors
         Of a scheme that moves with one new velocity: what `kernels.Motion.advance` needs of it.
@@ -94,5 +94,5 @@ class Integrator:
     share: float = 1.0
     swelling: float = 0.0
     keeps_energy: bool = False
-    free_motion: FreeMotion | None = None
+    undamped_motion: UndampedMotion | None = None
     factors: Factors | None = None

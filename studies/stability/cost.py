@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 
 from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import FreeMotion, Integrator
+from msvalidate.dynamics.scheme import Integrator, UndampedMotion
 
 from . import common, oscillator
 from .common import Schemes
@@ -41,7 +41,7 @@ QUICK_EVALUATIONS = EVALUATIONS[::2][:3]
 WANTED = (1e-3, 1e-6)
 FINEST, COARSEST = 1e-10, 0.5
 """Steps h·ω between which the one for an error is sought."""
-SCHEMES = tuple(name for name in common.TRUE if INTEGRATORS[name].free_motion is not None)
+SCHEMES = tuple(name for name in common.TRUE if INTEGRATORS[name].undamped_motion is not None)
 """Schemes whose motion has a closed form."""
 ROUNDING = 1.5e-11
 RULES = (
@@ -104,7 +104,7 @@ def errors(scheme: Integrator, evaluations: int) -> tuple[float, float]:
     return error, distance
 
 
-def closed_form(scheme: Integrator) -> FreeMotion:
+def closed_form(scheme: Integrator) -> UndampedMotion:
     """Closed form of a scheme's undamped motion.
 
     Raises
@@ -112,9 +112,11 @@ def closed_form(scheme: Integrator) -> FreeMotion:
     ProblemError
         If the record has none.
     """
-    if scheme.free_motion is None:
-        raise kit.ProblemError(f"{scheme.name}: no closed form of its motion; set `free_motion`")
-    return scheme.free_motion
+    if scheme.undamped_motion is None:
+        raise kit.ProblemError(
+            f"{scheme.name}: no closed form of its motion; set `undamped_motion`"
+        )
+    return scheme.undamped_motion
 
 
 def needed_for(scheme: Integrator, wanted: float) -> float:

@@ -189,7 +189,7 @@ def test_work_is_that_of_the_leading_term(name):
 
 
 def test_a_scheme_without_a_closed_form_is_refused():
-    silent = replace(INTEGRATORS["leapfrog"], free_motion=None)
+    silent = replace(INTEGRATORS["leapfrog"], undamped_motion=None)
     with pytest.raises(ProblemError, match="leapfrog: no closed form"):
         stability.run(INTEGRATORS | {"leapfrog": silent}, QUICK, ("cost",))
 
