@@ -7,6 +7,7 @@ cut; facets and cells keep the names that supports, loads and zones have them by
 from __future__ import annotations
 
 import math
+from itertools import combinations
 
 import numpy as np
 
@@ -39,6 +40,25 @@ def spacing_of_points(mesh: Mesh, count: int) -> float:
     corners = len(np.unique(mesh.cells[:, : mesh.kind.corners]))
     cuts = max(int(mesh.kind.degree > 1), round(math.log2(count / corners) / mesh.dim))
     return float(mean_edge(mesh) / 2**cuts)
+
+
+def count_one_cell_thick(mesh: Mesh) -> int:
+    """Number of quadrilaterals or hexahedra with opposite facets on the surface."""
+    rings = mesh.kind.rings
+    facets = np.sort(mesh.cells[:, np.array(rings)], axis=2)
+    _, which, count = np.unique(
+        facets.reshape(-1, facets.shape[2]), axis=0, return_inverse=True, return_counts=True
+    )
+    outer = (count[which] == 1).reshape(facets.shape[:2])
+    # Facets of triangles and tetrahedra all meet, so none are opposite.
+    opposite = [pair for pair in combinations(range(len(rings)), 2) if not meet(rings, *pair)]
+    thin = [outer[:, list(pair)].all(axis=1) for pair in opposite]
+    return int(np.any(thin, axis=0).sum()) if thin else 0
+
+
+def meet(rings: tuple[tuple[int, ...], ...], one: int, other: int) -> bool:
+    """Whether two facets of a cell share a corner."""
+    return bool(set(rings[one]) & set(rings[other]))
 
 
 def straighten(problem: Problem, cuts: int) -> Problem:
