@@ -5,7 +5,7 @@ Question   Lateral over axial strain of a pulled block of square-8 cells, for ev
 Candidate  Static equilibrium of the spring network (linear geometry).
 Reference  Finite elements on a body with the tensor of the lattice's interior, loaded in the same
            way and sampled at the network's points, refined until its own error is below 1e-4.
-Expected   Springs shared between cells make every cell alike, so uniform strain is exact at every
+Expected   Springs shared between cells make every cell alike, so uniform strain is exact at each
            size: `shared` gives k2/(k1 + k2), `per_cell` the report's k2/(2 k1 + k2). With `equal`
            springs the boundary is too stiff, an effect of the edge, hence of first order in 1/N.
 """
