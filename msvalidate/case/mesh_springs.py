@@ -92,16 +92,14 @@ def mesh_warning(problem: Problem) -> tuple[str, str]:
         return "Linear triangles and tetrahedra lock near ratio 1/2", remedy
     if mesh.kind.simplex and mesh.dim == 3:
         return "Linear tetrahedra are too stiff in bending", remedy
-    laws = [law for law in problem.materials if isinstance(law, Isotropic)]
-    if not laws or not (thin := count_one_cell_thick(mesh)):
+    thin = count_one_cell_thick(mesh)
+    times = [one_cell_deflection(law) for law in problem.materials if isinstance(law, Isotropic)]
+    if not times or not thin:
         return "", ""
-    times = [factor for law in laws for factor in one_cell_deflection(law)]
-    low, high = (f"{factor:.2f}" for factor in (min(times), max(times)))
-    shape, far = ("square", "cubic")[mesh.dim - 2], low if low == high else f"{low} to {high}"
     cause = (
         f"{thin:,} of {len(mesh.cells):,} cells are the only one through their wall: its bending "
-        f"is their hourglass mode, {far} times too soft if they are {shape}, too stiff if they "
-        "are several times as long as thick"
+        f"is their hourglass mode, {np.min(times):.2f} to {np.max(times):.2f} times too soft if "
+        "they are squares or cubes, too stiff if they are several times as long as thick"
     )
     return cause, "take a mesh with two cells or more through each wall"
 

@@ -45,20 +45,14 @@ def spacing_of_points(mesh: Mesh, count: int) -> float:
 def count_one_cell_thick(mesh: Mesh) -> int:
     """Number of quadrilaterals or hexahedra with opposite facets on the surface."""
     rings = mesh.kind.rings
-    facets = np.sort(mesh.cells[:, np.array(rings)], axis=2)
-    _, which, count = np.unique(
-        facets.reshape(-1, facets.shape[2]), axis=0, return_inverse=True, return_counts=True
-    )
-    outer = (count[which] == 1).reshape(facets.shape[:2])
-    # Facets of triangles and tetrahedra all meet, so none are opposite.
-    opposite = [pair for pair in combinations(range(len(rings)), 2) if not meet(rings, *pair)]
-    thin = [outer[:, list(pair)].all(axis=1) for pair in opposite]
-    return int(np.any(thin, axis=0).sum()) if thin else 0
-
-
-def meet(rings: tuple[tuple[int, ...], ...], one: int, other: int) -> bool:
-    """Whether two facets of a cell share a corner."""
-    return bool(set(rings[one]) & set(rings[other]))
+    facets = np.sort(mesh.cells[:, np.array(rings)], axis=2).reshape(-1, len(rings[0]))
+    _, which, count = np.unique(facets, axis=0, return_inverse=True, return_counts=True)
+    outer = (count[which] == 1).reshape(-1, len(rings))
+    thin = np.zeros(len(mesh.cells), dtype=bool)
+    for a, b in combinations(range(len(rings)), 2):
+        if not set(rings[a]) & set(rings[b]):  # of triangles and tetrahedra all facets meet
+            thin |= outer[:, a] & outer[:, b]
+    return int(thin.sum())
 
 
 def straighten(problem: Problem, cuts: int) -> Problem:
