@@ -63,23 +63,17 @@ class MeshSprings:
         return limit_of(self.answers, values).order
 
 
-def one_cell_deflection(law: Isotropic) -> tuple[float, float]:
-    """Deflection of a beam or plate of square or cubic cells, one thick, relative to elasticity's.
+def one_cell_deflection(law: Isotropic) -> float:
+    """Deflection of a beam of square or cubic cells, one thick, relative to elasticity's.
 
     One such cell is bent by its hourglass mode, u = -xz, whose mean J is constant: the mode has
     the energy of shear alone, 2μ in place of the modulus. So a beam in 2D bends E'/(2μ) times as
-    far, E' = E in plane stress and E/(1 - nu²) in plane strain and in a wide plate. A second
-    hourglass mode, v = yz/2, makes a 3D beam softer, E/(1.5 μ); a wide plate cannot have it.
-
-    Returns
-    -------
-    tuple
-        Least and largest: of a wide plate and of a beam as wide as thick; in 2D one number.
+    far, E' = E in plane stress and E/(1 - nu²) in plane strain. A second hourglass mode, v = yz/2,
+    makes a 3D beam as wide as thick softer, E/(1.5 μ). A wide plate has 1/(1 - nu), which is less.
     """
-    if law.state == "plane_stress":
-        return 1 + law.nu, 1 + law.nu
-    plate = 1 / (1 - law.nu)
-    return plate, plate if law.state == "plane_strain" else 4 / 3 * (1 + law.nu)
+    if law.state == "solid":
+        return 4 / 3 * (1 + law.nu)
+    return 1 + law.nu if law.state == "plane_stress" else 1 / (1 - law.nu)
 
 
 def mesh_warning(problem: Problem) -> tuple[str, str]:
@@ -98,7 +92,7 @@ def mesh_warning(problem: Problem) -> tuple[str, str]:
         return "", ""
     cause = (
         f"{thin:,} of {len(mesh.cells):,} cells are the only one through their wall: its bending "
-        f"is their hourglass mode, {np.min(times):.2f} to {np.max(times):.2f} times too soft if "
+        f"is their hourglass mode, up to {max(times):.2f} times too soft if "
         "they are squares or cubes, too stiff if they are several times as long as thick"
     )
     return cause, "take a mesh with two cells or more through each wall"
