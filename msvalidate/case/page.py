@@ -20,7 +20,7 @@ from msvalidate.case.comparison import (
 )
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judged
-from msvalidate.case.mesh_springs import locking
+from msvalidate.case.mesh_springs import mesh_warning
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
 from msvalidate.judging.columns import read_columns
 from msvalidate.lattice import CutLattice
@@ -129,10 +129,10 @@ def _hole_sentence(found: Comparison) -> str:
 def _mesh_sentence(found: Comparison) -> str:
     """How far off springs on the part's own mesh are, and what an engine must have for them."""
     own, case = found.on_mesh, found.case
-    stiff = locking(case.problem)
+    answer = found.springs[0] if own is None else own.answers[0]
+    fault = ": ".join(filter(None, mesh_warning(answer.problem)))
     if own is None:
-        said = f'{stiff}: take cells with four or eight corners, or [springs] on = "lattice".'
-        return said if stiff and case.are_elements else ""
+        return f"{fault}." if fault and case.are_elements else ""
     first = own.table.iloc[0]
     order = f", order {own.order:.1f} on finer ones" if math.isfinite(own.order) else ""
     push = f", {first['pushing']:,.0f} of which push" if first["pushing"] else ""
@@ -143,8 +143,8 @@ def _mesh_sentence(found: Comparison) -> str:
         'which an engine must have; take them by [springs] on = "mesh".'
     )
     off = [row.error for row in found.rows if row.quantity == "displacement"]
-    nearer = ": the lattice is nearer" if off and off[0] < first["difference"] else ""
-    return f"{said} {stiff}{nearer}." if stiff else said
+    nearer = "; here the lattice is nearer" if off and off[0] < first["difference"] else ""
+    return f"{said} {fault}{nearer}." if fault else said
 
 
 def _contact_sentence(found: Comparison) -> str:
