@@ -129,7 +129,7 @@ def test_what_a_body_of_no_known_law_has_is_said():
     steep = pulled_down(nu=0.46, force=-100.0)
     table = budget(compare_case(steep)).set_index("part")
     assert np.isnan(table.loc["law", "value"])
-    assert "not found" in table.loc["law", "meaning"]
+    assert "; none: large displacements: " in table.loc["law", "meaning"]
     with pytest.raises(ProblemError, match="of nearly incompressible bodies none"):
         compare_case(replace(steep, geometry="nonlinear"))
 
@@ -406,7 +406,7 @@ def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     by = {row.quantity: row.word for row in found.rows}
     assert by["displacement"] == by["reaction"] == by["mean stress"] == "agrees"
     assert by["point stress"] == "not asked"
-    head, _ = sentences(replace(found, rows=found.rows[-1:]))
+    head, _ = sentences(replace(found, differences=found.differences[-1:]))
     assert head.endswith(
         "in nothing that was asked: point stress, the body is of several materials, whose stresses "
         "jump between them."
@@ -449,6 +449,9 @@ def test_every_example_is_known_well_enough(name):
     assert found.reference.resolved
     assert found.rows[0].error < 0.06
     assert found.kind in {"coarse", "not told"}
+    words = {row.word for row in found.rows} - {"not asked"}
+    assert words == ({"agrees", "not resolved"} if name == "rubber" else {"agrees"})
+    assert found.limitations == ()
 
 
 def test_every_column_of_every_table_is_explained(run_beam):
