@@ -124,7 +124,8 @@ def judge_result(
     field = _field(case.problem, matched, reference, uncertainty, result.known)
     verdict = judge_field(field, case.band, rest, _explained)
     progress("large displacements")
-    limits = limitations(case, reference, lambda: answer_in_full(case, reference))
+    alone = replace(case, quantities=("displacement",))
+    limits = limitations(alone, reference, lambda: answer_in_full(case, reference))
     return Judged(case, result, matched, reference, limit_verdict(verdict, limits), limits)
 
 

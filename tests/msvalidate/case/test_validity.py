@@ -40,8 +40,7 @@ from msvalidate.problem import (
     Traction,
     Zone,
 )
-from reference_fem.body import solve_problem
-from reference_fem.first_mesh import first_mesh
+from reference_fem.converged import converge
 from reference_fem.mesh.boxes import box_discretisation
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -81,13 +80,13 @@ TWELVE = [
     (slender(1e6, (1e3, 0.0), nu=0.47), True),
     (slender(1e5, (0.0, -1e4)), True),
     (block(top=1e-9), False),
-    (block(top=0.3), True),
+    (block(traction=(2e3, 0.0), nu=0.0, geometry="nonlinear"), False),
+    (block(top=0.3, quantities=("displacement", "strain energy")), True),
     (block(top=1e-3, nu=0.499), False),
     (block(top=0.08, nu=0.25, fracture=TORN), True),
     (block(top=-0.03, geometry="nonlinear"), False),
     (block(top=0.3, geometry="nonlinear"), False),
     (block(top=-0.4, law="neo-hookean", geometry="nonlinear"), True),
-    (block(traction=(2e3, 0.0), nu=0.0, geometry="nonlinear"), False),
 ]
 
 
@@ -123,14 +122,15 @@ REMEDIED = {
     "strain": slender(1e6, (1e3, 0.0), nu=0.47),
     "unstable": slender(1e5, (0.0, -1e4)),
     "separated": block(top=0.08, nu=0.25, fracture=TORN),
-    "penetration": pressed(force=1e4),
+    "penetration": pressed(force=1.5e3),
+    "strained forces": block(top=0.3, quantities=("displacement", "reactions")),
     "penetration by depth": pressed(depth=0.2 * SIDE),
 }
 
 
 @pytest.mark.parametrize("name", REMEDIED)
 def test_the_remedy_works_when_it_is_tried(name):
-    kind = name.split(" ")[0]
+    kind = name.removesuffix(" by depth")
     (first, *_) = compare_case(REMEDIED[name]).limitations
     assert first.kind == kind
     assert f"{first.factor:.2g}"[:3] in first.sentence
@@ -154,7 +154,7 @@ def test_every_sentence_has_its_words():
     for kind, words in WORDS.items():
         one = Limitation(kind, 0.3, 0.1, 0.27, "detail")
         assert one.sentence.startswith(one.fact)
-        assert all(len(each.split()) <= 27 for each in (words.fact, words.remedy))
+        assert all(len(each.split()) <= 27 for each in words.values())
         assert one.decides == (kind not in ("requested", "frozen"))
 
 
@@ -252,10 +252,10 @@ def test_strain_in_a_corner_alone_does_not_count():
     box = Box((1.0, 1.0))
     law = Isotropic(1e5, 0.3, "plane_strain")
     held = (Support(box.side("bottom"), (0.0, 0.0)),)
-    problem = Problem(box, law, held, (Traction(box.side("top"), (0.0, 3e3)),))
-    solution = solve_problem(problem, first_mesh(problem))
-    corner = np.abs(solution.strain(np.array([(1e-3, 1e-3)]))).max()
-    assert strain_exceeded(solution) < 0.05 < corner
+    problem = Problem(box, law, held, (Traction(box.side("top"), (0.0, 4e3)),))
+    for solution in converge(problem, np.array([(1.0, 1.0)]), 1e-4).solutions[-2:]:
+        corner = np.abs(solution.strain(np.array([(1e-6, 1e-6)]))).max()
+        assert strain_exceeded(solution) < 0.05 < corner
 
 
 def plate_with_hole():
