@@ -180,7 +180,7 @@ def strain_exceeded(solution: Solution, load: float = 1.0) -> float:
     H = load * each.of(np.ascontiguousarray(solution.displacement.T))
     green = (H + H.swapaxes(0, 1) + np.einsum("kiqc,kjqc->ijqc", H, H)) / 2
     size = np.abs(np.linalg.eigvalsh(np.moveaxis(green, (0, 1), (-2, -1)))).max(axis=-1).ravel()
-    order = np.argsort(-size)
+    order = np.argsort(-size, kind="stable")
     volume = np.cumsum(each.measure.ravel()[order])
     return float(size[order[np.searchsorted(volume, STRAINED_VOLUME * volume[-1])]])
 
