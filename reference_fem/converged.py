@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -54,6 +54,22 @@ NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
 
 
+class LargeChange(NamedTuple):
+    """Change of displacements by large displacements: equilibrium in full less first order.
+
+    Parameters
+    ----------
+    displacement, uncertainty
+        (p, d) in m at the points of a reference, and how far (m) it may be off.
+    no_finer
+        Error of a finer mesh that has no equilibrium; None if no such mesh was tried.
+    """
+
+    displacement: Array
+    uncertainty: float
+    no_finer: SolverError | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Reference:
     """What elasticity says of a problem, each value with its own error.
@@ -69,7 +85,7 @@ class Reference:
     seconds
         That each mesh took.
     large
-        What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
+        Change by large displacements, if it was requested.
     contact
         `contact.ElementContact` of an obstacle on the finest mesh, and its relative error, or None.
     following
@@ -81,7 +97,7 @@ class Reference:
     solutions: tuple[Solution, ...]
     accuracy: float
     seconds: tuple[float, ...]
-    large: tuple[Array, float] | None = None
+    large: LargeChange | None = None
     contact: Any = None
     following: More | None = None
 

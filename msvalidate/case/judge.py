@@ -11,10 +11,11 @@ import pandas as pd
 
 from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
-from msvalidate.case.large import converge_case
+from msvalidate.case.large import answer_in_full, converge_case
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result, refuse_extreme
+from msvalidate.case.validity import Limitation, limit_verdict, limitations
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.checks import require_type
@@ -48,7 +49,9 @@ class Judged:
     case, result, matched, reference
         What was asked, what was given, its points in the body, and elasticity there.
     verdict
-        On the displacements.
+        On the displacements, in the range of the theory.
+    limitations
+        Of the verdict.
     """
 
     case: Case
@@ -56,6 +59,7 @@ class Judged:
     matched: Matched
     reference: Reference
     verdict: Verdict
+    limitations: tuple[Limitation, ...] = ()
 
     @property
     def displacement(self) -> Difference:
@@ -119,7 +123,10 @@ def judge_result(
     progress("causes")
     field = _field(case.problem, matched, reference, uncertainty, result.known)
     verdict = judge_field(field, case.band, rest, _explained)
-    return Judged(case, result, matched, reference, verdict)
+    progress("large displacements")
+    alone = replace(case, quantities=("displacement",))
+    limits = limitations(alone, reference, lambda: answer_in_full(case, reference))
+    return Judged(case, result, matched, reference, limit_verdict(verdict, limits), limits)
 
 
 def _explained(field: Field) -> tuple[Cause, ...]:

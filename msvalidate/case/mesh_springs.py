@@ -59,7 +59,7 @@ class MeshSprings:
     @cached_property
     def order(self) -> float:
         """Of the difference in the spacing, as three meshes show it; NaN where they do not."""
-        values = displacements_at(self.answers, self.reference.points)
+        values, _ = displacements_at(self.answers, self.reference.points)
         return limit_of(self.answers, values).order
 
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.budget import material_off
 from msvalidate.case.case import MESH_EDGES, Case, spacing_of
 from msvalidate.case.comparison import (
     COARSE,
@@ -22,6 +21,7 @@ from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import mesh_warning
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
+from msvalidate.case.validity import geometric_limitations
 from msvalidate.judging.columns import read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.cut import narrow_holes
@@ -94,6 +94,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         )
         head = f"{springs} are compared in nothing that was asked: {why}."
     reasons = (
+        *_limit_sentences(found),
         _kind_sentence(found),
         reference_sentence(found.reference),
         _hole_sentence(found),
@@ -110,6 +111,15 @@ def _describe_spacing(case: Case) -> str:
         under = ", of no rest length" if case.are_elements else ""
         return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
     return f"{case.lattice}, {spacing_of(case):.6g} m"
+
+
+def _limit_sentences(found: Comparison) -> list[str]:
+    """Limitations of a verdict; after linear theory that is requested, what it leaves out."""
+    said = [each.sentence for each in found.limitations]
+    if found.case.linear_theory:
+        large = geometric_limitations(found.case, found.reference, found.nonlinear)
+        said[1:1] = [each.fact for each in large]
+    return said
 
 
 def _hole_sentence(found: Comparison) -> str:
@@ -223,6 +233,7 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
         f"{len(found.matched.places)} points, ± {percent(row.uncertainty)}; the band is "
         f"{percent(case.band)}."
     )
+    limits = [each.sentence for each in found.limitations]
     said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
     if not said and row.error > NOTICED * row.uncertainty:
         said.append("No single cause that is known here explains the difference.")
@@ -231,14 +242,14 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
     else:
         said.append(f"Rest: they may still change by {percent(row.residual_motion)}, as stated.")
     if found.reference.no_limit:
-        return head, (*said, reference_sentence(found.reference))
+        return head, (*limits, *said, reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     known = (
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
         f"{percent(found.result.accuracy)}."
     )
     said.append(known + _more_sentence(found.reference) + _body_sentences(found.reference))
-    return head, tuple(said)
+    return head, (*limits, *said)
 
 
 def _kind_sentence(found: Comparison) -> str:
@@ -253,7 +264,7 @@ def _kind_sentence(found: Comparison) -> str:
     rest = percent(away)
     uncertainty = percent(limit.uncertainty / size)
     closing = f"On finer lattices{order} they close in on {rest} ± {uncertainty}"
-    off = material_off(found)
+    off = found.material_off
     right = off <= found.case.band
     if found.kind == COARSE:
         left = away <= float(found.relative.max()) + limit.uncertainty / size

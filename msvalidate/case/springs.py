@@ -84,6 +84,8 @@ class SpringAnswer:
         With an obstacle, if there is one; its forces are among the network's loads.
     growth
         What breaks as the loads are raised, if that is asked.
+    no_finer
+        Spacing (m) of the next finer lattice and its error, if that lattice has no answer.
     """
 
     problem: Problem
@@ -96,6 +98,7 @@ class SpringAnswer:
     geometry: str = "linear"
     contact: ContactEquilibrium | None = None
     growth: Growth | None = None
+    no_finer: tuple[float, str] | None = None
 
     def at(self, places: Array) -> Array:
         """Displacement (p, d) in m at places (p, d): at its own points exactly, else interpolated.
@@ -267,8 +270,9 @@ def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
             break
         try:
             found.append(solve_springs(case, asked / times))
-        except (ProblemError, SolverError):
-            break  # the answer asked for stands; the limit has fewer lattices to be read from
+        except (ProblemError, SolverError) as error:  # the limit is read from fewer lattices
+            found[-1] = replace(found[-1], no_finer=(asked / times, str(error)))
+            break
     return tuple(found)
 
 
@@ -307,13 +311,18 @@ def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
     return np.asarray(laid.points)
 
 
-def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> list[Array]:
-    """Displacement (p, d) in m at places of each lattice, up to a finer one that has none there."""
+def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> tuple[list[Array], str]:
+    """Displacement (p, d) in m at places of each lattice, up to a finer one that has none there.
+
+    The text is the reason why a finer one has none; empty if all have them.
+    """
     found = [answers[0].at(places)]
-    with suppress(ProblemError):  # of cells that are no squares or cubes: no point there
+    try:
         for answer in answers[1:]:
             found.append(answer.at(places))
-    return found
+    except ProblemError as error:  # of cells that are no squares or cubes: no point there
+        return found, str(error)
+    return found, ""
 
 
 def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLimit:
