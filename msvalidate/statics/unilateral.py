@@ -74,9 +74,11 @@ class Unilateral:
             t = gap + new / square * t if keep else gap
             t = np.where(on, t - self._deeper(self._mean(t, on)), 0.0)  # what is pressed stays so
             square = new
-            follows = self.follow(t)
-            step = float(gap @ t) / float(t @ follows)
-            moved = force - step * t
+            # Points that bear an obstacle's force alone have no gap: those inside set the step.
+            way = t if gap @ t > 0 else np.minimum(gap, 0.0)
+            follows = self.follow(way)
+            step = float(gap @ way) / float(way @ follows)
+            moved = np.where(on, force - step * way, 0.0)
             out, entering = moved < 0, (moved <= 0) & (gap < 0)
             moved[out] = 0.0
             moved[entering] = -step * gap[entering]
