@@ -147,7 +147,7 @@ def _press(
                 f"contact: no point of the region can be reached, the nearest is {gap.min():.4g} m "
                 "away; place the obstacle above the region, or lower it by more than that"
             )
-        # Gaps, forces and their total are weighted by the same pressures, each node's normal in all.
+        # Gaps, forces and their total have the same weights and each node's own normal.
         loads = mass[may][:, :, None] * normal
         follows = _followed(ready, body, nodes, loads)
         D = np.einsum("cnd,knd->ck", loads, follows)
@@ -255,7 +255,10 @@ def _pressures(D: Array, gap: Array) -> Array:
         on = on | entered
         L = cholesky(D[np.ix_(on, on)], lower=True)
         right = solve_triangular(L, gap[on], lower=True)
-        size, times = float(L.max()), float(np.abs(right).max())  # nnls takes small numbers for none
+        size, times = (
+            float(L.max()),
+            float(np.abs(right).max()),
+        )  # nnls takes small numbers for none
         p[on] = nnls(L.T / size, -right / times)[0] * (times / size)
         entered = ~on & (gap + D @ p < 0)
     return p

@@ -34,8 +34,8 @@ class ReleaseRate:
     Parameters
     ----------
     value, uncertainty
-        In J/m of crack front length times thickness: N. The uncertainty is the sum of three changes:
-        from the coarser mesh, from twice the step in length, and from the J integral.
+        In J/m of crack front length times thickness: N. The uncertainty is the sum of its
+        changes from the coarser mesh, from twice the step in length, and from the J integral.
     integral
         The same by the J integral.
     """
@@ -70,7 +70,7 @@ def release_rate(
         raise ProblemError(f"step: {step:g} m; give a small part of the crack's length")
 
     def rates(finer: int, times: tuple[float, ...]) -> list[float]:
-        """Rates by central differences of fourth order, each over so many steps and twice as many."""
+        """Rates by central differences of fourth order over so many steps and twice as many."""
         stored = {n: energy(n * step, finer) for k in times for n in (-2 * k, -k, k, 2 * k)}
         return [
             (8 * (stored[k] - stored[-k]) - stored[2 * k] + stored[-2 * k]) / (12 * k * step)

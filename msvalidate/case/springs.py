@@ -57,7 +57,7 @@ LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 UNEVEN = 1.5
 """Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
 LEAST_BEARING = 2
-"""Points under an obstacle from which its patch is seen: one gives way as the spacing's logarithm."""
+"""Points under an obstacle that show its patch: one alone goes by the logarithm of the spacing."""
 TRIED, MOST_OFFERED = 30, 1000
 """Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10

@@ -19,6 +19,8 @@ CLOSED = 1e-10
 """Of the depth: gap or penetration that counts as none."""
 EXACT, MORE = 1e-14, 6
 """Of the depth, where an exact C lets it stop, or how many steps after a tenth of `CLOSED`."""
+ROUNDING = float(np.finfo(float).eps)
+"""Of the largest gap, beside which a small depth has no more digits."""
 APPLICATIONS = 2000
 """Of C; 30 to 60 are usual."""
 
@@ -66,7 +68,8 @@ class Unilateral:
             gap = full - self._deeper(raised)
             self.depth = float((self._deeper(raised) - free).max())
             left = max(float(-gap.min()), float(gap[on].max(initial=0.0)))
-            enough = within * left if enough is None else enough
+            if enough is None:
+                enough = max(within * left, ROUNDING * float(np.abs(self.gap).max()))
             closed += left <= CLOSED / 10 * self.depth
             if left <= max(EXACT * self.depth, enough) or closed > MORE:
                 return force, raised

@@ -74,6 +74,15 @@ def test_forces_are_those_of_least_squares_and_of_the_depth_that_they_take(shape
         np.testing.assert_allclose(again.contacts[0].force, one.force, atol=1e-8 * wanted.max())
 
 
+@pytest.mark.parametrize("place", [0.1, 0.37, 0.4, 0.5])
+@pytest.mark.parametrize("strain", [1e-12, 1e-9, 1e-5, 0.1])
+def test_the_total_is_the_force(strain, place):
+    force = strain * SHEET.E * SIZE * THICK
+    found = press(*pressed(replace(DISC, at=(place, SIZE)), force=force))
+    assert found.contacts[0].total == pytest.approx(force, rel=1e-9)
+    assert found.complementarity <= 1e-7
+
+
 def test_every_order_of_points_and_solver_give_the_same_forces(monkeypatch):
     network, (touching,) = pressed()
     found = press(network, touching)
