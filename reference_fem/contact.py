@@ -255,10 +255,8 @@ def _pressures(D: Array, gap: Array) -> Array:
         on = on | entered
         L = cholesky(D[np.ix_(on, on)], lower=True)
         right = solve_triangular(L, gap[on], lower=True)
-        size, times = (
-            float(L.max()),
-            float(np.abs(right).max()),
-        )  # nnls takes small numbers for none
+        # nnls takes small numbers for none.
+        size, times = float(L.max()), float(np.abs(right).max())
         p[on] = nnls(L.T / size, -right / times)[0] * (times / size)
         entered = ~on & (gap + D @ p < 0)
     return p
