@@ -78,7 +78,7 @@ class Unilateral:
             t = np.where(on, t - self._deeper(self._mean(t, on)), 0.0)  # what is pressed stays so
             square = new
             # Points that bear an obstacle's force alone have no gap: those inside set the step.
-            way = t if gap @ t > 0 else np.minimum(gap, 0.0)
+            way = t if np.abs(t).max() > EXACT * left else np.minimum(gap, 0.0)
             follows = self.follow(way)
             step = float(gap @ way) / float(way @ follows)
             moved = np.where(on, force - step * way, 0.0)

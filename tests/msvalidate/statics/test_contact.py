@@ -32,10 +32,10 @@ SHEET = Isotropic(2e5, 1 / 3, thickness=THICK)
 DISC = Obstacle("disc", (0.4, SIZE), (0.0, -3.0), 0.3)
 
 
-def pressed(obstacle=DISC, cells=12, loads=(), **how):
+def pressed(obstacle=DISC, cells=12, loads=(), clamped="bottom", **how):
     """A clamped block under an obstacle: network, and what may touch."""
     contact = Contact(BOX.side("top"), obstacle, **(how or {"depth": 0.01}))
-    clamp = Support(BOX.side("bottom"), (0.0, 0.0))
+    clamp = Support(BOX.side(clamped), (0.0, 0.0))
     problem = Problem(BOX, SHEET, (clamp,), loads, contacts=(contact,))
     return contact_network(problem, square(BOX, (2 * cells, cells)))
 
@@ -162,6 +162,9 @@ def test_contacts_that_cannot_be_are_refused():
     parabola = Obstacle("parabola", (0.4, SIZE), (0.0, -1.0), 0.3)
     with refused("take a disc or ball, or geometry 'linear'"):
         press(*pressed(parabola, depth=0.01), "nonlinear")
+    corner = replace(parabola, at=(0.001, SIZE))
+    with refused("which is held, and presses nothing; move it"):
+        press(*pressed(corner, clamped="left", force=1e-3))
     network, (one,) = pressed()
     with refused("two contacts claim point"):
         press(network, (one, one))
