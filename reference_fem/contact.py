@@ -228,7 +228,7 @@ def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Arra
         alone = np.linalg.solve(D[np.ix_(on, on)], np.column_stack([-q[on], w[on]]))
         deeper = float((total - w[on] @ alone[:, 0]) / (w[on] @ alone[:, 1]))
         p = _pressures(D, q - deeper * w)
-        off = abs(w @ p / total - 1)
+        off = float(abs(w @ p / total - 1))
         if off <= EXACT or before <= off <= ACCEPTED:  # rounding of gaps allows no less
             return p * (total / (w @ p)), deeper
         before = off
