@@ -56,6 +56,8 @@ LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 """Orders that are believed: corners bring them below 1, what is smooth to 2."""
 UNEVEN = 1.5
 """Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
+LEAST_BEARING = 2
+"""Points under an obstacle that show its patch: one alone goes by the logarithm of the spacing."""
 TRIED, MOST_OFFERED = 30, 1000
 """Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10
@@ -180,7 +182,7 @@ class SpringLimit:
     uncertainty
         How far (m) any of them may be from there.
     order
-        Of the spacing, as three lattices show it; NaN where they show none.
+        Of the spacing, as three lattices show it; NaN where they show none, as against obstacles.
     """
 
     displacement: Array
@@ -334,6 +336,11 @@ def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLi
     size, change = float(np.abs(fine).max()), float(np.abs(last).max())
     if change <= ROUNDING * size:
         return SpringLimit(fine, max(change, ROUNDING * size))
+    if contact := answers[-1].contact:
+        # A patch ends between two points, elsewhere on each lattice: changes show no order.
+        before = float(np.abs(values[1] - values[0]).max()) / 2
+        bears = all((one.force > 0).sum() >= LEAST_BEARING for one in contact.contacts)
+        return SpringLimit(fine, CAUTION * max(change, before) if bears else max(size, change))
     if len(values) == 2:  # as if the order were 1
         return SpringLimit(fine + last, CAUTION * change)
     first = values[1] - values[0]
