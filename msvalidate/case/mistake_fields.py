@@ -12,7 +12,6 @@ from functools import cache, partial
 
 import numpy as np
 from scipy.sparse import csc_array, eye_array
-from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
 from msvalidate.case.case import Case, spacing_by_cells, spacing_of
@@ -23,6 +22,7 @@ from msvalidate.case.mistakes import (
     SpringMistake,
     named_factors,
     solve_mistakes,
+    symmetric_factor,
 )
 from msvalidate.case.part_mesh import mean_edge, straighten
 from msvalidate.case.springs import SpringAnswer, make_network
@@ -198,7 +198,7 @@ def _solve_elements(problem: Problem, body: Discretisation, places: Array) -> Ar
     """Displacement (p, d) in m at places, by a plain sparse factor."""
     K, force, fixed, value = _equations(problem, body)
     u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
-    u[free] = splu(csc_array(K[free][:, free])).solve((force - K @ u)[free])
+    u[free] = symmetric_factor(csc_array(K[free][:, free])).solve((force - K @ u)[free])
     return np.asarray(body.interpolation(places) @ u.reshape(body.dim, -1).T)
 
 
@@ -233,13 +233,13 @@ def _relaxing(reference: Reference, steps: int) -> Path:
     K, force, fixed, value = _equations(reference.problem, body)
     u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
     inner = csc_array(K[free][:, free])
-    moving = splu(inner).solve((force - K @ u)[free])
+    moving = symmetric_factor(inner).solve((force - K @ u)[free])
     slowest = float(moving @ (inner @ moving) / (moving @ moving))
     at = body.interpolation(reference.points)
     path: Path = [(0.0, elastic)]
     for time in SLOWNESS:
         rate = steps * slowest / time
-        factor = splu(csc_array(inner + rate * eye_array(len(moving))))
+        factor = symmetric_factor(csc_array(inner + rate * eye_array(len(moving))))
         lag = np.zeros(len(u))
         lag[free] = moving
         for _ in range(steps):
