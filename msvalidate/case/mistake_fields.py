@@ -114,7 +114,11 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
     made = [*_element_mistakes(problem, places, elastic, omitted)]
     made += [Mistake("not converged", cache(partial(_relaxing, reference, n))) for n in STEPS]
     if any(isinstance(load, Weight) for load in problem.loads):
-        made.append(Mistake("doubled mass", cache(partial(_heavier, reference))))
+        heavier = cache(partial(_heavier, reference))
+        made.append(Mistake("doubled mass", heavier))
+        if problem.domain.dim == 2:
+            path = cache(partial(_thinner, heavier, elastic))
+            made.append(Mistake("thickness", path, key="thickness beside weight"))
     if isinstance(problem.material, Isotropic) and not problem.zones:
         made += _spring_mistakes(case, places, elastic, omitted)
     return Catalogue(tuple(made), omitted)
@@ -261,6 +265,13 @@ def _heavier(reference: Reference) -> Path:
     return [(2.0, reference.displacement.value + lag)]
 
 
+def _thinner(heavier: Callable[[], Path], elastic: Array) -> Path:
+    """Other forces than the weight, a fifth and five times as large."""
+    ((_, doubled),) = heavier()
+    weight = doubled - elastic
+    return [(part, weight + part * (elastic - weight)) for part in (0.2, 5.0)]
+
+
 # Springs ------------------------------------------------------------------------------------------
 
 
@@ -284,7 +295,7 @@ def _of_records(
         if record.rest:
             for which in range(MAX_SPACINGS[law.dim]):
                 path = partial(_rest_path, solved, number, which)
-                yield Mistake(record.kind, cache(path), simpler=SPRING_MISTAKES[0].kind)
+                yield Mistake(record.kind, cache(path), simpler=record.simpler)
             continue
         yield Mistake(
             record.kind,
@@ -292,6 +303,7 @@ def _of_records(
             scaled=record.scaled,
             named=named_factors(record, law),
             beside=record.beside,
+            simpler=record.simpler,
         )
 
 

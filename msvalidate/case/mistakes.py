@@ -144,6 +144,11 @@ class SpringMistake:
         return "whole boundary springs" if self.whole and self.has_other_constants else ""
 
     @property
+    def simpler(self) -> str:
+        """Kind of the mistake that it contains, where constants or rest lengths happen to fit."""
+        return self.beside or ("coarse springs" if self.scaled or self.rest else "")
+
+    @property
     def has_other_constants(self) -> bool:
         """Whether the constants are not the right ones; then no cell resists a change of volume."""
         return self.constants is not own_constants
