@@ -120,7 +120,7 @@ def _with_rivals(best: list[Cause], little: list[Cause], mistakes: set[str]) -> 
     """
     if not best or any(each.kind not in OF_SIZE for each in best):
         return best
-    rivals = [each for each in little if each.kind in mistakes]
+    rivals = [each for each in little if each.kind in mistakes and each not in best]
     return [*best, *sorted(rivals, key=lambda each: each.left)]
 
 
