@@ -13,6 +13,7 @@ from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.large import answer_in_full, converge_case
 from msvalidate.case.matching import Matched, match
+from msvalidate.case.mistake_fields import known_mistakes
 from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.case.validity import Limitation, limit_verdict, limitations
@@ -52,6 +53,8 @@ class Judged:
         On the displacements, in the range of the theory.
     limitations
         Of the verdict.
+    omitted
+        Sentences on known mistakes that were not tried, and why.
     """
 
     case: Case
@@ -60,6 +63,7 @@ class Judged:
     reference: Reference
     verdict: Verdict
     limitations: tuple[Limitation, ...] = ()
+    omitted: tuple[str, ...] = ()
 
     @property
     def displacement(self) -> Difference:
@@ -121,12 +125,18 @@ def judge_result(
     rest = result.rest if residual_motion is None else residual_motion
     uncertainty = reference.error + result.accuracy + matched.contradiction / size
     progress("causes")
+    catalogue = known_mistakes(case, matched.places, reference)
     field = _field(case.problem, matched, reference, uncertainty, result.known)
+    # Elements on the result's own mesh, where they are known, leave nothing to be tried.
+    meshes = {"coarse mesh"} if result.known else set()
+    mistakes = tuple(each for each in catalogue.mistakes if each.kind not in meshes)
+    field = replace(field, mistakes=mistakes)
     verdict = judge_field(field, case.band, rest, _explained)
     progress("large displacements")
     alone = replace(case, quantities=("displacement",))
     limits = limitations(alone, reference, lambda: answer_in_full(case, reference))
-    return Judged(case, result, matched, reference, limit_verdict(verdict, limits), limits)
+    verdict, omitted = limit_verdict(verdict, limits), tuple(catalogue.omitted)
+    return Judged(case, result, matched, reference, verdict, limits, omitted)
 
 
 def _explained(field: Field) -> tuple[Cause, ...]:
