@@ -32,7 +32,6 @@ from msvalidate.simulators.probe.block import Block
 from msvalidate.simulators.probe.masses import patterns
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate_check.beside import best_scale
-from msvalidate_check.causes import Cause
 from msvalidate_check.diagnosis import Field, explain
 
 
@@ -170,7 +169,8 @@ class BodyRow:
     factors
         Causes, multiplied; None where the law is not known.
     shape
-        What else would explain what is left: points swapped, axes, signs; None if nothing.
+        Sentences on what else would explain what is left, rivals joined: a scale, points swapped,
+        axes, signs; empty if nothing.
     even
         Half the sum of what it moves by loads and by their opposites, over the displacement.
     finer
@@ -190,7 +190,7 @@ class BodyRow:
     on_mesh: Effective
     rest: float
     factors: Factors | None
-    shape: Cause | None = None
+    shape: str = ""
     even: float = 0.0
     finer: bool = False
     loaded_more: float = math.nan
@@ -367,9 +367,9 @@ def load_more(
     return replace(row, loaded_more=each[0], far_away=each[1])
 
 
-def _shape(found: AtRest, expected: Array) -> Cause | None:
-    """What else would explain a field, held against the elements that it should be."""
+def _shape(found: AtRest, expected: Array) -> str:
+    """Explain the difference of a field from its elements by other causes, with their rivals."""
     points = found.request.mesh.points
     span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
     field = Field(points, found.move, expected, BAND / 10, found.case.driven, span)
-    return next(iter(explain(field)), None)
+    return "; or ".join(each.said for each in explain(field))
