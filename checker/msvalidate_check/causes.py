@@ -20,6 +20,8 @@ PHRASES = {
     "unit besides": "{unit}, and {times:.4g} times as large besides",
     "unit": "{scale:.4g} times elasticity: {unit}?",
     "modulus": "{scale:.4g} times elasticity: a modulus E {part:.4g} times as large?",
+    "unit of k": "{scale:.4g} times elasticity: spring constants or a modulus {part:.4g} times as "
+    "large, from a confusion of {units}?",
     "loads": "{scale:.4g} times elasticity: loads {scale:.4g} times as large?",
     "weight": "{scale:.4g} times elasticity: gravity or masses {scale:.4g} times as large?",
     "thickness": "{scale:.4g} times elasticity: a thickness {part:.4g} times as large?",
@@ -28,6 +30,24 @@ PHRASES = {
     "scale": "{scale:.4g} times elasticity",
     "scale and": "{scale:.4g} times {image}: modulus or loads besides?",
     "unit and": "{scale:.4g} times {image}: {unit}?",
+    # Known mistakes, solved on the body.
+    "coarse mesh": "linear elements of about {value:.3g} m: take a finer mesh, or quadratic"
+    " elements",
+    "coarse springs": "the right springs at a spacing of about {value:.3g} m: take a smaller one",
+    "whole boundary springs": "springs on the boundary count whole: give those in a side half their"
+    " constant, in an edge of a solid a quarter",
+    "and whole boundary springs": "springs on the boundary count whole",
+    "k2 = 2 k1": "k2 = 2 k1, with k1 {value:.4g} times the right one: take what `advise` gives",
+    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): take what `advise` "
+    "gives",
+    "k = E h": "k = E·h (in 2D E·t) on every spring: take what `advise` gives",
+    "k = E": "k = E, a number of Pa taken as N/m, on every spring: take what `advise` gives",
+    "equal masses": "equal masses at all points: give each the share of the cells around it",
+    "doubled mass": "masses twice as large: do cells and springs both bring them?",
+    "rest length": "rest lengths {value:.4g} times the springs' lengths",
+    "rest length of diagonals": "rest lengths of diagonals {value:.4g} times their lengths",
+    "not converged": "not converged: {value:.2g} of the displacement is missing; run longer",
+    "mistake and": "{one}; {other}",
     # Images of elasticity, and components.
     "elasticity": "elasticity",
     "component": "elasticity with no displacement along {axis}: is that component written",
@@ -37,7 +57,7 @@ PHRASES = {
     "places": "elasticity at places mirrored along {axes}",
     "named": "{name}",
     "image": "{image}?",
-    "coarse mesh": "as {image} give it: take a finer mesh",
+    "as image": "as {image} give it: take a finer mesh",
     "axes": "components in the order {order}",
     "sign": "the other sign",
     "signs": "the other sign of {axes}",

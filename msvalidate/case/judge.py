@@ -13,6 +13,7 @@ from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.large import converge_case
 from msvalidate.case.matching import Matched, match
+from msvalidate.case.mistake_fields import known_mistakes
 from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.linear_algebra.norms import max_length
@@ -49,6 +50,8 @@ class Judged:
         What was asked, what was given, its points in the body, and elasticity there.
     verdict
         On the displacements.
+    omitted
+        Sentences on known mistakes that were not tried, and why.
     """
 
     case: Case
@@ -56,6 +59,7 @@ class Judged:
     matched: Matched
     reference: Reference
     verdict: Verdict
+    omitted: tuple[str, ...] = ()
 
     @property
     def displacement(self) -> Difference:
@@ -117,9 +121,11 @@ def judge_result(
     rest = result.rest if residual_motion is None else residual_motion
     uncertainty = reference.error + result.accuracy + matched.contradiction / size
     progress("causes")
+    catalogue = known_mistakes(case, matched.places, reference)
     field = _field(case.problem, matched, reference, uncertainty, result.known)
+    field = replace(field, mistakes=catalogue.mistakes)
     verdict = judge_field(field, case.band, rest, _explained)
-    return Judged(case, result, matched, reference, verdict)
+    return Judged(case, result, matched, reference, verdict, tuple(catalogue.omitted))
 
 
 def _explained(field: Field) -> tuple[Cause, ...]:
