@@ -40,12 +40,10 @@ from msvalidate.simulators.gate.rows import (
     HALF_STEP,
     ITERATIONS,
     LEFT_OUT,
-    LENGTH,
     MODULUS,
     MORE_STEPS,
     MOVING,
     PASSED,
-    STEP,
     STOPPED,
     TOLD,
     UNSTATED,
@@ -166,7 +164,7 @@ def gate(
         "turn by 30°": partial(_large_turn, simulator, block),
         "stretched step": partial(_stretched_step, simulator, block),
     })  # fmt: skip
-    remedies: tuple[str, ...] = (LENGTH, STEP)
+    tested = Gate(())
     hanging = stretched_block(material, own, hanging=True)
     for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
         try:
@@ -178,17 +176,27 @@ def gate(
             rows.append(_untried(name, error))
         else:
             given, size = (simulator, asked, first), max_length(np.asarray(first.displacement))
-            rows += _tried({
-                "pulled block": partial(size_rows, "rest", size / STRAIN),
-                MODULUS: partial(_twice_the_modulus, *given),
-                HALF_STEP: partial(_changed, *given, "dt", 0.5),
-                ITERATIONS: partial(_changed, *given, "iterations", 2),
-                MORE_STEPS: partial(_changed, *given, "steps", 2),
-                AGAIN: partial(_same_again, *given),
-            })  # fmt: skip
-            remedies = remedies_of({row.name: row for row in rows}, first)
+            rows += _tried(
+                {
+                    "pulled block": partial(size_rows, "rest", size / STRAIN),
+                    MODULUS: partial(_twice_the_modulus, *given),
+                }
+            )
+            tested = convergence_tests(*given)
+            rows += [*tested.rows, *_tried({AGAIN: partial(_same_again, *given)})]
         break
-    return Gate(tuple(rows), remedies)
+    return replace(tested, rows=tuple(rows))
+
+
+def convergence_tests(simulator: Simulator, request: Request, first: Answer) -> Gate:
+    """Compare a first answer at rest with half the time step, more iterations and more steps."""
+    given = (simulator, request, first)
+    rows = _tried({
+        HALF_STEP: partial(_changed, *given, "dt", 0.5),
+        ITERATIONS: partial(_changed, *given, "iterations", 2),
+        MORE_STEPS: partial(_changed, *given, "steps", 2),
+    })  # fmt: skip
+    return Gate(tuple(rows), remedies_of({row.name: row for row in rows}, first))
 
 
 def _tried(tried: Mapping[str, Callable[[], list[GateRow]]]) -> list[GateRow]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 
 from msvalidate.problem import Isotropic
@@ -63,7 +64,7 @@ def rows_verdict(
         of = phrase("large strain", strain=large.strain, apart=large.apart)
         other.append(Cause("large strain", large.apart, of))
     if open_rows or unread or other or missing:
-        causes += [*other, *map(_open, open_rows)]
+        causes += [*other, *_shape_causes(open_rows), *map(_open, open_rows)]
         causes += [Cause("bodies", of=phrase("no bodies"))] if missing else []
         return Verdict(NOT_EXPLAINED, tuple(dict.fromkeys(causes)))
     if left or still:
@@ -110,9 +111,19 @@ def _open(row: BodyRow) -> Cause:
         return Cause("body", of=phrase("no law", **where))
     if row.even > EVEN:
         return Cause("one way", row.even, phrase("one way", **where, even=row.even))
-    shape = phrase("shape", cause=row.shape) if row.shape else NOTHING
-    of = phrase("unexplained", **where, apart=row.factors.apart, shape=shape)
+    of = phrase("unexplained", **where, apart=row.factors.apart)
     return Cause("body", row.factors.apart, of)
+
+
+def _shape_causes(rows: list[BodyRow]) -> list[Cause]:
+    """Rivals that explain the most bodies, then those of the bodies that these leave open."""
+    causes: list[Cause] = []
+    while rivals := [each for row in rows for each in row.shapes]:
+        counts = Counter(each.kind for each in rivals)
+        best = {e.kind: e for e in rivals if counts[e.kind] == max(counts.values())}
+        causes += [Cause(e.kind, e.value, phrase("rival", cause=e)) for e in best.values()]
+        rows = [row for row in rows if not any(each.kind in best for each in row.shapes)]
+    return causes
 
 
 def is_over_density(part: float, density: float) -> bool:

@@ -247,9 +247,7 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
     if not parts[-1] and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
-    told = row.shape and not f.is_explained and not row.may_settle
-    shape = f", {row.shape}" if told else ""
-    return (*head, *parts, f"{f.apart:.2%}{shape}")
+    return (*head, *parts, f"{f.apart:.2%}")
 
 
 def _factor(part: float) -> str:

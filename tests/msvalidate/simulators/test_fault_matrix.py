@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from msvalidate.simulators.verdict.judgement import judge_simulator
 from msvalidate.simulators.verdict.sheet import sheet_of
 from reference_fem.elasticity import stiffness
 from studies.simulators.synthetic import synthetic_faults
+from tests.test_command_line import run
 
 MATERIAL = Isotropic(1e7, 0.3, "solid", 1000.0)
 SOFT = Isotropic(2e4, 0.1, "solid", 37.0)
@@ -178,3 +181,31 @@ def test_the_true_cause_is_reported_and_no_wrong_remedy(fault, material):
         assert kinds[0] in {"rest", "time step"}
         assert sheet.word.startswith("not converged")
         assert sheet.lines(fault)[2].strip().startswith("solver: not converged")
+
+
+STEPPED = """
+import csv, json, sys
+case, out = sys.argv[1:]
+dt = json.load(open(case + "/request.json"))["settings"].get("dt", 0.1)
+with open(case + "/points.csv") as points, open(out + "/result.csv", "w") as file:
+    rows = [[1e-3 * (1 + dt) * float(x) for x in row[1:]] for row in [*csv.reader(points)][1:]]
+    csv.writer(file).writerows([["ux", "uy"], *rows])
+about = dict(simulator="stepped", version="1", law="", precision="float64", forces_at="end")
+about |= dict(settings={"dt": [dt, "s"]}, at_rest={"change_when_twice_as_long": 0})
+json.dump(about, open(out + "/result.json", "w"))
+"""
+
+
+def test_simulate_reports_a_dependence_on_the_time_step_first(tmp_path):
+    (tmp_path / "stepped.py").write_text(STEPPED, encoding="utf-8")
+    shutil.copy(Path(__file__).parents[3] / "examples" / "box.toml", tmp_path)
+    words = ("simulate", "box.toml", "--with", "stepped.py", "--cells", "2", "--no-plots")
+    done = run(*words, cwd=tmp_path)
+    head, first, *_ = done.stdout.splitlines()
+    assert head.startswith("stepped: ")
+    assert first.startswith(
+        "  solver: not converged: 4.5 % of a displacement changes with the time"
+    )
+    assert "run longer" not in done.stdout
+    (page,) = tmp_path.glob("reports/simulators/box-stepped/case.html")
+    assert "changes with the time step" in page.read_text(encoding="utf-8")
