@@ -21,7 +21,7 @@ MESH = ("tet4",)
 COLUMNS = {
     "fault": "what was put in",
     "state_said": "agrees, differs with cause, not at rest, not explained, or gate",
-    "said": "the first cause",
+    "said": "the causes, rivals among them",
     "named": "whether state and causes name the fault",
 }
 
@@ -68,6 +68,6 @@ def _row(name: str, faulty: Faulty) -> dict[str, object]:
     return {
         "fault": name,
         "state_said": found.word,
-        "said": found.causes[0].said if found.causes else "",
+        "said": "; ".join(each.said for each in found.causes),
         "named": faulty.is_named_in(found),
     }
