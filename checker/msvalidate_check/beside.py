@@ -40,6 +40,8 @@ class Mistake:
         the general one.
     beside
         Kind of a second mistake that is made with it; "" if there is none.
+    simpler
+        Kind of a mistake that it contains: it must fit better than that one to be reported.
     """
 
     kind: str
@@ -47,6 +49,7 @@ class Mistake:
     scaled: bool = False
     named: Mapping[str, Factor] = field(default_factory=dict)
     beside: str = ""
+    simpler: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,11 +37,14 @@ PHRASES = {
     "whole boundary springs": "springs on the boundary count whole: give those in a side half their"
     " constant, in an edge of a solid a quarter",
     "and whole boundary springs": "springs on the boundary count whole",
-    "k2 = 2 k1": "k2 = 2 k1, with k1 {value:.4g} times the right one: take what `advise` gives",
-    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): take what `advise` "
-    "gives",
-    "k = E h": "k = E·h (in 2D E·t) on every spring: take what `advise` gives",
-    "k = E": "k = E, a number of Pa taken as N/m, on every spring: take what `advise` gives",
+    "k2 = 2 k1": "k2 = 2 k1, k1 {value:.4g} times the right one: each kind of spring has its own "
+    "constant",
+    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): each kind has its "
+    "own constant",
+    "k = E h": "k = E·h (in 2D E·t) on every spring: each kind has its own constant",
+    "k = E": "k = E, a number of Pa taken as N/m, on every spring: each kind has its own constant",
+    "axes alone": "springs along the axes alone, {value:.4g} times E·h (in 2D E·t): no diagonals "
+    "resist shear",
     "equal masses": "equal masses at all points: give each the share of the cells around it",
     "doubled mass": "masses twice as large: do cells and springs both bring them?",
     "rest length": "rest lengths {value:.4g} times the springs' lengths",

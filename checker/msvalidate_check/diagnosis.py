@@ -44,6 +44,10 @@ WHOLE = {"unit", "sign", "axes", "mirrored", "places", "component", "positions",
 """Faults without a number to fit: a solver that errs besides has them too."""
 OF_SIZE = {"scale", "unit", "unit of k", "modulus", "load", "thickness"}
 """Kinds of causes that change the size of a field alone."""
+OF_UNKNOWN = {"coarse mesh", "coarse springs", "not converged"}
+"""Kinds of causes whose fields are those of a mesh or a relaxation that is not known."""
+NEAR = 0.25
+"""Of the difference, what such a cause may leave where nothing fits: meshes of one size differ."""
 MOST_NODES = 1000
 """Up to which an order of nodes is looked for: each is held to every other one."""
 
@@ -69,6 +73,9 @@ def explain(field: Field) -> tuple[Cause, ...]:
     two = _plainest([each for each in pairs if _is_little(each, most, field.uncertainty)])
     if two and left > NOTICED * field.uncertainty:
         one = []
+    if not (one or two):
+        near = [each for each in alone if each.kind in OF_UNKNOWN and each.left <= NEAR * before]
+        one = sorted(near, key=lambda each: each.left)
     return (*two, *one)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, fit
 from msvalidate_check.causes import Cause, Phrase, phrase
+from msvalidate_check.scales import AS_WELL
 
 NOTHING = Cause("", left=math.inf)
 AS_NAMED = 0.005
@@ -25,7 +26,12 @@ def explain_mistakes(field: Field) -> Iterator[Cause]:
             left = field.left(field.found / scale, nearest) if scale > 0 else math.inf
             if left < best.get(mistake.kind, NOTHING).left:
                 best[mistake.kind] = _cause(mistake, parameter, 1 / scale, left)
-    yield from best.values()
+    simpler = {
+        each.kind: best[each.simpler].left for each in field.mistakes if each.simpler in best
+    }
+    for kind, cause in best.items():
+        if AS_WELL * cause.left < simpler.get(kind, math.inf):
+            yield cause
 
 
 def _fits(field: Field, mistake: Mistake) -> Iterator[tuple[float, Array, float]]:

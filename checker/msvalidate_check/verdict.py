@@ -119,6 +119,13 @@ class Verdict:
         """The displacements' difference."""
         return self.differences[0]
 
+    @property
+    def indistinguishable(self) -> int:
+        """Number of causes that leave as little as the best to within the uncertainty."""
+        fitted = [each.left for each in self.causes if each.kind != "rest"]
+        least = min(fitted, default=0.0)
+        return sum(left - least <= self.displacement.uncertainty for left in fitted)
+
 
 def judge_field(
     given: Field,

@@ -65,7 +65,7 @@ FEW_UNKNOWNS = 20_000
 """Unknowns of a mesh on which changes of the loads are solved: these are small themselves."""
 MAX_SPACINGS = {2: 3, 3: 2}
 """Spacings at which springs are solved, by dimension."""
-CELLS_ACROSS = (16, 12, 8, 6, 4, 2, 1)
+CELLS_ACROSS = (16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1)
 """Linear elements across the narrowest side that are tried, from fine to coarse."""
 SHARE_OF_GRID = 0.25
 """Part of the crossings of a grid that points must be on for its lines to be theirs."""
@@ -73,8 +73,10 @@ SAME_LINE = 1e-5
 """Distance relative to a side up to which two coordinates are on one line: five digits in files."""
 WHOLE = 1e-3
 """Relative difference from a whole number of cells, which rounded coordinates leave."""
-SLOWNESS = (64.0, 16.0, 4.0, 1.0, 0.25, 0.0625)
-"""Pseudo-times of relaxation, in units of the slowest motion's own."""
+SLOWNESS = (16.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.0625)
+"""Pseudo-times of a relaxation, in units of the slowest motion's own."""
+STEPS = (1, 8)
+"""Steps of a relaxation: one damps as 1/(1 + rate·time), many as exp(-rate·time)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +112,7 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
     if case.geometry == "nonlinear":
         return Catalogue((), ["Known mistakes are solved to first order only."])
     made = [*_element_mistakes(problem, places, elastic, omitted)]
-    made.append(Mistake("not converged", cache(partial(_relaxing, reference))))
+    made += [Mistake("not converged", cache(partial(_relaxing, reference, n))) for n in STEPS]
     if any(isinstance(load, Weight) for load in problem.loads):
         made.append(Mistake("doubled mass", cache(partial(_heavier, reference))))
     if isinstance(problem.material, Isotropic) and not problem.zones:
@@ -181,8 +183,8 @@ def _element_path(
             own, body = make()
             if body.points.size > limit:
                 continue
-            u = solve_problem(own, body, allow_locked=True).at(places)
-        except (ProblemError, SolverError):
+            u = _solve_elements(own, body, places)
+        except (ProblemError, SolverError, RuntimeError):  # no such mesh, or no factor
             continue
         path.append((size, u))
     if len(path) == 1:
@@ -190,6 +192,21 @@ def _element_path(
             f"Linear elements are not tried: no mesh with fewer than {limit:,} unknowns."
         )
     return path
+
+
+def _solve_elements(problem: Problem, body: Discretisation, places: Array) -> Array:
+    """Displacement (p, d) in m at places, by a plain sparse factor."""
+    K, force, fixed, value = _equations(problem, body)
+    u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
+    u[free] = splu(csc_array(K[free][:, free])).solve((force - K @ u)[free])
+    return np.asarray(body.interpolation(places) @ u.reshape(body.dim, -1).T)
+
+
+def _equations(problem: Problem, body: Discretisation) -> tuple[csc_array, Array, Mask, Array]:
+    """Stiffness, forces (N), fixed components and their displacements (m), component-major."""
+    fixed, value = prescribed_displacements(problem, body.points)
+    K = csc_array(stiffness(body, materials_of(problem, body)))
+    return K, nodal_forces(problem, body).T.ravel(), fixed.T.ravel(), value.T.ravel()
 
 
 def _lines_of(places: Array, box: Box) -> list[Array] | None:
@@ -205,28 +222,30 @@ def _lines_of(places: Array, box: Box) -> list[Array] | None:
     return lines if len(places) >= SHARE_OF_GRID * crossings else None
 
 
-def _relaxing(reference: Reference) -> Path:
+def _relaxing(reference: Reference, steps: int) -> Path:
     """Elasticity, then the states of a relaxation that was stopped ever earlier.
 
-    One step of Euler's backward method from no displacement, with equal masses: the state after a
-    pseudo-time lacks most of the slowest motions, as that of any relaxation does.
+    Steps of Euler's backward method from no displacement, with equal masses: as after any
+    relaxation, most of what is missing is in the slowest motions.
     """
-    problem, solution = reference.problem, reference.solutions[0]
+    solution, elastic = reference.solutions[0], reference.displacement.value
     body = solution.body
-    K = csc_array(stiffness(body, materials_of(problem, body)))
-    held, value = (each.T.ravel() for each in prescribed_displacements(problem, body.points))
-    force, free = nodal_forces(problem, body).T.ravel(), np.logical_not(held)
-    at_rest, elastic = solution.displacement.T.ravel(), reference.displacement.value
-    moving = at_rest[free]
-    inner, right = csc_array(K[free][:, free]), (force - K @ np.where(held, value, 0.0))[free]
+    K, force, fixed, value = _equations(reference.problem, body)
+    u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
+    inner = csc_array(K[free][:, free])
+    moving = splu(inner).solve((force - K @ u)[free])
     slowest = float(moving @ (inner @ moving) / (moving @ moving))
     at = body.interpolation(reference.points)
     path: Path = [(0.0, elastic)]
     for time in SLOWNESS:
-        u = np.where(held, value, 0.0)
-        u[free] = splu(csc_array(inner + slowest / time * eye_array(len(moving)))).solve(right)
-        lag = at @ (u - at_rest).reshape(body.dim, -1).T
-        path.append((float(np.linalg.norm(lag) / np.linalg.norm(elastic)), elastic + lag))
+        rate = steps * slowest / time
+        factor = splu(csc_array(inner + rate * eye_array(len(moving))))
+        lag = np.zeros(len(u))
+        lag[free] = moving
+        for _ in range(steps):
+            lag[free] = factor.solve(rate * lag[free])
+        missing = at @ lag.reshape(body.dim, -1).T
+        path.append((float(np.linalg.norm(missing) / np.linalg.norm(elastic)), elastic - missing))
     return path
 
 
@@ -262,6 +281,11 @@ def _of_records(
     records: Sequence[SpringMistake], law: Isotropic, solved: Callable[[], Solved], elastic: Array
 ) -> Iterator[Mistake]:
     for number, record in enumerate(records):
+        if record.rest:
+            for which in range(MAX_SPACINGS[law.dim]):
+                path = partial(_rest_path, solved, number, which)
+                yield Mistake(record.kind, cache(path), simpler=SPRING_MISTAKES[0].kind)
+            continue
         yield Mistake(
             record.kind,
             cache(partial(_spring_path, solved, number, record, elastic)),
@@ -319,19 +343,20 @@ Solved = list[tuple[float, list[Array | None]]]
 def _spring_path(
     solved: Callable[[], Solved], number: int, record: SpringMistake, elastic: Array
 ) -> Path:
-    """One mistake at each spacing, or in each rest length at the finest."""
-    fields = [(h, each[number], each[0]) for h, each in solved()]
-    if record.rest:
-        ends = (1 - REST_RANGE, 1 + REST_RANGE)
-        return [
-            (end, right + (end - 1) * change)
-            for _, change, right in fields[:1]
-            if change is not None and right is not None
-            for end in ends
-        ]
-    path = [(h, u) for h, u, _ in fields if u is not None]
+    """One mistake at each spacing; right springs close in on elasticity."""
+    path = [(h, u) for h, each in solved() if (u := each[number]) is not None]
     right = record == SPRING_MISTAKES[0]
     return [(0.0, elastic), *path] if right and path else path
+
+
+def _rest_path(solved: Callable[[], Solved], number: int, which: int) -> Path:
+    """Right springs at one spacing with other rest lengths, relative to those of the springs."""
+    path: Path = []
+    for _, fields in solved()[which : which + 1]:
+        right, change = fields[0], fields[number]
+        if right is not None and change is not None:
+            path = [(1 + part, right + part * change) for part in (-REST_RANGE, REST_RANGE)]
+    return path
 
 
 def _solve_springs(

@@ -15,13 +15,17 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.constants.routes import calibrate_by_route
+from msvalidate.constants.stiffness import CAUCHY, moduli
 from msvalidate.lattice import Constants, CutLattice, Lattice
 from msvalidate.lattice.edges import EdgeLattice
+from msvalidate.lattice.patterns import all_patterns
 from msvalidate.network import Network
 from msvalidate.network.configuration import Configuration
 from msvalidate.problem import Array, Isotropic
 from msvalidate.problem.records import dataclass, replace
-from msvalidate_check.causes import Phrase
+from msvalidate_check.causes import PHRASES, Phrase, say
 from msvalidate_check.mistakes import mistake_phrase
 
 Factor = Callable[[Network], Array]
@@ -98,6 +102,15 @@ def alike(own: Constants, bar: float) -> Constants:
     return (bar,) * len(own)
 
 
+def axes_alone(own: Constants, bar: float) -> Constants:
+    """E·h, or E·t, along the axes, and no other springs."""
+    return (bar, *(0.0,) * (len(own) - 1))
+
+
+OF_DIAGONALS = (doubled_diagonals, axes_alone)
+"""Constants that other kinds of springs than the first have."""
+
+
 @dataclass(frozen=True)
 class SpringMistake:
     """A mistake that people make with springs.
@@ -156,9 +169,8 @@ class SpringMistake:
         """
         if self.mass != "shared":
             return heavy
-        if kinds < 2 and (self.constants is doubled_diagonals or self.rest == "diagonals"):
-            return False
-        return kinds > 0 or not self.whole
+        of_diagonals = self.rest == "diagonals" or self.constants in OF_DIAGONALS
+        return kinds > (1 if of_diagonals else 0 if self.whole else -1)
 
 
 SPRING_MISTAKES = (
@@ -168,6 +180,7 @@ SPRING_MISTAKES = (
     SpringMistake("k2 = 2 k1", doubled_diagonals, whole=True, scaled=True),
     SpringMistake("k alike", alike, scaled=True),
     SpringMistake("k alike", alike, whole=True, scaled=True),
+    SpringMistake("axes alone", axes_alone, scaled=True),
     SpringMistake("equal masses", mass="equal"),
     SpringMistake("doubled mass", mass="double"),
     SpringMistake("rest length", rest="all"),
@@ -244,6 +257,32 @@ def named_factors(record: SpringMistake, law: Isotropic) -> Mapping[str, Callabl
     if record.constants is not alike:
         return {}
     return {"k = E h": lambda _: 1.0, "k = E": lambda h: law.E / bar_constant(law, h)}
+
+
+def mistake_lines(law: Isotropic, lattice: str, spacing: float) -> list[str]:
+    """The known mistakes with springs of a lattice, and which solids other constants are.
+
+    Raises
+    ------
+    ProblemError
+        If no constants make the lattice a solid.
+    """
+    pattern = all_patterns()[lattice]()
+    own = calibrate_by_route(replace(law, nu=CAUCHY[law.dim]), pattern, spacing, "springs")
+    lines = []
+    for record in SPRING_MISTAKES[1:]:
+        if record.rest or record.beside or not record.applies(pattern.kinds, heavy=True):
+            continue
+        line = say(mistake_phrase(record.kind, 1.0, spacing, named_factors(record, law)), PHRASES)
+        if record.has_other_constants:
+            wrong = record.constants(own.constants, bar_constant(law, spacing))
+            solid = moduli(homogenise(pattern, wrong, spacing).tensor)
+            line += (
+                f" ({lattice}: E {solid.E / (law.E * law.thickness):.4g} times, nu = "
+                f"{solid.nu:.4g} along the axes, Zener ratio {solid.zener:.4g})"
+            )
+        lines.append(line)
+    return lines
 
 
 def name_constants(

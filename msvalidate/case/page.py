@@ -21,15 +21,28 @@ from msvalidate.case.comparison import (
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import locking
+from msvalidate.case.mistakes import name_constants
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
+from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.judging.columns import read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.problem import Load, Material, Mesh, PointForce, Support, Traction, Weight
+from msvalidate.problem import (
+    Isotropic,
+    Load,
+    Material,
+    Mesh,
+    PointForce,
+    ProblemError,
+    Support,
+    Traction,
+    Weight,
+)
 from msvalidate.problem.normals import is_faceted
+from msvalidate_check.causes import PHRASES, say
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.verdict import (
     AGREES,
@@ -95,6 +108,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         head = f"{springs} are compared in nothing that was asked: {why}."
     reasons = (
         _kind_sentence(found),
+        _constants_sentence(found),
         reference_sentence(found.reference),
         _hole_sentence(found),
         _mesh_sentence(found),
@@ -110,6 +124,20 @@ def _describe_spacing(case: Case) -> str:
         under = ", of no rest length" if case.are_elements else ""
         return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
     return f"{case.lattice}, {spacing_of(case):.6g} m"
+
+
+def _constants_sentence(found: Comparison) -> str:
+    """Which known mistake the case's own constants are."""
+    case, springs = found.case, found.springs[0]
+    law, lattice = case.problem.material, springs.lattice
+    if case.constants is None or not isinstance(law, Isotropic) or case.problem.zones:
+        return ""
+    try:
+        own = calibrate_by_route(law, lattice, None, None).constants
+    except ProblemError:  # no constants are right on this lattice
+        return ""
+    mistake = name_constants(law, own, case.constants, springs.spacing)
+    return "" if mistake is None else f"The constants are a known mistake: {say(mistake, PHRASES)}."
 
 
 def _hole_sentence(found: Comparison) -> str:
@@ -223,13 +251,21 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
         f"{len(found.matched.places)} points, ± {percent(row.uncertainty)}; the band is "
         f"{percent(case.band)}."
     )
-    said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
-    if not said and row.error > NOTICED * row.uncertainty:
-        said.append("No single cause that is known here explains the difference.")
     if math.isnan(row.residual_motion):
-        said.append("Rest unknown: nobody says how much the displacements would still change.")
+        said = ["Rest unknown: nobody says how much the displacements would still change."]
     else:
-        said.append(f"Rest: they may still change by {percent(row.residual_motion)}, as stated.")
+        said = [f"Rest: they may still change by {percent(row.residual_motion)}, as stated."]
+    said += [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
+    alike = found.verdict.indistinguishable
+    if alike > 1:
+        said.append(
+            f"What the first {alike} causes leave differs by less than {percent(row.uncertainty)}, "
+            "the uncertainty: this field does not tell them apart."
+        )
+    if row.error > NOTICED * row.uncertainty:
+        if not found.verdict.causes:
+            said.append("No single cause that is known here explains the difference.")
+        said += found.omitted
     if found.reference.no_limit:
         return head, (*said, reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
