@@ -49,7 +49,8 @@ PHRASES = {
     "doubled mass": "masses twice as large: do cells and springs both bring them?",
     "rest length": "rest lengths {value:.4g} times the springs' lengths",
     "rest length of diagonals": "rest lengths of diagonals {value:.4g} times their lengths",
-    "not converged": "not converged: {value:.2g} of the displacement is missing; run longer",
+    "not converged": "not converged: {value:.2g} of the displacement is missing; take more "
+    "iterations or steps",
     "mistake and": "{one}; {other}",
     # Images of elasticity, and components.
     "elasticity": "elasticity",

@@ -39,7 +39,6 @@ from msvalidate.simulators.exchange.protocol import (
     stated_residual_motion,
 )
 from msvalidate.simulators.gate.gate import convergence_tests
-from msvalidate.simulators.probe.reading import BAND
 from msvalidate.simulators.verdict.causes import convergence_causes
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
@@ -117,10 +116,7 @@ def _convergence(args: argparse.Namespace, request: Request, answer: Answer) -> 
     if answer.about.get("forces_at") != "end":
         return ()
     tests = convergence_tests(Program(args.adapter, args.limit), request, answer)
-    worst = tests.unconverged
-    if worst is None or worst.value <= BAND:
-        return ()
-    return tuple(map(str, convergence_causes(worst.value, tests)))
+    return tuple(map(str, convergence_causes(tests)))
 
 
 def _described(case: Case, request: Request, answer: Answer, first: tuple[str, ...]) -> Case:

@@ -9,7 +9,7 @@ from msvalidate.problem import Isotropic
 from msvalidate.simulators.bodies.bodies import EVEN, MORE, BodyRow
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain
 from msvalidate.simulators.bodies.laws import LAWS, nearest_law
-from msvalidate.simulators.gate.rows import TIMES, Gate, GateRow, size_rows
+from msvalidate.simulators.gate.rows import TIMES, UNSTATED, Gate, GateRow, size_rows
 from msvalidate.simulators.probe.reading import BAND, SHOWN, Reading
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
@@ -42,7 +42,7 @@ def rows_verdict(
     """
     missing, rows, moving = rows == (), rows or (), gate.moving
     change = max([moving, *(row.rest for row in rows if row.rest > BAND)])
-    still = convergence_causes(change, gate) if change > BAND else []
+    still = convergence_causes(gate, change)
     pulled = law[0] if law else next((r.on_mesh.E for r in rows if r.body == "pulled"), 0.0)
     total = law[0] / reading.E if law and reading and reading.E else 1.0
     causes = [
@@ -74,8 +74,7 @@ def rows_verdict(
 
 def stop_verdict(gate: Gate) -> Verdict:
     """Report what stopped a simulator: not converged, then units, then the rows of the gate."""
-    found = convergence_causes(gate.unconverged.value, gate) if gate.unconverged else []
-    found += _gate_causes([*gate.units, *gate.stops])
+    found = [*convergence_causes(gate), *_gate_causes([*gate.units, *gate.stops])]
     return Verdict(STOPPED, tuple(found) or (Cause("nothing passed", of=phrase("nothing passed")),))
 
 
@@ -88,8 +87,11 @@ def _rounded(row: BodyRow) -> Cause:
     return Cause("rounding", apart, of)
 
 
-def convergence_causes(change: float, gate: Gate) -> list[Cause]:
-    """Causes of a displacement that may still change by this part."""
+def convergence_causes(gate: Gate, change: float = 0.0) -> list[Cause]:
+    """Causes of a displacement that may still change, by this part or by tests of convergence."""
+    change = max(change, gate.unconverged.value if gate.unconverged else 0.0)
+    if change <= UNSTATED:
+        return []
     part = phrase("all") if change >= 1 else phrase("percent", percent=100 * change)
     rival = " or" if len(gate.remedies) > 1 else ""
     return [
