@@ -109,7 +109,7 @@ def _result(request: Request, answer: Answer) -> Result:
 
 
 def _convergence(args: argparse.Namespace, request: Request, answer: Answer) -> tuple[str, ...]:
-    """Sentences on a displacement that depends on the time step or the iterations of a step.
+    """Sentences on a displacement that depends on the time step.
 
     Explicit programs come to a rest that depends on neither, so that they are not asked again.
     """

@@ -21,7 +21,8 @@ MESH = ("tet4",)
 COLUMNS = {
     "fault": "what was put in",
     "state_said": "agrees, differs with cause, not at rest, not explained, or gate",
-    "said": "the causes, rivals among them",
+    "said": "the first cause",
+    "kinds": "of all causes, rivals among them",
     "named": "whether state and causes name the fault",
 }
 
@@ -68,6 +69,7 @@ def _row(name: str, faulty: Faulty) -> dict[str, object]:
     return {
         "fault": name,
         "state_said": found.word,
-        "said": "; ".join(each.said for each in found.causes),
+        "said": found.causes[0].said if found.causes else "",
+        "kinds": ", ".join(dict.fromkeys(each.kind for each in found.causes)),
         "named": faulty.is_named_in(found),
     }

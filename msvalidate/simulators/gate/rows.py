@@ -113,7 +113,7 @@ class Gate:
 
 
 def _fails(row: GateRow, least: float = math.inf) -> bool:
-    """True if a row changes the displacement too much, or by more than `least`."""
+    """Return true if a test changes the displacement by too much, or by `least`."""
     return row.value > least or (row.verdict in {STOPPED, MOVING} and row.value >= 0)
 
 
@@ -135,7 +135,7 @@ def remedies_of(rows: Mapping[str, GateRow], first: Answer) -> tuple[str, ...]:
 
 
 def size_rows(name: str, times: float) -> list[GateRow]:
-    """Row on a size that is `SCALE` times as large as expected, or as small; none of another."""
+    """Return a row on a size that is off by `SCALE`, or none."""
     if not times or 1 / SCALE < abs(times) < SCALE:
         return []
     of = phrase(f"units of {name}", part=1 / times)

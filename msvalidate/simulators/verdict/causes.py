@@ -73,7 +73,7 @@ def rows_verdict(
 
 
 def stop_verdict(gate: Gate) -> Verdict:
-    """Report what stopped a simulator: not converged, then units, then the rows of the gate."""
+    """Report what stopped a simulator, convergence first and units next."""
     found = [*convergence_causes(gate), *_gate_causes([*gate.units, *gate.stops])]
     return Verdict(STOPPED, tuple(found) or (Cause("nothing passed", of=phrase("nothing passed")),))
 
@@ -88,7 +88,7 @@ def _rounded(row: BodyRow) -> Cause:
 
 
 def convergence_causes(gate: Gate, change: float = 0.0) -> list[Cause]:
-    """Causes of a displacement that may still change, by this part or by tests of convergence."""
+    """Causes of a displacement that is not converged, by this part or by tests."""
     change = max(change, gate.unconverged.value if gate.unconverged else 0.0)
     if change <= UNSTATED:
         return []
@@ -118,7 +118,7 @@ def _open(row: BodyRow) -> Cause:
 
 
 def _shape_causes(rows: list[BodyRow]) -> list[Cause]:
-    """Rivals that explain the most bodies, then those of the bodies that these leave open."""
+    """Rivals that explain the most bodies, then those of the other bodies."""
     causes: list[Cause] = []
     while rivals := [each for row in rows for each in row.shapes]:
         counts = Counter(each.kind for each in rivals)
