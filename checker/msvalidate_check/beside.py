@@ -28,7 +28,7 @@ class Mistake:
     Parameters
     ----------
     kind
-        Key of its sentence in `causes.PHRASES`.
+        Of the cause; key of its sentence in `causes.PHRASES`, if there is no other `key`.
     path
         Returns pairs of a parameter, such as a spacing (m), and the field (n, d) in m that the
         mistake gives there, in the order of the parameter; none if there is no answer. A candidate
@@ -50,6 +50,7 @@ class Mistake:
     named: Mapping[str, Factor] = field(default_factory=dict)
     beside: str = ""
     simpler: str = ""
+    key: str = ""
 
 
 @dataclass(frozen=True, eq=False)

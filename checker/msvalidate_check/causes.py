@@ -47,8 +47,9 @@ PHRASES = {
     "resist shear",
     "equal masses": "equal masses at all points: give each the share of the cells around it",
     "doubled mass": "masses twice as large: do cells and springs both bring them?",
+    "thickness beside weight": "forces {value:.4g} times as large, the weight not: another "
+    "thickness?",
     "rest length": "rest lengths {value:.4g} times the springs' lengths",
-    "rest length of diagonals": "rest lengths of diagonals {value:.4g} times their lengths",
     "not converged": "not converged: {value:.2g} of the displacement is missing; take more "
     "iterations or steps",
     "mistake and": "{one}; {other}",

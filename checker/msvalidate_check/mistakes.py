@@ -10,9 +10,8 @@ import numpy as np
 
 from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, fit
 from msvalidate_check.causes import Cause, Phrase, phrase
-from msvalidate_check.scales import AS_WELL
+from msvalidate_check.scales import AS_GOOD, AS_WELL
 
-NOTHING = Cause("", left=math.inf)
 AS_NAMED = 0.005
 """Relative difference of a fitted factor from the one that has a name: three digits of a constant,
 and what linear interpolation along a path leaves."""
@@ -20,17 +19,16 @@ and what linear interpolation along a path leaves."""
 
 def explain_mistakes(field: Field) -> Iterator[Cause]:
     """Compute the nearest field of each kind of known mistake."""
-    best: dict[str, Cause] = {}
+    best: dict[str, tuple[Cause, str]] = {}
     for mistake in field.mistakes:
         for parameter, nearest, scale in _fits(field, mistake):
             left = field.left(field.found / scale, nearest) if scale > 0 else math.inf
-            if left < best.get(mistake.kind, NOTHING).left:
-                best[mistake.kind] = _cause(mistake, parameter, 1 / scale, left)
-    simpler = {
-        each.kind: best[each.simpler].left for each in field.mistakes if each.simpler in best
-    }
-    for kind, cause in best.items():
-        if AS_WELL * cause.left < simpler.get(kind, math.inf):
+            if mistake.kind not in best or left < best[mistake.kind][0].left:
+                cause = _cause(mistake, parameter, 1 / scale, left)
+                best[mistake.kind] = cause, mistake.simpler
+    for cause, simpler in best.values():
+        room = AS_WELL * cause.left + AS_GOOD * field.difference
+        if math.isfinite(cause.left) and (simpler not in best or room < best[simpler][0].left):
             yield cause
 
 
@@ -57,14 +55,16 @@ def _between(candidate: Array, one: Array, other: Array, *, scaled: bool) -> tup
 def _cause(mistake: Mistake, parameter: float, stiffness: float, left: float) -> Cause:
     """A mistake as a cause, with its fitted numbers."""
     value = stiffness if mistake.scaled else parameter
-    of = mistake_phrase(mistake.kind, value, parameter, mistake.named, mistake.beside)
+    of = mistake_phrase(
+        mistake.key or mistake.kind, value, parameter, mistake.named, mistake.beside
+    )
     return Cause(mistake.kind, value, of, left, mistake.beside)
 
 
 def mistake_phrase(
-    kind: str, value: float, at: float, named: Mapping[str, Factor], beside: str = ""
+    key: str, value: float, at: float, named: Mapping[str, Factor], beside: str = ""
 ) -> Phrase:
     """Sentence of a known mistake, as of a `Mistake`, with its number at a parameter."""
-    known = (key for key, factor in named.items() if abs(value / factor(at) - 1) <= AS_NAMED)
-    of = phrase(next(known, kind), value=value)
+    known = (name for name, factor in named.items() if abs(value / factor(at) - 1) <= AS_NAMED)
+    of = phrase(next(known, key), value=value)
     return phrase("mistake and", one=of, other=phrase(f"and {beside}")) if beside else of

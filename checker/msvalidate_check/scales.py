@@ -106,6 +106,6 @@ def explain_scale(field: Field) -> Iterator[Cause]:
     for factor, units in STIFFNESS_UNITS.items():
         if "modulus" in kinds and abs(math.log(scale * factor)) <= math.log(NEAR_UNIT):
             of = phrase("unit of k", scale=scale, part=1 / scale, units=units)
-            yield Cause("unit of k", 1 / scale, of, left)
+            yield Cause("unit of k", scale, of, left)
     for kind, key in kinds.items():
         yield Cause(kind, scale, phrase(key, scale=scale, part=1 / scale), left)

@@ -123,7 +123,10 @@ def judge_result(
     progress("causes")
     catalogue = known_mistakes(case, matched.places, reference)
     field = _field(case.problem, matched, reference, uncertainty, result.known)
-    field = replace(field, mistakes=catalogue.mistakes)
+    # Elements on the result's own mesh, where they are known, leave nothing to be tried.
+    meshes = {"coarse mesh"} if result.known else set()
+    mistakes = tuple(each for each in catalogue.mistakes if each.kind not in meshes)
+    field = replace(field, mistakes=mistakes)
     verdict = judge_field(field, case.band, rest, _explained)
     return Judged(case, result, matched, reference, verdict, tuple(catalogue.omitted))
 

@@ -12,7 +12,6 @@ from functools import cache, partial
 
 import numpy as np
 from scipy.sparse import csc_array, eye_array
-from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
 from msvalidate.case.case import Case, spacing_by_cells, spacing_of
@@ -23,6 +22,7 @@ from msvalidate.case.mistakes import (
     SpringMistake,
     named_factors,
     solve_mistakes,
+    symmetric_factor,
 )
 from msvalidate.case.part_mesh import mean_edge, straighten
 from msvalidate.case.springs import SpringAnswer, make_network
@@ -114,7 +114,11 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
     made = [*_element_mistakes(problem, places, elastic, omitted)]
     made += [Mistake("not converged", cache(partial(_relaxing, reference, n))) for n in STEPS]
     if any(isinstance(load, Weight) for load in problem.loads):
-        made.append(Mistake("doubled mass", cache(partial(_heavier, reference))))
+        heavier = cache(partial(_heavier, reference))
+        made.append(Mistake("doubled mass", heavier))
+        if problem.domain.dim == 2:
+            path = cache(partial(_thinner, heavier, elastic))
+            made.append(Mistake("thickness", path, key="thickness beside weight"))
     if isinstance(problem.material, Isotropic) and not problem.zones:
         made += _spring_mistakes(case, places, elastic, omitted)
     return Catalogue(tuple(made), omitted)
@@ -198,7 +202,7 @@ def _solve_elements(problem: Problem, body: Discretisation, places: Array) -> Ar
     """Displacement (p, d) in m at places, by a plain sparse factor."""
     K, force, fixed, value = _equations(problem, body)
     u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
-    u[free] = splu(csc_array(K[free][:, free])).solve((force - K @ u)[free])
+    u[free] = symmetric_factor(csc_array(K[free][:, free])).solve((force - K @ u)[free])
     return np.asarray(body.interpolation(places) @ u.reshape(body.dim, -1).T)
 
 
@@ -233,13 +237,13 @@ def _relaxing(reference: Reference, steps: int) -> Path:
     K, force, fixed, value = _equations(reference.problem, body)
     u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
     inner = csc_array(K[free][:, free])
-    moving = splu(inner).solve((force - K @ u)[free])
+    moving = symmetric_factor(inner).solve((force - K @ u)[free])
     slowest = float(moving @ (inner @ moving) / (moving @ moving))
     at = body.interpolation(reference.points)
     path: Path = [(0.0, elastic)]
     for time in SLOWNESS:
         rate = steps * slowest / time
-        factor = splu(csc_array(inner + rate * eye_array(len(moving))))
+        factor = symmetric_factor(csc_array(inner + rate * eye_array(len(moving))))
         lag = np.zeros(len(u))
         lag[free] = moving
         for _ in range(steps):
@@ -259,6 +263,13 @@ def _heavier(reference: Reference) -> Path:
     more = solve_problem(heavy, solution.body, mixed=solution.pressure is not None)
     lag = more.at(reference.points) - solution.at(reference.points)
     return [(2.0, reference.displacement.value + lag)]
+
+
+def _thinner(heavier: Callable[[], Path], elastic: Array) -> Path:
+    """Other forces than the weight, a fifth and five times as large."""
+    ((_, doubled),) = heavier()
+    weight = doubled - elastic
+    return [(part, weight + part * (elastic - weight)) for part in (0.2, 5.0)]
 
 
 # Springs ------------------------------------------------------------------------------------------
@@ -284,7 +295,7 @@ def _of_records(
         if record.rest:
             for which in range(MAX_SPACINGS[law.dim]):
                 path = partial(_rest_path, solved, number, which)
-                yield Mistake(record.kind, cache(path), simpler=SPRING_MISTAKES[0].kind)
+                yield Mistake(record.kind, cache(path), simpler=record.simpler)
             continue
         yield Mistake(
             record.kind,
@@ -292,6 +303,7 @@ def _of_records(
             scaled=record.scaled,
             named=named_factors(record, law),
             beside=record.beside,
+            simpler=record.simpler,
         )
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.routes import calibrate_by_route
@@ -144,6 +144,11 @@ class SpringMistake:
         return "whole boundary springs" if self.whole and self.has_other_constants else ""
 
     @property
+    def simpler(self) -> str:
+        """Kind of the mistake that it contains, where constants or rest lengths happen to fit."""
+        return self.beside or ("coarse springs" if self.scaled or self.rest else "")
+
+    @property
     def has_other_constants(self) -> bool:
         """Whether the constants are not the right ones; then no cell resists a change of volume."""
         return self.constants is not own_constants
@@ -234,9 +239,8 @@ def factorise(network: Network) -> Factor | None:
     """
     K, free = csc_array(Configuration(network).tangent()), ~network.held.ravel()
     inner = csc_array(K[free][:, free])
-    options = {"SymmetricMode": True}
     try:
-        factor = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+        factor = symmetric_factor(inner)
     except RuntimeError:  # singular
         return None
     pivots = factor.U.diagonal()
@@ -250,6 +254,12 @@ def factorise(network: Network) -> Factor | None:
         return np.asarray(u.reshape(other.points.shape))
 
     return solve
+
+
+def symmetric_factor(matrix: csc_array) -> SuperLU:
+    """Sparse factor without pivoting; raises `RuntimeError` if a pivot is 0."""
+    options = {"SymmetricMode": True}
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
 def named_factors(record: SpringMistake, law: Isotropic) -> Mapping[str, Callable[[float], float]]:
