@@ -50,7 +50,8 @@ PHRASES = {
     "thickness beside weight": "forces {value:.4g} times as large, the weight not: another "
     "thickness?",
     "rest length": "rest lengths {value:.4g} times the springs' lengths",
-    "not converged": "not converged: {value:.2g} of the displacement is missing; run longer",
+    "not converged": "not converged: {value:.2g} of the displacement is missing; take more "
+    "iterations or steps",
     "mistake and": "{one}; {other}",
     # Images of elasticity, and components.
     "elasticity": "elasticity",
