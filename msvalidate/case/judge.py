@@ -143,8 +143,9 @@ def _explained(field: Field) -> tuple[Cause, ...]:
     """All causes; without what is tried beside where that has no answer, as it explains nothing."""
     try:
         return explain(field)
-    except (ProblemError, SolverError):
-        return explain(replace(field, by_ratio=None, known={}, other_state=lambda: None))
+    except (ProblemError, SolverError, RuntimeError):  # the last of a plain factor
+        plain = replace(field, by_ratio=None, known={}, other_state=lambda: None, mistakes=())
+        return explain(plain)
 
 
 def _field(

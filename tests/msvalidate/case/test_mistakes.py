@@ -138,11 +138,14 @@ def first_mesh(case):
     return {"first": box_discretisation(box, cells, "H2"), "most_nodes": MOST_NODES}
 
 
+OTHER_LAWS = judge._with_other_laws
+
+
 class Bench:
     """A case with its elasticity at the points of its lattice, and what mistakes make of it."""
 
     def __init__(self, case):
-        self.case, self.problem = case, case.problem
+        self.case, self.problem, self.laws = case, case.problem, None
         self.lattice = make_lattice(case, spacing_of(case))
         self.cut = cut = isinstance(self.lattice, CutLattice)
         self.inside = self.lattice.inside if cut else np.ones(len(self.lattice.points), dtype=bool)
@@ -152,6 +155,13 @@ class Bench:
         self.reference = converge(self.problem, self.places, case.accuracy, **first_mesh(case))
         self.elastic = self.reference.displacement.value
         self.catalogue = known_mistakes(case, self.places, self.reference)
+
+    def with_other_laws(self, field, *rest):
+        """The field with elasticity of other ratios, which all fields of the body share."""
+        if self.laws is None:
+            self.laws = OTHER_LAWS(field, *rest)
+        shared = {name: getattr(self.laws, name) for name in ("ratios", "by_ratio", "other_state")}
+        return replace(field, **shared)
 
     def changed(self, **changes):
         """Elasticity of a problem with other values of its material."""
@@ -297,6 +307,7 @@ def judged(monkeypatch, b, field):
     monkeypatch.setattr(judge, "converge_case", lambda *_: b.reference)
     monkeypatch.setattr(judge, "known_mistakes", lambda *_: b.catalogue)
     monkeypatch.setattr(judge, "RATIO_NODES", 1_000)  # of the meshes for other ratios
+    monkeypatch.setattr(judge, "_with_other_laws", b.with_other_laws)
     result = Result("field", field, b.places, None, math.nan, 1e-9)
     return judge_result(b.case, result)
 
