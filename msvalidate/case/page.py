@@ -56,6 +56,8 @@ from reference_fem.converged import Reference
 
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
+ROUNDING = 1e-9
+"""Difference, over the largest displacement, below which none remains."""
 WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
 """Words of several quantities: the first that one of them has is the case's."""
 
@@ -300,26 +302,46 @@ def _kind_sentence(found: Comparison) -> str:
     rest = percent(away)
     uncertainty = percent(limit.uncertainty / size)
     closing = f"On finer lattices{order} they close in on {rest} ± {uncertainty}"
-    off = found.material_off
-    right = off <= found.case.band
-    if found.kind == COARSE:
-        left = away <= float(found.relative.max()) + limit.uncertainty / size
-        said = f"{closing}: {'what is left is spacing' if left else 'no nearer, in the band'}."
-    elif found.kind == OTHER_MATERIAL and right:
-        said = f"{closing}, though their material is right to {percent(off)}: it is the boundary."
-    elif found.kind == OTHER_MATERIAL:
-        said = f"{closing}: they are another material, whatever their spacing."
-    elif right:
-        said = (
-            f"{closing}. Their material is right to {percent(off)}; whether spacing alone is left "
-            "is not known."
-        )
-    else:
-        said = f"{closing}, which does not tell spacing from material."
+    said = f"{closing}{_limit_reason(found, away)}."
     if found.support.any():
         cost = percent(max_length(found.support) / size)
         said += f" A support that no line of the lattice runs along costs up to {cost}."
     return said
+
+
+def _limit_reason(found: Comparison, away: float) -> str:
+    """Reason why the limit of finer lattices is `away`, relative to the largest displacement."""
+    off, law, band = found.material_off, _law_difference(found), found.case.band
+    unknown = found.limit.uncertainty / found.size + found.reference.error
+    if law > max(unknown, 0.5 * away):
+        return f": their law at large strain differs from elasticity's by {percent(law)}"
+    if found.kind == COARSE:
+        if max(away, float(found.relative.max())) <= ROUNDING:
+            return ": no difference remains on any of these lattices"
+        spacing = away <= unknown
+        return ": what is left is spacing" if spacing else ", which lies within the band"
+    if found.kind == OTHER_MATERIAL:
+        right = f", though their material is right to {percent(off)}: it is the boundary"
+        return right if off <= band else ": they are another material, whatever their spacing"
+    if off <= band:
+        return (
+            f". Their material is right to {percent(off)}; whether spacing alone is left is not "
+            "known"
+        )
+    return ", which does not tell spacing from material"
+
+
+def _law_difference(found: Comparison) -> float:
+    """Largest difference by the springs' law at large strain, over the largest displacement.
+
+    0 in linear theory, or if either law has no answer.
+    """
+    if found.case.geometry == "linear":
+        return 0.0
+    target, springs = found.nonlinear.target, found.nonlinear.springs
+    if target is None or springs is None:
+        return 0.0
+    return max_length(springs[0] - target[0]) / found.size
 
 
 def asked(case: Case) -> dict[str, str]:
