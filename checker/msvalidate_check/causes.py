@@ -49,7 +49,7 @@ PHRASES = {
     "doubled mass": "masses twice as large: do cells and springs both bring them?",
     "thickness beside weight": "forces {value:.4g} times as large, the weight not: another "
     "thickness?",
-    "rest length": "rest lengths {value:.4g} times the springs' lengths",
+    "rest length": "rest lengths differ from the springs' lengths by {value:+.2g} of these",
     "not converged": "not converged: {value:.2g} of the displacement is missing; take more "
     "iterations or steps",
     "mistake and": "{one}; {other}",

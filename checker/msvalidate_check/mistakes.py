@@ -15,19 +15,25 @@ from msvalidate_check.scales import AS_GOOD, AS_WELL
 AS_NAMED = 0.005
 """Relative difference of a fitted factor from the one that has a name: three digits of a constant,
 and what linear interpolation along a path leaves."""
+LEAST_SHARE = 0.1
+"""Part of the difference that a fitted rest length must explain itself: a smaller one fits only
+what another spacing leaves."""
 
 
 def explain_mistakes(field: Field) -> Iterator[Cause]:
     """Compute the nearest field of each kind of known mistake."""
-    best: dict[str, tuple[Cause, str]] = {}
+    best: dict[str, tuple[Cause, Mistake]] = {}
     for mistake in field.mistakes:
         for parameter, nearest, scale in _fits(field, mistake):
             left = field.left(field.found / scale, nearest) if scale > 0 else math.inf
             if mistake.kind not in best or left < best[mistake.kind][0].left:
                 cause = _cause(mistake, parameter, 1 / scale, left)
-                best[mistake.kind] = cause, mistake.simpler
-    for cause, simpler in best.values():
+                best[mistake.kind] = cause, mistake
+    for cause, mistake in best.values():
         room = AS_WELL * cause.left + AS_GOOD * field.difference
+        if not mistake.scaled:
+            room = max(room, cause.left + LEAST_SHARE * field.difference)
+        simpler = mistake.simpler
         if math.isfinite(cause.left) and (simpler not in best or room < best[simpler][0].left):
             yield cause
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pandas as pd
@@ -54,7 +54,7 @@ class Judged:
     limitations
         Of the verdict.
     omitted
-        Sentences on known mistakes that were not tried, and why.
+        Sentences on causes that were not tried, and why.
     """
 
     case: Case
@@ -131,19 +131,28 @@ def judge_result(
     meshes = {"coarse mesh"} if result.known else set()
     mistakes = tuple(each for each in catalogue.mistakes if each.kind not in meshes)
     field = replace(field, mistakes=mistakes)
-    verdict = judge_field(field, case.band, rest, _explained)
+    omitted: list[str] = []
+    verdict = judge_field(field, case.band, rest, partial(_explained, omitted=omitted))
     progress("large displacements")
     alone = replace(case, quantities=("displacement",))
     limits = limitations(alone, reference, lambda: answer_in_full(case, reference))
-    verdict, omitted = limit_verdict(verdict, limits), tuple(catalogue.omitted)
-    return Judged(case, result, matched, reference, verdict, limits, omitted)
+    verdict = limit_verdict(verdict, limits)
+    omitted += catalogue.omitted
+    return Judged(case, result, matched, reference, verdict, limits, tuple(omitted))
 
 
-def _explained(field: Field) -> tuple[Cause, ...]:
-    """All causes; without what is tried beside where that has no answer, as it explains nothing."""
+def _explained(field: Field, omitted: list[str]) -> tuple[Cause, ...]:
+    """All causes; if a model has no answer, those that need no model, and a record of the reason.
+
+    Parameters
+    ----------
+    omitted
+        Sentences on causes that were not tried, to which the reason is added.
+    """
     try:
         return explain(field)
-    except (ProblemError, SolverError, RuntimeError):  # the last of a plain factor
+    except (ProblemError, SolverError, RuntimeError) as error:  # the last of a plain factor
+        omitted.append(f"Other ratios, plane states and known mistakes are not compared: {error}.")
         plain = replace(field, by_ratio=None, known={}, other_state=lambda: None, mistakes=())
         return explain(plain)
 

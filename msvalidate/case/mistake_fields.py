@@ -369,12 +369,12 @@ def _spring_path(
 
 
 def _rest_path(solved: Callable[[], Solved], number: int, which: int) -> Path:
-    """Right springs at one spacing with other rest lengths, relative to those of the springs."""
+    """Right springs at one spacing, by the relative excess of rest lengths over their lengths."""
     path: Path = []
     for _, fields in solved()[which : which + 1]:
         right, change = fields[0], fields[number]
         if right is not None and change is not None:
-            path = [(1 + part, right + part * change) for part in (-REST_RANGE, REST_RANGE)]
+            path = [(part, right + part * change) for part in (-REST_RANGE, REST_RANGE)]
     return path
 
 

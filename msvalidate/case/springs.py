@@ -55,7 +55,7 @@ SAFETY, CAUTION = 1.25, 3.0
 LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 """Orders that are believed: corners bring them below 1, what is smooth to 2."""
 UNEVEN = 1.5
-"""Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
+"""Factor on the changes of lattices cut to an outline: their errors decrease unevenly."""
 LEAST_BEARING = 2
 """Points under an obstacle that show its patch: one alone goes by the logarithm of the spacing."""
 TRIED, MOST_OFFERED = 30, 1000
@@ -344,11 +344,15 @@ def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLi
     if len(values) == 2:  # as if the order were 1
         return SpringLimit(fine + last, CAUTION * change)
     first = values[1] - values[0]
-    order = float(np.log2(np.linalg.norm(first) / np.linalg.norm(last)))
+    before = max(float(np.abs(first).max()), ROUNDING * size)
+    order = float(np.log2(max(float(np.linalg.norm(first)), before) / np.linalg.norm(last)))
     if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
-        return SpringLimit(fine, CAUTION * max(change, float(np.abs(first).max())))
+        # Changes that grow may grow as much again: the body is not resolved yet.
+        return SpringLimit(fine, CAUTION * max(change**2 / before, before))
     left = last / (2 ** min(order, 2.0) - 1)
     uncertainty = SAFETY * float(np.abs(left).max())
-    if isinstance(answers[-1].lattice, CutLattice):  # its outline meets the cells anew each time
-        uncertainty = max(uncertainty, UNEVEN * change)
+    if isinstance(answers[-1].lattice, CutLattice):
+        # An outline cuts the cells of each lattice differently, so the last change may be small by
+        # chance. The cut's error is of first order: half the change before bounds it as well.
+        uncertainty = max(uncertainty, UNEVEN * max(change, before / 2))
     return SpringLimit(fine + left, uncertainty, order)

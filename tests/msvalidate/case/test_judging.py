@@ -15,12 +15,23 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
+from msvalidate.case.mistake_fields import Catalogue
+from msvalidate.case.page import judged_sentences
 from msvalidate.case.results import read_result
 from msvalidate.cli.simulators import _result as simulated
-from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    SolverError,
+    Support,
+    Traction,
+)
 from msvalidate.simulators.exchange.export import export_case, on_mesh
 from msvalidate.simulators.exchange.protocol import Answer
 from msvalidate_check import causes
+from msvalidate_check.beside import Mistake
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 
@@ -161,6 +172,17 @@ def test_other_words_change_no_verdict_and_no_cause(tmp_path, monkeypatch, fault
     for key in causes.PHRASES:
         monkeypatch.setitem(causes.PHRASES, key, "ratio and coarse mesh")
     np.testing.assert_equal(decided(), before)
+
+
+def test_a_model_without_an_answer_is_recorded(tmp_path, monkeypatch):
+    def fail():
+        raise SolverError("no factor")
+
+    catalogue = Catalogue((Mistake("coarse mesh", fail),), [])
+    monkeypatch.setattr("msvalidate.case.judge.known_mistakes", lambda *_: catalogue)
+    found = judged(tmp_path, X, 1.2 * elastic())
+    assert "modulus" in names(found)
+    assert "known mistakes are not compared: no factor." in " ".join(judged_sentences(found)[1])
 
 
 def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):

@@ -35,7 +35,9 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.records import replace
 from msvalidate.statics.equilibrium import equilibrium
+from msvalidate_check.beside import Field, Mistake
 from msvalidate_check.causes import PHRASES, say
+from msvalidate_check.mistakes import explain_mistakes
 from reference_fem import box_discretisation, solve_problem
 from reference_fem.body import nodal_forces
 from reference_fem.converged import converge
@@ -385,6 +387,24 @@ def test_constants_of_a_case_are_named(constants, words):
     named = name_constants(law, own, constants, 0.05)
     assert (named is None) == (not words)
     assert named is None or words in say(named, PHRASES)
+
+
+@pytest.mark.parametrize(("excess", "count"), [(1e-5, 1), (1e-3, 2)])
+def test_a_rest_length_that_changes_little_is_no_rival(excess, count):
+    rng = np.random.default_rng(3)
+    places, elastic, change = rng.normal(size=(3, 20, 2))
+    coarse, longer = 0.8 * elastic, 100 * change
+    rest = [(part, coarse + part * longer) for part in (-0.5, 0.5)]
+    mistakes = (
+        Mistake("coarse springs", lambda: [(0.0, elastic), (0.1, coarse)]),
+        Mistake("rest length", lambda: rest, simpler="coarse springs"),
+    )
+    field = Field(
+        places, coarse + excess * longer, elastic, 1e-6, "loads", ((-3, 3),) * 2, mistakes=mistakes
+    )
+    causes = list(explain_mistakes(field))
+    assert [each.kind for each in causes] == ["coarse springs", "rest length"][:count]
+    assert all("rest lengths differ" in each.said and "+0.001" in each.said for each in causes[1:])
 
 
 def test_models_that_are_too_large_are_left_out_and_reported(folder):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,18 @@ def test_stated_error_holds_the_true_one(size, gap):
     assert found.error <= max(1e3 * true, 1e-11)
     assert np.abs(found.totals - totals).max() <= found.error * np.abs(expected).sum()
     assert found.energy == pytest.approx(0.5 * totals @ VOLTAGES, rel=2 * found.error)
+
+
+@pytest.mark.parametrize("kernel", ["report", "plane"])
+def test_turned_electrodes_have_equal_charges_within_their_error(kernel):
+    rng = np.random.default_rng(4)
+    for gap, angle in zip(10 ** rng.uniform(-3, 0, 4), rng.uniform(0, 6, 4), strict=True):
+        strips, (c, s) = facing_strips(0.37, gap * 0.37, 6), (np.cos(angle), np.sin(angle))
+        turned = replace(strips, points=strips.points @ [[c, s], [-s, c]])
+        models = [ReportModel(each, depth=0.2, kernel=kernel) for each in (strips, turned)]
+        one, other = (model.charges(VOLTAGES) for model in models)
+        room = (one.error + other.error) * np.abs(one.charge).sum()
+        assert 0 < np.abs(one.charge - other.charge).sum() <= room
 
 
 def test_every_model_states_an_error():
