@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import inspect
 import re
+import tomllib
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -52,6 +54,12 @@ def table(
         return every
 
     return over
+
+
+def stored_rows(name: str) -> list[Any]:
+    """Rows of a file of test data, tests/data/tables/NAME.toml."""
+    path = Path(__file__).parent / "data" / "tables" / f"{name}.toml"
+    return tomllib.loads(path.read_text("utf-8"))["rows"]
 
 
 def refused(message: str) -> pytest.RaisesExc[ProblemError]:

@@ -17,6 +17,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.table import stored_rows
+
 ROOT = Path(__file__).resolve().parents[1]
 HOMES = {
     "msvalidate": "msvalidate",
@@ -446,20 +448,7 @@ def test_imports_are_where_they_may_be():
     assert {module: wrong for module, wrong in found.items() if wrong} == {}
 
 
-@pytest.mark.parametrize(("module", "planted", "why"), [
-    ("msvalidate.output.report", "from msvalidate.cli import program", "upwards"),
-    ("msvalidate.studies.poisson", "import msvalidate.study", "imported by nobody"),
-    ("msvalidate.statics.path", "import reference_fem", "may not know the reference"),
-    ("msvalidate.judging.sweep", "from reference_fem import refine", "may not know"),
-    ("msvalidate.judging.compare", "from msvalidate.network import Network", "neither side"),
-    ("msvalidate.judging.evidence", "import reference_fem.body", "neither side"),
-    ("msvalidate.judging.evidence", "from msvalidate.output.figures import new_figure",
-        "neither side"),
-    ("msvalidate.network", "from msvalidate.problem import *", "star"),
-    ("msvalidate.network", "from numpy import *", "star"),
-    ("msvalidate.network", "from . import laws", "relative"),
-    ("msvalidate.statics.path", "from msvalidate import equilibrium", "front door"),
-])  # fmt: skip
+@pytest.mark.parametrize(("module", "planted", "why"), stored_rows("planted_imports"))
 def test_floor_guard_fires(module, planted, why):
     assert why in " ".join(misplaced(module, ast.parse(planted)))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.forked import completed
+from tests.table import stored_rows
 
 ROOT = Path(__file__).parents[1]
 PROGRAM = [sys.executable, "-m", "msvalidate.study"]
@@ -237,78 +238,7 @@ def test_help_and_list_import_nothing_heavy():
         assert not loaded & {"numpy", "scipy", "pandas", "matplotlib", "numba", "skfem", "tqdm"}
 
 
-BAD_COMMANDS = [
-    (["--quick"], "no study named; name some, or 'all'"),
-    (["run"], "no study named; name some, or 'all'"),
-    (["--bogus"], "unrecognized arguments: --bogus"),
-    (["poison"], "unknown study 'poison': did you mean 'poisson'?"),
-    (["poisson", "qqqq"], "unknown study 'qqqq': choose from: "),
-    (["POISSON"], "unknown study 'POISSON': did you mean 'poisson'?"),
-    (["../poisson"], "unknown study '../poisson': did you mean 'poisson'?"),
-    (["chek"], "unknown study 'chek': did you mean 'check'?"),
-    (["simulat", "x"], "unknown study 'simulat': did you mean 'simulate'?"),
-    (["case", "rnu", "x"], "invalid choice: 'rnu': did you mean 'run'?; see python -m msvalidate"),
-    (["adapter", "qqqq"], "invalid choice: 'qqqq': choose from: new, laws, check; see"),
-    (["-v", "case", "run", "x"], "'case' comes first, and once"),
-    (["poisson\u202e"], "unknown study"),  # a mark that turns the writing direction
-    (["poisson", "--seed", "-1"], "argument --seed: '-1' is not a whole number, 0 or more"),
-    (["poisson", "--seed", "1.5"], "argument --seed: '1.5' is not a whole number, 0 or more"),
-    (["poisson", "--seed", "nan"], "argument --seed: 'nan' is not a whole number, 0 or more"),
-    (["all", "--jobs", "0"], "argument --jobs: '0' is not a whole number, 1 or more"),
-    (["check", "--jobs", "two"], "argument --jobs: 'two' is not a whole number, 1 or more"),
-    (["report", "--jobs", "2"], "--jobs goes with 'run' and 'check' only; leave it out"),
-    (["poisson", "--sed", "1"], "unrecognized arguments: --sed"),
-    (["poisson", "--ou", "x"], "unrecognized arguments: --ou"),
-    (["poisson", "--out"], "argument --out: expected one argument"),
-    (["poisson", "--out", ""], "argument --out: '' is no name; name a place"),
-    (["poisson", "-q", "-v"], "argument -v/--verbose: not allowed with argument -q/--quiet"),
-    (["poisson", "--out", "taken"], "--out taken: taken is a file; name a folder"),
-    (["poisson", "--out", "taken/below"], "--out taken/below: taken is a file; name a folder"),
-    (["list", "poisson"], "'list' stands alone"),
-    (["all", "poisson"], "'all' stands alone"),
-    (["check", "all", "poisson"], "'all' stands alone"),
-    (["check", "list"], "'list' stands alone"),
-    (["poisson", "check"], "'check' comes first, and once; move it before the studies"),
-    (["check", "check"], "'check' comes first, and once; move it before the studies"),
-    (["check", "poison"], "unknown study 'poison': did you mean 'poisson'?"),
-    (["report", "check"], "stands alone"),
-    (["poisson", "--full"], "--full goes with 'check' only; leave it out"),
-    (["all", "--junit", "x.xml"], "--junit goes with 'check' only; leave it out"),
-    (["check", "--candidate", "a:b"], "--candidate goes with 'run' only"),
-    (["check", "poisson", "--questions", "cube"], "--questions goes with 'run' only"),
-    (["all", "--candidate", "a:b"], "--candidate: name the studies that can judge it"),
-    (["poisson", "--accuracy", "1e-7"], "--accuracy is that of a candidate"),
-    (["poisson", "--candidate", "a:b", "--accuracy", "1"], "'1' is no number from 0 to below 1"),
-    (["poisson", "cost", "--questions", "fem"], "--questions are those of one study"),
-    (["poisson", "--questions", "cube,"], "give names with commas between them"),
-    (["poisson", "--candidate", "a"], "--candidate 'a'; give module:function"),
-    (["poisson", "--candidate", "no_such:f"], "no_such cannot be imported (ModuleNotFoundError"),
-    (["poisson", "--candidate", "no.py:f"], "--candidate: no file no.py"),
-    (["poisson", "--candidate", "math:pie"], "no 'pie' in math; did you mean 'pi'?"),
-    (["poisson", "--candidate", "math:pi"], "3.141592653589793; give a function of (problem,"),
-    (["poisson", "--candidate", "ast:dump_all"], "no 'dump_all' in ast"),
-    (["poisson", "--candidate", "math:sin"], "give a function of (problem, network, answer)"),
-    (["claims", "--candidate", "math:sin"], "claims judges what other studies found"),
-    (["check", "--update"], '--update and --reason "..." go together; give both or none'),
-    (["check", "--reason", "so"], '--update and --reason "..." go together; give both or none'),
-    (["check", "--update", "--reason", " "], "argument --reason: ' '; say why in one line"),
-    (["check", "--update", "--reason", "a\nb"], "say why in one line"),
-    (["check", "--quick"], "--quick goes with 'run' only; leave it out"),
-    (["check", "--seed", "1"], "--seed goes with 'run' only; leave it out"),
-    (["check", "--junit", ""], "argument --junit: '' is no name; name a place"),
-    (["poisson", "--out", "a\u202eb"], "is no name; name a place"),
-    (["list", "--seed", "1"], "--seed goes with 'run' only; leave it out"),
-    (["check", "--table", "x"], "--table goes with 'run' only; leave it out"),
-    (["poisson", "--table", "blok"], "--table 'blok': no such table; did you mean 'block'?"),
-    (["list", "--table", "x"], "--table goes with 'run' only; leave it out"),
-    (["report", "--quick"], "--quick goes with 'run' only; leave it out"),
-    (["poisson", "--out", "/"], "--out /: the root of all folders; name one in it"),
-    (["report", "--out", "none"], "--out none: no results there; run a study first"),
-    (["report", "--out", "taken"], "--out taken: no results there; run a study first"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("arguments", "message"), BAD_COMMANDS)
+@pytest.mark.parametrize(("arguments", "message"), stored_rows("command_lines"))
 def test_bad_command_lines(arguments, message, tmp_path):
     (tmp_path / "taken").write_text("mine", encoding="utf-8")
     done = run(*arguments, cwd=tmp_path)
@@ -423,20 +353,7 @@ def shell(line, cwd):
 @pytest.mark.skipif(os.name != "posix", reason="needs a shell")
 @pytest.mark.parametrize(
     ("line", "code", "said"),
-    [
-        ("study list >&-", 0, ""),
-        ("study list 2>&- >&- <&-", 0, ""),
-        ("study --help >&-", 0, ""),
-        ("study poison >&-", 2, "unknown study 'poison'"),
-        ("study poison 2>&-", 2, ""),
-        ("study report --out no 2>&- >&-", 2, ""),
-        ("study list | true; exit ${PIPESTATUS[0]}", 0, ""),
-        ("study report --out no 2>&1 | true; exit ${PIPESTATUS[0]}", 2, ""),
-        ("study list > /dev/full", 2, "error: stdout: No space left on device"),
-        ("study --help > /dev/full", 2, "error: stdout: No space left on device"),
-        ("study report --out no 2> /dev/full", 2, ""),
-        ("mkdir d; cd d; rmdir ../d; study poisson", 2, "error: [Errno 2] No such file"),
-    ],
+    stored_rows("closed_streams"),
 )
 def test_streams_that_are_closed_full_or_left(line, code, said, tmp_path):
     done = shell(line, tmp_path)
@@ -461,15 +378,7 @@ def test_results_and_exit_code_without_any_stream(tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="needs links and pipes")
 @pytest.mark.parametrize(
     ("arguments", "said"),
-    [
-        (["poisson", "--out", "loop/x"], "--out loop/x: Too many levels of symbolic links"),
-        (["check", "--junit", "loop/x"], "--junit loop/x: no folder loop"),
-        (["check", "--junit", "pipe"], "--junit pipe: a device or a pipe, which would be lost"),
-        (["check", "--junit", "/dev/null"], "--junit /dev/null: a device or a pipe"),
-        (["check", "--junit", "x" * 300], "File name too long"),
-        (["poisson", "--out", "x" * 300], "File name too long"),
-        (["poisson", "--out", "pipe"], "--out pipe: pipe is a file; name a folder"),
-    ],
+    stored_rows("links_and_pipes"),
 )
 def test_links_in_a_circle_devices_and_pipes(arguments, said, tmp_path):
     (tmp_path / "loop").symlink_to("loop")

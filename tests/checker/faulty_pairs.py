@@ -14,6 +14,7 @@ import numpy as np
 from msvalidate_check import ElasticCase, check, elastic_case
 from msvalidate_check.case_set import case_facts, case_names
 from tests.checker.faulty_fields import RATIO
+from tests.table import stored_rows
 
 Array = np.ndarray
 CHANCE = 7_041_776
@@ -118,19 +119,6 @@ CAUSE = {
     "millimetres": "unit", "inches": "unit", "modulus": "scale", "softer": "scale",
     "sign of y": "sign", "reversed": "node order", "permuted": "node order",
 }  # fmt: skip
-PAIRS = (
-    ("sign of y", "millimetres"), ("axes", "millimetres"), ("modulus", "millimetres"),
-    ("sign", "inches"), ("softer", "inches"), ("modulus", "sign of y"), ("softer", "sign"),
-    ("modulus", "axes"), ("modulus", "one point"), ("modulus", "rigid motion"),
-    ("modulus", "positions"), ("mirrored", "modulus"), ("mirrored", "millimetres"),
-    ("positions", "millimetres"), ("reversed",), ("permuted",), ("reversed", "millimetres"),
-    ("permuted", "softer"), ("ratio", "modulus"), ("ratio", "millimetres"), ("ratio", "sign"),
-    ("ratio", "axes"), ("ratio", "rigid motion"), ("ratio", "one point"), ("ratio", "permuted"),
-    ("coarse mesh", "modulus"), ("coarse mesh", "softer"), ("coarse mesh", "ratio"),
-    ("coarse mesh", "millimetres"), ("coarse mesh", "sign"), ("coarse mesh", "sign of y"),
-    ("coarse mesh", "axes"), ("coarse mesh", "one point"), ("coarse mesh", "rigid motion"),
-    ("coarse mesh", "permuted"),
-)  # fmt: skip
 
 
 def faulty_pairs() -> Iterator[Doubly]:
@@ -138,7 +126,7 @@ def faulty_pairs() -> Iterator[Doubly]:
     for number, name in enumerate(case_names()):
         ratios = case_facts(name)["ratios"]
         case = elastic_case(name, RATIO[0.3 not in ratios])
-        for turn, pair in enumerate(PAIRS):
+        for turn, pair in enumerate(stored_rows("faulty_pairs")):
             if (number + turn) % EVERY == 0:
                 yield from _with(case, ratios, pair, number)
         if number % 2:

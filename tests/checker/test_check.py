@@ -77,15 +77,6 @@ def test_garbage_has_no_modulus():
     assert "times the largest displacement" in str(verdict)
 
 
-def test_one_point_is_told_where_the_others_are_right():
-    case = elastic_case("cook", 0.3)
-    moved = case.wanted.copy()
-    moved[12, 1] += 0.5 * np.abs(moved).max()
-    assert [each.name for each in check(case, None, moved).causes] == ["one point"]
-    softer = [each.name for each in check(case, None, 1.1 * moved).causes]
-    assert softer == ["one point and scale"]
-
-
 X2 = np.random.default_rng(0).uniform(size=(30, 2))
 U2 = np.stack([X2[:, 0] * (1 + X2[:, 1]), 0.3 * X2[:, 1] ** 2], axis=1)
 SHUFFLED = U2[np.random.default_rng(1).permutation(30)]
@@ -108,18 +99,6 @@ def test_a_cause_is_told_once_and_in_a_body_of_any_size(found, wanted, uncertain
 def test_a_point_without_a_place_near_it_has_none():
     pair = np.array([0]), np.array([1])
     assert nearest_of_pairs(np.zeros((1, 2)), np.zeros((3, 2)), *pair).tolist() == [-1, 0, -1]
-
-
-def test_modulus_and_ratio_are_found():
-    case = elastic_case("clamped_pull", 0.3)
-    verdict = check(case, None, elastic_case("clamped_pull", 0.4).wanted / 1.1)
-    assert pytest.approx(1.1 * case.E, rel=1e-4) == verdict.E
-    assert verdict.effective_nu == pytest.approx(0.4, abs=1e-4)
-    pressed = elastic_case("clamped_press", 0.3)
-    seen = check(pressed, None, elastic_case("clamped_press", 0.4).wanted)
-    assert np.isnan(seen.E)
-    assert seen.effective_nu == pytest.approx(0.4, abs=1e-3)
-    assert "E =" not in str(seen)
 
 
 def test_elements_of_one_cell_agree_by_number_by_place_and_in_any_order():

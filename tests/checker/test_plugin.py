@@ -11,7 +11,7 @@ import pytest
 
 from msvalidate_check import exchange
 from msvalidate_check.baseline import HEADING, make_columns
-from tests.table import table
+from tests.table import stored_rows, table
 
 PLUGIN = ("-p", "msvalidate_check.pytest_plugin", "-p", "xdist", "-p", "no:cacheprovider")
 FOLDER = ("--msvalidate-baseline", "base")
@@ -72,33 +72,7 @@ def test_columns_of_any_kind_are_kept_with_all_their_digits():
     }
 
 
-@table(("old", "new", "said"), [
-    ("1e-4", "1.1e-4", "u, row 0: was 0.0001, is 0.00011, moved by 1e-05 (10 %), allowed 1e-10\n"),
-    ("tet4", "tet10", "kind, row 0: was tet4, is tet10; words are exact"),
-    ("0.25, -2.0", "0.251, -2.1",
-        "u, row 2: was -2.0, is -2.1, moved by 0.1 (5 %), allowed 0.002; and 1 more row moved"),
-    ('"u": u', '"v": u', "column u: missing"),
-    ('"u": u', '"u": u, "v": u', "column v: new"),
-    ("[0, 1, 2], ", "[0, 1], ", "columns have x 2, u 3 rows; record columns of one length"),
-    ('"u": u}', '"u": u[:2]}', "columns have x 3, u 2 rows"),
-    ('{"x": [0, 1, 2], "u": u}', '{"u": u[:2]}', "rows: were 3, are 2"),
-    ('"tip"', '"top"', "no such file; nothing was ever recorded under this name"),
-    ("1e-4", "np.nan", "'tip', u: row 0 is nan; record finite numbers only"),
-    ("1e-4", "np.longdouble('inf')", "row 0 is inf; record finite numbers only"),
-    ("1e-4", "1j", "record real numbers or words"),
-    ("1e-4", "[[1.0]]", "an array of shape (1, 1); give each of its columns a name"),
-    ("1e-4", "None", "None is of type object; record real numbers or words"),
-    ('{"u": 1e-4, "kind": "tet4"}', "{}", "{} holds no numbers; give {'column': value}"),
-    ('{"u": 1e-4, "kind": "tet4"}', "1e-4", "0.0001 holds no numbers; give {'column': value}"),
-    ('"u": 1e-4', '" ": 1e-4', "'tip': ' ' is no name of a column; give a word"),
-    ('"u": 1e-4', '"u\\n": 1e-4', "'u\\n' is no name of a column; give a word"),
-    ('"u": 1e-4', "1: 1e-4", "1 is no name of a column; give a word"),
-    ('"tip"', '"../tip"', "'../tip': no name for a file; use letters, digits"),
-    ('"rows"', '"tip"', "test_mine.py::test_tip recorded it already; give each table a name"),
-    ('"rows"', '"Tip"', "'Tip': test_mine.py::test_tip recorded it already"),
-    ("relative=1e-3", "relative='1'", "relative is '1'; give 0 to below 1"),
-    ("relative=1e-3", "absolute=-1", "absolute is -1; give 0 or more"),
-])  # fmt: skip
+@table(("old", "new", "said"), stored_rows("recorded_numbers"))  # fmt: skip
 def test_what_moved_or_cannot_be_kept_is_told(project, old, new, said):
     done = project(*FOLDER, "--tb=short", tests=TESTS.replace(old, new))
     assert done.ret == pytest.ExitCode.TESTS_FAILED

@@ -13,6 +13,7 @@ from msvalidate.problem import Anisotropic, Isotropic, ProblemError
 from reference_fem.elasticity import stiffness
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from tests.reference_fem.by_hand import SKEW, with_middles
+from tests.table import stored_rows
 
 # A library's warning on the way to an answer, such as MatrixRankWarning, is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -177,55 +178,12 @@ GOOD = {
     "fixed": CLAMP,
     "nodal_forces": [(4, 1, -1.0)],
 }
-SOLID = np.eye(6)
-
-
-def replaced(rows, at, value):
-    return [value if index == at else row for index, row in enumerate(rows)]
-
-
-BAD = {
-    # what is wrong: (what differs from GOOD, what the message must say)
-    "no supports": ({"fixed": []}, ["translation along x", "translation along y",
-        "rotation about"]),
-    "one support point": ({"fixed": CLAMP[:2]}, [r"rotation about \(0, 0\)"]),
-    "held along x only": ({"fixed": [(node, 0, 0.0) for node in range(6)]},
-        ["free: translation along y. Hold one more"]),
-    "NaN in points": ({"points": replaced(POINTS, 4, (np.nan, 0))}, [r"points: nan", r"\(4, 0\)"]),
-    "infinity in points": ({"points": replaced(POINTS, 4, (0, np.inf))}, ["points: inf"]),
-    "words for points": ({"points": [("a", "b")]}, ["points: expected numbers"]),
-    "points in space": ({"points": [(*p, 0) for p in POINTS]}, [r"points: shape \(6, 3\)"]),
-    "NaN in forces": ({"nodal_forces": [(4, 1, np.nan)]}, ["nodal_forces row", "nan"]),
-    "NaN in supports": ({"fixed": [*CLAMP, (1, 1, np.nan)]}, ["fixed row", "nan"]),
-    "force on no node": ({"nodal_forces": [(6, 0, 1.0)]}, ["nodal_forces", "nodes run to 5"]),
-    "unknown element": ({"element": "Q3"}, [f"'Q3'; choose {', '.join(ELEMENTS)}"]),
-    "lower case": ({"element": "q1"}, ["choose Q1"]),
-    "cells of another element": ({"element": "P1"}, [r"cells: .*\(2, 4\); P1 needs .*\(c, 3\)"]),
+BAD = {name: row for name, *row in stored_rows("meshes_to_solve")} | {
     "no cells": ({"cells": np.zeros((0, 4), dtype=int)}, [r"cells: .*\(0, 4\)"]),
-    "cells of fractions": ({"cells": np.array(CELLS) + 0.5}, ["cells: .*give whole numbers"]),
-    "clockwise": ({"cells": replaced(CELLS, 1, (2, 5, 4, 1))}, ["cell 1 is inverted",
-        "counter-clockwise"]),
-    "crossed quadrilateral": ({"cells": replaced(CELLS, 0, (0, 1, 3, 2))}, ["cell 0 is inverted"]),
-    "flat cell": ({"points": replaced(POINTS, 4, (1, 0.5))}, ["cell 1 is .*flat or folded"]),
-    "not convex": ({"points": replaced(POINTS, 5, (1.2, 0.1))}, ["cell 1 is .*flat or folded"]),
-    "one corner twice": ({"cells": replaced(CELLS, 0, (0, 1, 1, 3))}, ["cell 0 is .*flat"]),
-    "cell index too high": ({"cells": replaced(CELLS, 1, (1, 4, 6, 2))}, ["there are 0 to 5"]),
-    "cell index negative": ({"cells": replaced(CELLS, 1, (1, 4, -1, 2))}, ["cells: points -1"]),
-    "listed twice": ({"cells": [*CELLS, CELLS[1]]}, ["overlaps another on one of its edges; list"]),
-    "orphan": ({"points": [*POINTS, (3, 3)]}, ["point 6 belongs to no cell"]),
-    "unmerged points": ({"points": [*POINTS, (1, 0), (1, 1)], "cells": [(0, 1, 2, 3), (6, 4, 5,
-        7)]}, ["coincides with point", "remove or merge it"]),
-    "fixed component": ({"fixed": [*CLAMP, (1, 2, 0.0)]}, ["components to 1"]),
-    "fixed component below zero": ({"fixed": [*CLAMP, (1, -1, 0.0)]}, ["components to 1"]),
-    "fixed node": ({"fixed": [*CLAMP, (6, 0, 0.0)]}, ["nodes run to 5"]),
-    "fixed node below zero": ({"fixed": [*CLAMP, (-1, 0, 0.0)]}, ["nodes run to 5"]),
-    "fixed fraction of a node": ({"fixed": [*CLAMP, (1.5, 0, 0.0)]}, [r"row \(1.5, 0, 0.0\)"]),
-    "fixed row too short": ({"fixed": [*CLAMP, (1, 0)]}, [r"give \(node, component, value\)"]),
-    "contradiction": ({"fixed": [*CLAMP, (3, 1, 1e-3)]}, ["node 3 component 1 .*two different"]),
     "incompressible": ({"material": Isotropic(1.0, 0.5, "plane_strain")}, ["nu = 1/2", "nu < 1/2"]),
     "solid": ({"material": Isotropic(1.0, 0.3, "solid")}, ["material: 3D, the body 2D"]),
-    "solid tensor": ({"material": Anisotropic(SOLID)}, ["material: 3D, the body 2D"]),
-}  # fmt: skip
+    "solid tensor": ({"material": Anisotropic(np.eye(6))}, ["material: 3D, the body 2D"]),
+}
 
 
 @pytest.mark.parametrize(("change", "fragments"), BAD.values(), ids=BAD)

@@ -12,7 +12,7 @@ from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.results import THIS_RUN, Results
 from msvalidate.problem import ProblemError
 from msvalidate.studies import claims
-from tests.table import table
+from tests.table import stored_rows, table
 
 QUICK = Setting(quick=True)
 SMALL = record.Check({"from": "a/b"}, "a number", "1", record.AT_MOST, 2, "small")
@@ -65,16 +65,7 @@ def test_a_number_moved_past_its_bound_changes_sides(check, number):
 
 @table(
     ("query", "number"),
-    [
-        ({"column": "error", "where": {"body": "a", "cells": 4}}, 0.1),
-        ({"column": "error", "last": "cells", "take": "farthest"}, 0.3),
-        ({"column": "error", "without": {"body": "b"}, "less": 0.25, "take": "nearest"}, 0.15),
-        ({"column": "error", "where": {"body": "a"}, "over": {"body": "b"}, "take": "max"}, 2),
-        ({"column": "error", "where": {"body": "a"}, "take": "growth", "by": "cells"}, 0.25),
-        ({"column": "cells", "between": {"error": [0, 1]}, "take": "count", "times": 2}, 6),
-        ({"column": "error", "take": "share", "least": 0.2}, 0.5),
-        ({"column": "body", "where": {"cells": [2, 4]}, "take": "share", "equal": "a"}, 0.5),
-    ],
+    stored_rows("ledger_queries"),
 )
 def test_a_number_is_read_as_it_is_asked_for(query, number):
     found = reading.read(results("", rows=ROWS), {"from": "/rows", **query})

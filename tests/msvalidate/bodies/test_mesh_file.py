@@ -13,11 +13,10 @@ from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.problem import SHAPES, Box, Mesh, ProblemError
 from reference_fem import box_discretisation
 from reference_fem.mesh import ELEMENTS
-from tests.table import refused
+from tests.table import refused, stored_rows
 
 # Gmsh lists the nodes of the others, solids with mid-sides, in an order of its own.
 AS_IN_VTK = [name for name, kind in ELEMENTS.items() if kind.dim == 2 or kind.degree == 1]
-PLANE = [name for name, shape in SHAPES.items() if shape.dim == 2]
 FORMATS = ("gmsh22", "gmsh41", "vtu", "vtk", "vtk42", "abaqus")
 
 
@@ -232,24 +231,13 @@ def test_sets_of_abaqus(first, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
+        *stored_rows("unreadable_meshes"),
         ("none.msh", None, "No such file or directory; give a file to read"),
-        ("box.obj", b"solid", "mesh file 'box.obj': give one of .msh, .vtu, .vtk, .inp"),
-        ("box", b"solid", "mesh file 'box': give one of .msh, .vtu, .vtk, .inp"),
-        ("box.msh", b"", "mesh file 'box.msh': empty; write it again"),
-        ("box.msh", b"solid\n", "mesh file 'box.msh': not a whole gmsh file"),
-        ("box.vtu", b"solid\n", "mesh file 'box.vtu': not a whole vtu file"),
-        ("box.vtk", b"solid\n", "mesh file 'box.vtk': not a whole vtk file"),
-        ("box.inp", b"solid\n", "mesh file 'box.inp': no points in it"),
-        ("box.inp", b"\x89PNG\xff\xfe", "mesh file 'box.inp': not a whole abaqus file"),
-        ("box.inp", b"*NODE\n1, 0., 0.\n", "mesh file 'box.inp': no cells in it"),
-        ("box.inp", b"*ELEMENT, TYPE=S4\n1, 1\n", "Expected NODE before ELEMENT"),
-        ("box.inp", b"*NODE\n1, 0., 0.\n*ELEMENT, TYPE=X9\n", "Element type not available: X9"),
-        ("box.inp", b"*NODE\n1, 0., 0.\n*ELEMENT, TYPE=C3D27\n", "not available: C3D27"),
     ],
 )
 def test_files_that_hold_no_mesh(name, content, message, tmp_path, capfd):
     if content is not None:
-        (tmp_path / name).write_bytes(content)
+        (tmp_path / name).write_bytes(content.encode("latin-1"))
     with refused(message) as caught:
         read_mesh(tmp_path / name)
     assert "\n" not in str(caught.value)
@@ -293,32 +281,15 @@ def test_half_a_file_is_refused(form, binary, tmp_path, capfd):
 
 def bad(points, blocks, folder, **more):
     path = folder / "bad.vtu"
-    meshio.Mesh(in_space(np.array(points, dtype=float)), blocks, **more).write(path)
+    meshio.Mesh(in_space(np.array(points, dtype=float)), [*map(tuple, blocks)], **more).write(path)
     return path
 
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
-WIDE = [*SQUARE, [2, 0], [2, 1]]
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(("points", "blocks", "message"), [
-    (WIDE, [("triangle", [[0, 1, 2], [0, 2, 3]]), ("quad", [[1, 4, 5, 2]])],
-        "cells of several kinds, 2 triangle, 1 quad; mesh the body with one kind"),
-    (SQUARE, [("line", [[0, 1]])], "1 line cells; give cells with an area or a volume"),
-    (SQUARE, [("quad", [[3, 2, 0, 1]])], "cell 0 at (0.5, 0.5) is inverted, flat or folded"),
-    ([*SQUARE, [5, 5]], [("quad", [[0, 1, 2, 3]])], "1 belong to no cell, the first is point 4"),
-    ([*SQUARE, [1, 1]], [("triangle", [[0, 1, 2], [0, 4, 3]])],
-        "point 2 at (1, 1) coincides with point 4; merge them"),
-    ([[0, 0], [1, 0], [1, float("nan")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "nan at index"),
-    ([[0, 0], [1, 0], [1, float("inf")], [0, 1]], [("quad", [[0, 1, 2, 3]])], "inf at index"),
-    ([[0, 0], [1, 0], [1, 1e200], [0, 1]], [("quad", [[0, 1, 2, 3]])], "1e+200 at index"),
-    ([[*x, float("nan")] for x in SQUARE], [("quad", [[0, 1, 2, 3]])], "nan at index (0, 2)"),
-    (SQUARE, [("quad", [[0, 1, 2, 9]])], "mesh cells: points 0 to 9; there are 4, from 0"),
-    (SQUARE, [("quad", [[0, 1, 2, -9]])], "mesh cells: points -9 to 2; there are 4, from 0"),
-    ([*SQUARE, [2, 2]], [("polygon", [[0, 1, 2, 4, 3]])],
-        f"1 polygon cells; write {', '.join(PLANE[:-1])} or {PLANE[-1]}"),
-])  # fmt: skip
+@pytest.mark.parametrize(("points", "blocks", "message"), stored_rows("mesh_files"))
 def test_bad_meshes_in_files(points, blocks, message, tmp_path):
     path = bad(points, blocks, tmp_path)
     with refused("mesh file 'bad.vtu': ") as caught:

@@ -30,7 +30,7 @@ from msvalidate.lattice.patterns import all_patterns
 from msvalidate.network import tangent
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support
 from tests.registries import ISOTROPIC
-from tests.table import table
+from tests.table import stored_rows, table
 
 SPACING, THICKNESS = 0.37 / 5, 0.2
 ENGINES = Path(case.__file__).with_name("engines.toml")
@@ -177,26 +177,7 @@ def test_every_program_has_its_number(capsys):
     }
 
 
-@table("words, said", [
-    ("--E 1e6 --nu .5 --spacing 1", "take nu below 1/2"),
-    ("--E 0 --nu .3 --spacing 1", "Young's modulus E: 0.0 Pa; it must be above zero"),
-    ("--E nan --nu .3 --spacing 1", "--E: 'nan'; give a number"),
-    ("--E 1e6 --nu .3 --spacing 6furlong", "give a number in SI units, or one with m, km"),
-    ("--E 1e6 --nu .3 --spacing 6 mm", "write a value and its unit as one"),
-    ("--E 1e6 --nu .3 --spacing 1 --state solid --thickness 1", "a solid has none"),
-    ("--E 1e6 --nu .3 --spacing 1 --lattice squar", "choose square, square4"),
-    ("--E 1e6 --nu .3 --spacing 1 --lattice square", "'square' is of the plane; choose cubic6"),
-    ("--E 1e6 --nu 0 --spacing 1 --lattice fcc", "a free block of 2 cells an edge does not"),
-    ("--E 1e6 --nu .3 --spacing 1 --lattice cubic6", "no spring constants make it isotropic"),
-    ("--E 1e6 --nu .3", "--spacing is missing"),
-    ("--E 1e6 --nu .3 --spacing 1 --k1 3", "--k1 goes with --identify"),
-    ("--identify --lattice square --k1 1 --spacing 1", "square: constants 1; give k1, k2"),
-    ("--identify --lattice square --spacing 1 --k1 1 --k2 1 --kappa 1Pa", "1Pa; give it in N/m"),
-    ("--identify --lattice cubic6 --spacing 1 --k1 1 --thickness 1", "a solid has none"),
-    ("--identify --lattice square --k1 1 --k3 1 --spacing 1", "--k2 is missing"),
-    ("--identify none.csv --spacing 1", "--spacing is of a lattice, and 'none.csv' a file"),
-    ("--identify none.csv", "none.csv: No such file or directory; give a table"),
-])  # fmt: skip
+@table("words, said", stored_rows("advise_commands"))  # fmt: skip
 def test_refusals_are_one_line(words, said, capsys):
     try:
         code = main(["advise", *words.split()])

@@ -33,7 +33,7 @@ from msvalidate.simulators.exchange.protocol import Answer
 from msvalidate_check import causes
 from msvalidate_check.beside import Mistake
 from reference_fem import box_discretisation, solve_problem
-from tests.table import table
+from tests.table import stored_rows, table
 
 BEAM = Box((2.0, 1.0))
 HELD = (Support(BEAM.side("left"), (0.0, 0.0)),)
@@ -88,23 +88,13 @@ RIVALS = {"not converged", "k alike and whole boundary springs"}
 FAULTS = [
     ("clean", lambda u: u, [], None),
     ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus", "thickness"], 1.01),
-    ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus", "thickness"], 0.99),
-    ("twice the load", lambda u: 2 * u, ["load", "modulus", "thickness"], 2.0),
-    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "thickness", "unit", "unit of k"], 1e3),
     ("inches", lambda u: u / 0.0254, ["load", "modulus", "thickness", "unit"], 1 / 0.0254),
     ("millimetres, 2 % too stiff", lambda u: 980 * u,
         ["load", "modulus", "thickness", "unit", "unit of k"], 1e3),
-    ("other sign", lambda u: -u, ["sign"], None),
-    ("swapped axes", lambda u: u[:, ::-1], ["axes"], None),
-    ("one component's sign", lambda u: u * [1, -1], ["sign"], None),
-    ("positions", lambda u: u + X, ["positions"], None),
-    ("one point", one_moved, ["one point"], 1),
     ("rigid motion", rigid, ["rigid motion"], None),
-    ("ratio .25", lambda _: elastic(0.25), ["ratio"], 0.25),
     ("ratio .25 and modulus", lambda _: 1.2 * elastic(0.25), ["scale and ratio"], 0.25),
     ("plane stress", lambda _: elastic_in_plane_stress(), ["plane state"], None),
     ("x never written", lambda u: u * [0, 1], ["component"], None),
-    ("float32", lambda u: u.astype(np.float32), [], None),
 ]  # fmt: skip
 
 
@@ -124,13 +114,8 @@ def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, valu
 RUBBER = {
     "ratio 0": (lambda _: elastic(0.0), "ratio", 0.0),
     "plane stress": (lambda _: elastic_in_plane_stress(0.4999), "plane state", None),
-    "ratio and modulus": (lambda _: 1.3 * elastic(0.3), "scale and ratio", 0.3),
     "ratio and unit": (lambda _: 1e3 * elastic(0.3), "unit and ratio", 0.3),
-    "ratio": (lambda _: elastic(0.4), "ratio", 0.4),
-    "axes and ratio": (lambda _: elastic(0.3)[:, ::-1], "axes and ratio", 0.3),
     "modulus": (lambda u: 1.3 * u, "modulus", 1.3),
-    "sign": (lambda u: -u, "sign", None),
-    "x never written": (lambda u: u * [0, 1], "component", None),
     "x too small": (lambda u: u * [0.5, 1], "", None),
     "noise": (lambda u: u + 1e-4 * np.random.default_rng(2).normal(size=u.shape), "", None),
 }
@@ -283,32 +268,11 @@ def test_formats_hold_the_same(tmp_path):
 
 @table(
     ("name", "content", "said"),
-    [
-        ("a.txt", b"", "give one of .csv, .npz, .vtu"),
-        ("a.csv", b"", "not a table"),
-        ("a.csv", b"\xff\xfe", "no UTF-8"),
-        ("a.csv", b"x,y\n1,2\n", "name displacements ux, uy"),
-        ("a.csv", b"ux,uy\n1,2\n", "neither places nor id"),
-        ("a.csv", b"id,ux,uy\n1,2,b\n", "uy in row 1: 'b'; give a number"),
-        ("a.csv", b"id,ux,uy\n1,2,\n", "uy in row 1: nan; give a number"),
-        ("a.csv", b"id,ux,uy\n1,2,inf\n", "inf along y at point 0, 1 in all; give finite numbers"),
-        ("a.csv", b"id,ux,uy\n1.5,2,3\n", "give whole numbers"),
-        ("a.csv", b"id,ux,uy,uz\n1,2,3,4\n", "out of the plane too"),
-        ("a.csv", b"id,ux,uy\n", "n above 0"),
-        ("a.csv", b"id,ux,uy\n0,1e200,0\n", "1e+200 along x at point 0"),
-        ("a.csv", b"ux,uy" + b",c" * 1000, "1002 values in a line, at most 1000 are read"),
-        ("a.csv", b"ux,uy\n" + b"," * 1000, "1001 values in a line, at most 1000 are read"),
-        ("a.vtu", b"<a>" * 101, "more than 100 elements in each other"),
-        ("a.csv", b"id,ux,uy,ux\n0,1,2,3\n", "column 'ux' is there twice"),
-        ("a.csv", b"x,y,z,ux,uy\n0,0,0,1,2\n0,0,1,3,4\n", "points: out of the plane too"),
-        ("a.npz", b"PK", "no .npz of plain arrays"),
-        ("a.npz", b"", "no .npz of plain arrays"),
-        ("a.vtu", b"<VTKFile", "not a whole vtu file"),
-    ],
+    stored_rows("result_files"),
 )
 def test_bad_results_are_told_in_one_line(tmp_path, name, content, said):
     path = tmp_path / name
-    path.write_bytes(content)
+    path.write_bytes(content.encode("latin-1"))
     with pytest.raises(ProblemError) as told:
         read_result(path, 2)
     assert str(told.value).startswith(f"result '{name}'")

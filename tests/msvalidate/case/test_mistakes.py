@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.case import judge
 from msvalidate.case.building import read_case
-from msvalidate.case.case import Case, make_lattice, spacing_of
+from msvalidate.case.case import make_lattice, spacing_of
 from msvalidate.case.judge import judge_result
 from msvalidate.case.mistake_fields import known_mistakes
 from msvalidate.case.mistakes import name_constants
@@ -22,17 +23,7 @@ from msvalidate.case.results import Result
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.problem import (
-    Box,
-    Isotropic,
-    Polygon,
-    Problem,
-    Segment,
-    Support,
-    Traction,
-    Weight,
-    prescribed_displacements,
-)
+from msvalidate.problem import Isotropic, Polygon, Traction, Weight, prescribed_displacements
 from msvalidate.problem.records import replace
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate_check.beside import Field, Mistake
@@ -46,86 +37,14 @@ from reference_fem.first_mesh import kept_places
 from reference_fem.mesh.outlines import outline_discretisation
 from tests.table import table
 
+TESTS = Path(__file__).parents[2]
 E = 1e5
 NOTICED = 3.0
 """Uncertainties by which a mistake must change the field for its cause to be distinguishable."""
 
 
-def clamped(body, load, material, side="left"):
-    fixed = Support(body.side(side), (0.0,) * body.dim)
-    return Problem(body, material, (fixed,), (load,))
-
-
-def cantilever():
-    box = Box((3.0, 1.0))
-    load = Traction(box.side("right"), (0.0, -10.0))
-    return Case(clamped(box, load, Isotropic(E, 0.3, "plane_stress")), cells=8, accuracy=5e-3)
-
-
-def sheared_block():
-    box = Box((1.0, 1.0))
-    load = Traction(box.side("top"), (100.0, 0.0))
-    material = Isotropic(E, 0.3, "plane_strain")
-    return Case(clamped(box, load, material, "bottom"), cells=10, accuracy=5e-3)
-
-
-def plate_with_hole():
-    """A quarter of a plate with a round hole, stretched along x."""
-    angles = np.linspace(0.5 * math.pi, 0.0, 9)
-    arc = [(0.4 * math.cos(a), 0.4 * math.sin(a)) for a in angles]
-    arc[0], arc[-1] = (0.0, 0.4), (0.4, 0.0)
-    outline = Polygon((*reversed(arc), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0))[::-1])
-    sides = (
-        Support(Segment((0.0, 0.4), (0.0, 1.0)), (0.0, None)),
-        Support(Segment((0.4, 0.0), (1.0, 0.0)), (None, 0.0)),
-    )
-    load = Traction(Segment((1.0, 0.0), (1.0, 1.0)), (100.0, 0.0))
-    material = Isotropic(E, 0.3, "plane_stress", thickness=0.2)
-    return Case(Problem(outline, material, sides, (load,)), cells=10, accuracy=5e-3)
-
-
-def column():
-    box = Box((0.37, 1.11))
-    material = Isotropic(E, 0.3, "plane_stress", 50.0, 0.2)
-    return Case(clamped(box, Weight((0.0, -9.81)), material, "bottom"), cells=3, accuracy=1e-3)
-
-
-def bar():
-    box = Box((1.11, 0.37, 0.37))
-    load = Traction(box.side("right"), (0.0, -10.0, 0.0))
-    return Case(clamped(box, load, Isotropic(E, 0.3, "solid")), cells=4, accuracy=1e-2)
-
-
-def block():
-    box = Box((1.0, 1.0, 1.0))
-    load = Traction(box.side("top"), (100.0, 0.0, 0.0))
-    return Case(clamped(box, load, Isotropic(E, 0.25, "solid"), "bottom"), cells=5, accuracy=1e-2)
-
-
-MILLIMETRES = """
-schema = 1
-[body]
-box = [1110, 370]
-unit = "mm"
-[material]
-E = 1e5
-nu = 0.3
-state = "plane_strain"
-thickness = 200
-density = 5
-[[support]]
-on = "left"
-[[load]]
-on = "right"
-traction = [0.0, -10.0]
-[[load]]
-gravity = [0.0, -9.81]
-[springs]
-cells = 6
-"""
-BODIES = (cantilever, sheared_block, plate_with_hole, column, bar, block, "millimetres")
-"""Bodies by name; the last is read from a case file in mm."""
-
+BODIES = {path.stem: path for path in sorted((TESTS / "data" / "mistakes").glob("*.toml"))}
+"""Case files of bodies in 2D and 3D, one of them in mm."""
 
 MOST_NODES = 8_000
 """Nodes of the elements in 3D: two meshes of these take some seconds."""
@@ -291,17 +210,8 @@ KINDS = {
 
 
 @functools.cache
-def bench(body, tmp_path):
-    if body != "millimetres":
-        return Bench(body())
-    path = tmp_path / "millimetres.toml"
-    path.write_text(MILLIMETRES)
-    return Bench(read_case(path))
-
-
-@pytest.fixture(scope="session")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("mistakes")
+def bench(body):
+    return Bench(read_case(BODIES[body]))
 
 
 def judged(monkeypatch, b, field):
@@ -314,9 +224,9 @@ def judged(monkeypatch, b, field):
     return judge_result(b.case, result)
 
 
-def cell(monkeypatch, body, mistake, folder):
+def cell(monkeypatch, body, mistake):
     """Whether a mistake changes the field, the kinds that name it, and the judgement."""
-    b = bench(body, folder)
+    b = bench(body)
     field = MISTAKES[mistake](b)
     right = b.springs() if mistake in WITH_SPRINGS else b.elastic
     result = judged(monkeypatch, b, field)
@@ -326,10 +236,10 @@ def cell(monkeypatch, body, mistake, folder):
 
 
 @pytest.mark.parametrize("body", BODIES)
-def test_the_true_cause_is_among_those_reported(body, monkeypatch, folder):
+def test_the_true_cause_is_among_those_reported(body, monkeypatch):
     missing = {}
     for mistake in MISTAKES:
-        changed, kinds, result = cell(monkeypatch, body, mistake, folder)
+        changed, kinds, result = cell(monkeypatch, body, mistake)
         reported = set().union(*(each.kinds for each in result.verdict.causes))
         if changed and not kinds & reported:
             missing[mistake] = reported
@@ -342,8 +252,8 @@ def test_the_true_cause_is_among_those_reported(body, monkeypatch, folder):
     ((24, 8), "Q1", 0.4),
     ((40, 12), "P1", 0.05),
 ])  # fmt: skip
-def test_a_coarse_mesh_is_named_at_its_own_nodes_or_some_of_them(cells, element, part, folder):
-    b = bench(cantilever, folder)
+def test_a_coarse_mesh_is_named_at_its_own_nodes_or_some_of_them(cells, element, part):
+    b = bench("cantilever")
     body = box_discretisation(b.problem.domain, cells, element)
     some = np.random.default_rng(3).random(len(body.points)) < part
     u = solve_problem(b.problem, body, allow_locked=True).displacement[some]
@@ -355,8 +265,8 @@ def test_a_coarse_mesh_is_named_at_its_own_nodes_or_some_of_them(cells, element,
 
 
 @table(("factor", "rivals"), [(0.85, "coarse mesh"), (1.3, "k alike"), (1e-3, "k alike")])
-def test_a_factor_in_bending_is_reported_with_its_rivals(factor, rivals, monkeypatch, folder):
-    b = bench(cantilever, folder)
+def test_a_factor_in_bending_is_reported_with_its_rivals(factor, rivals, monkeypatch):
+    b = bench("cantilever")
     causes = judged(monkeypatch, b, factor * b.elastic).verdict.causes
     kinds = [each.kind for each in causes]
     assert "modulus" in kinds
@@ -364,8 +274,8 @@ def test_a_factor_in_bending_is_reported_with_its_rivals(factor, rivals, monkeyp
     assert [each.left for each in causes] == sorted(each.left for each in causes)
 
 
-def test_a_field_that_may_still_move_is_said_not_to_be_converged_first(monkeypatch, folder):
-    b = bench(cantilever, folder)
+def test_a_field_that_may_still_move_is_said_not_to_be_converged_first(monkeypatch):
+    b = bench("cantilever")
     monkeypatch.setattr(judge, "converge_case", lambda *_: b.reference)
     result = Result("field", b.unfinished(), b.places, None, 0.5, 1e-9)
     found = judge_result(b.case, result)
@@ -407,8 +317,8 @@ def test_a_rest_length_that_changes_little_is_no_rival(excess, count):
     assert all("rest lengths differ" in each.said and "+0.001" in each.said for each in causes[1:])
 
 
-def test_models_that_are_too_large_are_left_out_and_reported(folder):
-    b = bench(block, folder)
+def test_models_that_are_too_large_are_left_out_and_reported():
+    b = bench("block")
     made = known_mistakes(replace(b.case, cells=20), b.places, b.reference)
     assert not made.omitted
     whole = next(each for each in made.mistakes if each.kind == "whole boundary springs")

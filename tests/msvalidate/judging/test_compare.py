@@ -11,6 +11,7 @@ from msvalidate.judging.compare import (
 from msvalidate.judging.evidence import Observed
 from msvalidate.problem import ProblemError
 from msvalidate_check.verdict import agreement
+from tests.table import stored_rows
 
 
 def test_far_apart_means_a_difference_and_not_a_sum():
@@ -37,19 +38,7 @@ def test_three_values_make_a_power():
 
 @pytest.mark.parametrize(
     ("difference", "uncertainty", "residual_motion", "word"),
-    [
-        (0.03, 0.01, 0.0, "agrees"),
-        (-0.04, 0.01, 0.0, "agrees"),
-        (0.045, 0.01, 0.0, "not resolved"),
-        (-0.055, 0.01, 0.0, "not resolved"),
-        (0.07, 0.01, 0.0, "differs"),
-        (-0.07, 0.01, 0.0, "differs"),
-        (0.0, 0.06, 0.0, "not resolved"),
-        (0.53, 0.01, -0.6, "not at rest"),
-        (0.03, 0.005, 0.01, "agrees"),
-        (0.04, 0.005, 0.01, "not at rest"),
-        (0.9, 0.01, 0.6, "differs"),
-    ],
+    stored_rows("agreements"),
 )
 def test_agreement_is_said_where_nothing_left_open_can_change_it(
     difference, uncertainty, residual_motion, word

@@ -18,9 +18,8 @@ from msvalidate.network import (
     tangent,
 )
 from msvalidate.network.residual import force_scale
-from tests.table import refused, table
+from tests.table import refused, stored_rows, table
 
-NAN = float("nan")
 STEP = 1e-5
 """Of a central difference (m): truncation STEP² and rounding 1e-16/STEP are both far below 1e-7."""
 examples = settings(max_examples=25, deadline=None)
@@ -157,35 +156,13 @@ def test_scaled_multiplies_every_stiffness():
     np.testing.assert_array_equal(network.stiffness, [1, 1, 1])
 
 
-@table(("change", "message"), [
-    ({"points": [[0, 0], [NAN, 0], [0, 1]]}, "points: nan at index (1, 0); every value must"),
-    ({"points": [[0.0], [1.0], [2.0]]}, "points: shape (3, 1); give (n, 2) or (n, 3)"),
-    ({"points": np.zeros((0, 2))}, "springs: [0 1] at index 0; there are 0 points"),
-    ({"points": [[0, 0], [1], [0, 1]]}, "points: rows of different length"),
-    ({"points": [[0, 0], [0, 0], [0, 1]]}, "spring length: 0 at index 0 m; its two points coin"),
-    ({"springs": [[0, 1], [1, 1], [2, 0]]}, "springs: [1 1] at index 1 joins a point to itself"),
-    ({"springs": [[0, 1], [1, 3], [2, 0]]}, "springs: [1 3] at index 1; there are 3 points"),
-    ({"springs": [[0, 1], [1, 2], [-1, 0]]}, "springs: [-1  0] at index 2; there are 3 points"),
-    ({"springs": [[0.0, 0.5]]}, "springs: [[0.0, 0.5]]; give whole numbers"),
-    ({"springs": [[False, True]]}, "springs: expected numbers, got [[False, True]]"),
-    ({"springs": [[0, 1, 2]]}, "springs: shape (1, 3); give whole numbers (m, 2)"),
-    ({"springs": []}, "give whole numbers (m, 2)"),
-    ({"springs": [[0, 1], [1]]}, "springs: rows of different length"),
-    ({"stiffness": [1.0, -2.0, 1.0]}, "stiffness: -2 at index 1 N/m; it must be 0 or more"),
-    ({"stiffness": [1.0, NAN, 1.0]}, "stiffness: nan at index 1"),
-    ({"stiffness": [1.0, 1.0]}, "stiffness: shape (2,); this network needs (3,)"),
-    ({"rest_length": [1.0, 0.0, 1.0]}, "rest_length: 0 at index 1 m; it must be above 0"),
-    ({"rest_length": [1.0, -1.0, 1.0]}, "rest_length: -1 at index 1 m"),
-    ({"rest_length": [1.0, 1.0]}, "rest_length: shape (2,); this network needs (3,)"),
-    ({"mass": [1.0, 0.0, 1.0]}, "mass: 0 at index 1 kg; it must be above 0"),
-    ({"mass": [1.0, 1.0]}, "mass: shape (2,); this network needs (3,)"),
-    ({"held": [True, False, False]}, "held: bool (3,); give booleans (3, 2)"),
-    ({"displacement": np.zeros((3, 3))}, "displacement: shape (3, 3); this network needs (3, 2)"),
-    ({"displacement": [[NAN, 0]] * 3}, "displacement: nan at index (0, 0)"),
-    ({"displacement": [[0, 0], [0, 0], [0, 0.1]]}, "displacement"),
-    ({"force": [0.0, -1.0]}, "force: shape (2,); this network needs (3, 2)"),
-    ({"force": [[0, 0], [0, NAN], [0, 0]]}, "force: nan at index (1, 1)"),
-])  # fmt: skip
+@table(
+    ("change", "message"),
+    [
+        *stored_rows("networks"),
+        ({"points": np.zeros((0, 2))}, "springs: [0 1] at index 0; there are 0 points"),
+    ],
+)
 def test_bad_lists_are_refused_by_array_and_index(change, message):
     with refused(message):
         spring_network(**(TRIANGLE | change))

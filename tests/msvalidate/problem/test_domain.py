@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from matplotlib.path import Path
 
 from msvalidate.problem import Box, Polygon, Region, Segment, corners_of
-from tests.table import refused, table
+from tests.table import refused, stored_rows, table
 
 NAN = float("nan")
 ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))
@@ -100,37 +100,14 @@ def test_corners_cannot_be_changed():
         ELL.corners[0] = 1.0
 
 
-@table(("vertices", "message"), [
-    # what is no outline
-    ([(0, 0), (1, 0), (0, 1)], "polygon: [(0, 0), (1, 0), (0, 1)]; give a tuple of 3 or more"),
-    (((0, 0), (1, 0)), "polygon: ((0, 0), (1, 0)); give a tuple of 3 or more vertices"),
-    (((0, 0), [1, 0], (0, 1)), "polygon: vertex 1 is [1, 0]; give 2 coordinates"),
-    (((0, 0), (1, 0), (0, 1, 0)), "polygon: vertex 2 is (0, 1, 0); give 2 coordinates"),
-    (((0, 0), (1, NAN), (0, 1)), "polygon vertex 1: nan at index 1; every value must be finite"),
-    (((0, 0), (np.inf, 0), (0, 1)), "polygon vertex 1: inf at index 0"),
-    (((0, 0), ("a", 0), (0, 1)), "polygon vertex 1: expected numbers, got ('a', 0)"),
-    # order
-    (((0, 0), (0, 1), (1, 1), (1, 0)), "polygon: area -1 m²; list the vertices counter-clock"),
-    # a vertex twice
-    (((0, 0), (1, 0), (1, 1), (1, 1), (0.3, 1.5)),
-        "polygon: vertex 2, (1, 1), and the next are one place; leave one out"),
-    (((0, 0), (1, 0), (0.3, 1.5), (0, 0)), "polygon: vertex 3, (0, 0), and the next are one"),
-    (((0, 0), (2, 0), (2, 1e-9), (0, 1)), "polygon: vertex 1, (2, 0), and the next are one"),
-    (((1, 1), (1, 1), (1, 1)), "polygon: vertex 0, (1, 1), and the next are one place"),
-    # flat corners and spikes
-    (((0, 0), (1, 0), (2, 0), (2, 1)),
-        "polygon: the outline does not turn at vertex 1, (1, 0), or turns back; leave it out"),
-    (((1, 0), (2, 0), (2, 1), (0, 0)), "does not turn at vertex 0, (1, 0)"),
-    (((0, 0), (1, 1e-10), (2, 0), (2, 1)), "does not turn at vertex 1"),
-    (((0, 0), (1, 0), (2, 0)), "does not turn at vertex 0"),
-    (((0, 0), (1, 0), (1, 2), (1, 1), (0, 1)), "does not turn at vertex 2, (1, 2), or turns"),
-    # crossing and touching
-    (((0, 0), (1, 1), (1, 0), (0, 1)), "polygon: edges 0 and 2 cross or touch"),
-    (((0, 0), (3, 2), (3, 0), (0, 1)), "polygon: edges 0 and 2 cross or touch"),
-    (((0, 0), (2, 0), (2, 2), (1, 0), (0, 2)), "polygon: edges 0 and 2 cross or touch"),
-    (((0, 0), (2, 0), (2, 2), (1, 1e-10), (0, 2)), "polygon: edges 0 and 2 cross or touch"),
-    (((0, 0), (2, 0), (1, 1), (2, 2), (0, 2), (1, 1)), "polygon: edges 1 and 4 cross or touch"),
-])  # fmt: skip
+@table(
+    ("vertices", "message"),
+    [
+        *((tuple(map(tuple, row)), message) for row, message in stored_rows("outlines")),
+        ([(0, 0), (1, 0), (0, 1)], "polygon: [(0, 0), (1, 0), (0, 1)]; give a tuple of 3 or more"),
+        (((0, 0), [1, 0], (0, 1)), "polygon: vertex 1 is [1, 0]; give 2 coordinates"),
+    ],
+)
 def test_an_outline_that_is_no_polygon_is_refused(vertices, message):
     with refused(message):
         Polygon(vertices)

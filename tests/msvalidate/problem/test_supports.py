@@ -18,13 +18,13 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.motions import free_motions
-from tests.table import refused, table
+from tests.table import refused, stored_rows, table
 
 NAN = float("nan")
 PLATE = Box((2.0, 1.0))
 SHEET = Isotropic(E=1e6, nu=0.3)
 CLAMP = Support(PLATE.side("left"), (0.0, 0.0))
-X, Y, Z = "translation along x", "translation along y", "translation along z"
+X, Y = "translation along x", "translation along y"
 GRID = np.stack(np.meshgrid([0.0, 1.0, 2.0], [0.0, 0.5, 1.0]), axis=-1).reshape(-1, 2)
 
 
@@ -32,35 +32,11 @@ def plate(*, supports=(CLAMP,), loads=()):
     return Problem(PLATE, SHEET, supports, loads)
 
 
-def about(axis, place):
-    return f"rotation about the axis along {axis} through {place}"
-
-
 @table(
     ("points", "held", "names"),
     [
-        # In the plane.
-        ([], [], [X, Y, "rotation about (0, 0)"]),
-        ([[3, 2]], [[1, 1]], ["rotation about (3, 2)"]),
-        ([[3, 2]], [[1, 0]], [Y, "rotation about (3, 2)"]),
-        ([[0, 0], [0, 1]], [[1, 0], [1, 0]], [Y]),
-        ([[0, 0], [4, 0]], [[0, 1], [0, 1]], [X]),
-        # Held along x at one place and along y at another: it turns where the normals meet.
-        ([[0, 0], [1, 1]], [[1, 0], [0, 1]], ["rotation about (1, 0)"]),
-        ([[0, 0], [1, 0]], [[1, 1], [0, 1]], []),
-        # Two places one above the other cannot stop a turn that moves both along x.
-        ([[0, 0], [0, 1]], [[1, 1], [0, 1]], ["rotation about (0, 0)"]),
-        # Held over a hundredth of its length a body is still held.
-        ([[0, 0], [0, 1], [100, 0]], [[1, 1], [1, 1], [0, 0]], []),
-        # In space.
-        ([[1, 2, 3]], [[1, 1, 1]], [about(a, "(1, 2, 3)") for a in "xyz"]),
-        ([[0, 2, 3], [1, 2, 3]], [[1, 1, 1]] * 2, [about("x", "(0.5, 2, 3)")]),
-        # A free point moves the middle of the body off the axis.
-        ([[0, 0, 0], [1, 0, 0], [2, 0, 5]], [[1, 1, 1]] * 2 + [[0] * 3], [about("x", "(1, 0, 0)")]),
-        ([[0, 0, 0], [1, 1, 0]], [[1, 1, 1]] * 2, [about("(1, 1, 0)", "(0.5, 0.5, 0)")]),
+        *stored_rows("free_motions"),
         ([[0, 0, 0], [2, 0, 0], [0, 2, 0]], [[0, 0, 1]] * 3, [X, Y, None]),
-        ([[0, 0, 0], [0, 0, 1]], [[1, 1, 0]] * 2, [Z, about("z", "(0, 0, 0.5)")]),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 1, 1], [0, 1, 1], [0, 0, 1]], []),
     ],
 )
 def test_free_motions_are_named(points, held, names):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.table import table
+from tests.table import stored_rows, table
 from tests.test_command_line import PROGRAM, run
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -73,32 +73,9 @@ ENDS = {
     "ends_77.py": "sys.exit(print('no clamps', file=sys.stderr) or 77)",
     "ends_1.py": "sys.exit('it diverged')",
 }
-BAD = [
-    (("simulate", "box.toml", "--with", "ends_77.py"), 4, "cannot represent: no clamps"),
-    (("simulate", "box.toml", "--with", "ends_1.py"), 3, "exit code 1: it diverged"),
-    (("simulate", "box.toml", "--with", "soft.py"), 3, "no result.json"),
-    (("simulate", "box.toml", "--with", "toy.py", "--shape", "quad"), 4, "cells quad; triangles"),
-    (("simulate", "box.toml", "--with", "toy.py", "--set", "iterations=3"), 1, "not at rest"),
-    (("simulate", "box.toml", "--with", "none.py"), 2, "no such program"),
-    (("simulate", "box.toml", "--with", ""), 2, "no program; give a command"),
-    (("simulate", "box.toml", "--with", "toy.py", "--limit", "0"), 2, "--limit: 0"),
-    (("simulate", "none.toml", "--with", "toy.py"), 2, "case 'none.toml': No such file"),
-    (("simulate", "box.toml"), 2, "the following arguments are required: --with"),
-    (("simulate", "box.toml", "--with", "toy.py", "--set", "a"), 2, "'a'; give NAME=VALUE"),
-    (("simulate", "box.toml", "--with", "toy.py", "--set", "a=NaN"), 2, "NaN is no number"),
-    (("simulate", "box.toml", "--with", "toy.py", "--out", "box.toml"), 2, "box.toml"),
-    (("case", "export", "box.toml", "."), 2, "holds what no request left there"),
-    (("case", "export", "box.toml", "box.toml"), 2, "no folder of a request"),
-    (("case", "export", "box.toml", "x", "--shape", "tetra"), 2, "choose triangle or quad"),
-    (("adapter", "new", "toy"), 2, "toy.py is there already; give another name"),
-    (("adapter", "new", "../a b"), 2, "is no name; give letters, digits, - and _"),
-    (("adapter", "new", 'x"; y'), 2, "is no name; give letters"),
-    (("adapter", "new", "nowhere/x"), 2, "no folder nowhere; make it first"),
-    (("adapter", "old", "x"), 2, "invalid choice: 'old'"),
-]
 
 
-@table(("words", "code", "told"), BAD)
+@table(("words", "code", "told"), stored_rows("simulator_commands"))
 def test_what_goes_wrong_is_one_line_and_a_code(place, words, code, told):
     for name, body in ENDS.items():
         (place / name).write_text(f"import sys\n{body}\n", encoding="utf-8")
@@ -133,26 +110,13 @@ def adapters(place):
     return place
 
 
-CHECKS = [
-    ("toy", ("--only", "gate", "--only", "probe"), 0, "toy: agrees, of gate and probe alone\n"),
-    ("lame", ("--only", "probe"), 1, "constants as they stand (--law neo-raw)\n"),
-    ("lame", ("--only", "probe", "--law", "neo-raw"), 1, "next: it is the law that its documents"),
-    ("toy", ("--only", "gate"), 0, "`adapter check ADAPTER --only probe --only bodies` asks the r"),
-    ("lame", ("--only", "probe", "--law", "linear"), 1, "its documents say 1e+07 Pa, 0.3\n"),
-    ("deaf", (), 1, "stopped  twice the modulus"),
-    ("rest", ("--only", "gate", "--only", "bodies"), 0, "of the pulled body  1e+07"),
-    ("fails", (), 3, "fails: no answer to 1 of 8 questions\n"),
-    ("hangs", ("--limit", "1"), 3, "question 8, rest: adapter: not done after"),
-]
-
-
 def test_the_template_has_what_its_variants_change(place):
     text = (place / "toy.py").read_text(encoding="utf-8")
     assert [name for name, (old, _) in VARIANTS.items() if text.count(old) != 1] == []
 
 
 @pytest.mark.slow
-@table("name, words, code, said", CHECKS)
+@table("name, words, code, said", stored_rows("adapter_checks"))
 def test_what_is_said_of_adapters(adapters, name, words, code, said):
     done = run("adapter", "check", f"{name}.py", *words, cwd=adapters)
     assert (done.returncode, said in done.stdout) == (code, True), done.stdout
@@ -184,16 +148,7 @@ def test_an_adapter_is_checked_and_leaves_a_page(adapters):
 
 @table(
     "text, words, code, said",
-    [
-        ("raise SystemExit('no licence')", (), 3, "question 1, motion: adapter: exit code 1: no l"),
-        ("import time; time.sleep(60)", ("--limit", "0.5"), 3, "question 1, motion: adapter: not"),
-        ("import sys; sys.exit(print('hair', file=sys.stderr) or 77)", (), 4, "represent: hair"),
-        ("", ("--law", "jelly"), 2, "--law 'jelly': not known; see adapter laws"),
-        ("", ("--only", "page"), 2, "invalid choice: 'page'"),
-        ("", ("--nu", "0.49"), 2, "ratio 0.49; give one from 0 to 0.45"),
-        ("", ("--json", "no/x.json"), 2, "no folder no; make it first"),
-        ("", ("--out", "box.toml"), 2, "box.toml"),
-    ],
+    stored_rows("adapters_refused"),
 )
 def test_adapters_that_cannot_be_checked(place, text, words, code, said):
     (place / "bad.py").write_text(text, encoding="utf-8")

@@ -17,7 +17,7 @@ from msvalidate.simulators.exchange.answers import read_answer
 from msvalidate.simulators.exchange.export import export_case
 from msvalidate.simulators.exchange.folders import write_request
 from msvalidate.simulators.exchange.protocol import Answer, SimulatorError, stated_residual_motion
-from tests.table import table
+from tests.table import stored_rows, table
 
 BOX = Box((0.3, 0.1, 0.1))
 HOSTILE = 'x/../../"; rm -rf ~ #\\é'
@@ -159,18 +159,7 @@ def test_what_is_no_answer_is_refused_in_one_line(tmp_path, arrays, about, words
     assert len(str(found.value)) < 400
 
 
-TABLES = [
-    ("id,ux,uy\n", "has columns 'id, ux, uy'; a rest needs ux,uy,uz"),
-    ("id,ux,uy,uz\n0,1,2,a\n", "uz in row 1: 'a'; give a number"),
-    ("id,ux,uy,uz\n0,1,2,3\n0,1,2,3\n", "id 0 where 1 is due"),
-    ("ux,uy,uz\n1,2,3\n", "(1, 3); give (63, 3)"),
-    ("", "has columns ''"),
-    (f"ux,uy,uz{1000 * ',c'}\n", "1003 values in a line, at most 1000 are read"),
-    ("\0\xff,ux,uy,uz\n1,2", "result.csv"),
-]
-
-
-@table(("text", "words"), TABLES)
+@table(("text", "words"), stored_rows("result_tables"))
 def test_tables_that_are_no_answer(tmp_path, text, words):
     (left(tmp_path / "a") / "result.csv").write_bytes(text.encode("latin-1"))
     with pytest.raises(SimulatorError) as found:

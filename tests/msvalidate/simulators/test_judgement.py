@@ -332,24 +332,6 @@ def test_the_headline_says_what_is_the_mesh():
     assert said == "`adapter check ADAPTER --only probe --only bodies` asks the rest"
 
 
-def test_a_solver_of_constraints_that_is_stopped_is_told_the_row_and_what_to_set():
-    """Few iterations: softer than its E, and each question is another body."""
-
-    def simulate(request: Request) -> Answer:
-        found = settling(request, lambda n: 1 / (1 + n), 0.0)
-        if found.displacement is not None:
-            stiff = (request.material.E / ASKED.E) ** 0.5
-            found = Answer(displacement=stiff * found.displacement, about=found.about)
-        return replace(found, about={**found.about, "forces_at": "end"})
-
-    asked = Asked(simulate)
-    found = judge_simulator(asked, ASKED, parts=("gate",))
-    assert [row.name for row in found.gate.stops] == ["twice the modulus", "twice the iterations"]
-    said = sheet_of(found, asked, ("gate",)).next
-    assert said.startswith("twice the iterations: try --set iterations=80, until twice as many")
-    assert "floor" not in said
-
-
 def test_a_fall_that_goes_up_is_told_by_its_sign():
     asked = Asked(
         lambda request: simulator_of("linear")(replace(request, gravity=-request.gravity))
