@@ -94,13 +94,12 @@ def press(
     body: Discretisation,
     *,
     within: float | None = None,
-    solver: str = "auto",
 ) -> ElementContact:
     """Solve a problem with one contact on a discretisation of its domain.
 
     Parameters
     ----------
-    problem, body, solver
+    problem, body
         As for `solve_problem`.
     within
         Distance (m) from the way of the obstacle's foremost point up to which nodes may touch,
@@ -113,7 +112,7 @@ def press(
     SolverError
         If the patch of a round obstacle is smaller than an element; or as `solve_problem`.
     """
-    result = _press(problem, body, within, solver)
+    result = _press(problem, body, within)
     touched = int((result.pressure > 0).sum())
     if touched <= body.dim and problem.contacts[0].obstacle.radius is not None:
         raise SolverError(
@@ -123,15 +122,13 @@ def press(
     return result
 
 
-def _press(
-    problem: Problem, body: Discretisation, within: float | None, solver: str = "auto"
-) -> ElementContact:
+def _press(problem: Problem, body: Discretisation, within: float | None) -> ElementContact:
     """Contact as `press` has it, of a patch of any size."""
     contact, bare = _only_contact(problem)
     obstacle, depth = contact.obstacle, contact.depth
     held, given = prescribed_displacements(bare, body.points)
     law = materials_of(bare, body)
-    ready = make_solver(body, law, held, solver)
+    ready = make_solver(body, law, held)
     force = nodal_forces(bare, body)
     begun, _ = ready.solve(given, force)
     nodes, mass = _mass(contact, problem, body)

@@ -143,6 +143,11 @@ class Reference:
         """The solution on the finest mesh."""
         return self.solutions[-1]
 
+    def solutions_up_to(self, nodes: int) -> tuple[Solution, ...]:
+        """Solutions on meshes with at most so many nodes; the coarsest one if all have more."""
+        few = tuple(one for one in self.solutions if len(one.body.points) <= nodes)
+        return few or self.solutions[:1]
+
     @cached_property
     def reactions(self) -> tuple[Estimate, ...]:
         """Force (d,) in N of each support of the problem on the body."""

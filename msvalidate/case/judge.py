@@ -188,8 +188,7 @@ def _field(
 def _with_other_laws(field: Field, problem: Problem, law: Isotropic, reference: Reference) -> Field:
     """The field with elasticity of other ratios and in the other plane state."""
     # Changes with the ratio need no finer mesh than this: they are small themselves.
-    meshes = [each for each in reference.solutions if len(each.body.points) <= RATIO_NODES]
-    plain = meshes[-1] if meshes else reference.solutions[0]
+    plain = reference.solutions_up_to(RATIO_NODES)[-1]
     own = plain.at(field.places)
     mixed = plain.pressure is not None
 

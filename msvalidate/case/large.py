@@ -98,10 +98,9 @@ def change_in_full(reference: Reference, law: LawOf) -> LargeChange:
     pressed a finer one may have none. It may be off by what the next coarser one has other. Raises
     what `elements_in_full` raises of the coarsest mesh.
     """
-    meshes = [each for each in reference.solutions if len(each.body.points) <= LARGE_NODES]
     found: list[Array] = []
     no_finer: SolverError | None = None
-    for solution in reversed(meshes or reference.solutions[:1]):
+    for solution in reversed(reference.solutions_up_to(LARGE_NODES)):
         try:
             found.append(elements_in_full(reference.problem, solution, reference.points, law))
         except SolverError as error:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 
 import numpy as np
-from scipy.sparse import csc_array, eye_array
+from scipy.sparse import csr_array, eye_array
 from scipy.spatial import KDTree
 
 from msvalidate.case.case import Case, spacing_by_cells, spacing_of
@@ -22,14 +22,14 @@ from msvalidate.case.mistakes import (
     SpringMistake,
     named_factors,
     solve_mistakes,
-    symmetric_factor,
 )
 from msvalidate.case.part_mesh import mean_edge, straighten
 from msvalidate.case.springs import SpringAnswer, make_network
 from msvalidate.constants.routes import default_constants
-from msvalidate.constants.stiffness import CAUCHY, central_modulus
+from msvalidate.constants.stiffness import central_modulus, springs_ratio
 from msvalidate.lattice import EDGE_RULES, mesh_lattice
 from msvalidate.lattice.patterns import all_patterns
+from msvalidate.linear_algebra.factor import factorise
 from msvalidate.network import spring_network
 from msvalidate.problem import (
     Array,
@@ -61,8 +61,8 @@ Path = list[tuple[float, Array]]
 """Pairs of a parameter and displacements (p, d) in m at the points of a result."""
 MAX_UNKNOWNS = {2: 8_000, 3: 3_000}
 """Unknowns of a model by dimension, up to which all mistakes together take a few seconds."""
-FEW_UNKNOWNS = 20_000
-"""Unknowns of a mesh on which changes of the loads are solved: these are small themselves."""
+FEW_NODES = 10_000
+"""Nodes of a mesh on which changes of the loads are solved: these are small themselves."""
 MAX_SPACINGS = {2: 3, 3: 2}
 """Spacings at which springs are solved, by dimension."""
 CELLS_ACROSS = (16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1)
@@ -190,7 +190,7 @@ def _element_path(
             own, body = make()
             if body.points.size > limit:
                 continue
-            u = _solve_elements(own, body, places)
+            u = solve_problem(own, body, allow_locked=True).at(places)
         except (ProblemError, SolverError, RuntimeError):  # no such mesh, or no factor
             continue
         path.append((size, u))
@@ -199,21 +199,6 @@ def _element_path(
             f"Linear elements are not tried: no mesh with fewer than {limit:,} unknowns."
         )
     return path
-
-
-def _solve_elements(problem: Problem, body: Discretisation, places: Array) -> Array:
-    """Displacement (p, d) in m at places, by a plain sparse factor."""
-    K, force, fixed, value = _equations(problem, body)
-    u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
-    u[free] = symmetric_factor(csc_array(K[free][:, free])).solve((force - K @ u)[free])
-    return np.asarray(body.interpolation(places) @ u.reshape(body.dim, -1).T)
-
-
-def _equations(problem: Problem, body: Discretisation) -> tuple[csc_array, Array, Mask, Array]:
-    """Stiffness, forces (N), fixed components and their displacements (m), component-major."""
-    fixed, value = prescribed_displacements(problem, body.points)
-    K = csc_array(stiffness(body, materials_of(problem, body)))
-    return K, nodal_forces(problem, body).T.ravel(), fixed.T.ravel(), value.T.ravel()
 
 
 def _lines_of(places: Array, box: Box) -> list[Array] | None:
@@ -241,17 +226,19 @@ def _relaxing(reference: Reference, steps: int, omitted: list[str]) -> Path:
         sentence = f"Unfinished relaxations are not tried: {body.points.size:,} unknowns."
         omitted += [sentence] * (sentence not in omitted)
         return []
-    K, force, fixed, value = _equations(reference.problem, body)
-    u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
-    inner = csc_array(K[free][:, free])
-    moving = symmetric_factor(inner).solve((force - K @ u)[free])
+    fixed, value = (x.T.ravel() for x in prescribed_displacements(reference.problem, body.points))
+    K = csr_array(stiffness(body, materials_of(reference.problem, body)))
+    free = np.logical_not(fixed)
+    force = nodal_forces(reference.problem, body).T.ravel() - K @ np.where(fixed, value, 0.0)
+    inner = csr_array(K[free][:, free])
+    moving = factorise(inner).solve(force[free])
     slowest = float(moving @ (inner @ moving) / (moving @ moving))
     at = body.interpolation(reference.points)
     path: Path = [(0.0, elastic)]
     for time in SLOWNESS:
         rate = steps * slowest / time
-        factor = symmetric_factor(csc_array(inner + rate * eye_array(len(moving))))
-        lag = np.zeros(len(u))
+        factor = factorise(csr_array(inner + rate * eye_array(len(moving))))
+        lag = np.zeros(len(fixed))
         lag[free] = moving
         for _ in range(steps):
             lag[free] = factor.solve(rate * lag[free])
@@ -263,8 +250,7 @@ def _relaxing(reference: Reference, steps: int, omitted: list[str]) -> Path:
 def _heavier(reference: Reference) -> Path:
     """Elasticity under twice the weight."""
     problem = reference.problem
-    few = [each for each in reference.solutions if each.body.points.size <= FEW_UNKNOWNS]
-    solution = few[-1] if few else reference.solutions[0]
+    solution = reference.solutions_up_to(FEW_NODES)[-1]
     weights = tuple(load for load in problem.loads if isinstance(load, Weight))
     heavy = replace(problem, loads=(*problem.loads, *weights))
     more = solve_problem(heavy, solution.body, mixed=solution.pressure is not None)
@@ -299,19 +285,19 @@ def _of_records(
     records: Sequence[SpringMistake], law: Isotropic, solved: Callable[[], Solved], elastic: Array
 ) -> Iterator[Mistake]:
     for number, record in enumerate(records):
+        paths = [partial(_spring_path, solved, number, elastic)]
         if record.rest:
-            for which in range(MAX_SPACINGS[law.dim]):
-                path = partial(_rest_path, solved, number, which)
-                yield Mistake(record.kind, cache(path), simpler=record.simpler)
-            continue
-        yield Mistake(
-            record.kind,
-            cache(partial(_spring_path, solved, number, record, elastic)),
-            scaled=record.scaled,
-            named=named_factors(record, law),
-            beside=record.beside,
-            simpler=record.simpler,
-        )
+            spacings = range(MAX_SPACINGS[law.dim])
+            paths = [partial(_rest_path, solved, number, which) for which in spacings]
+        for path in paths:
+            yield Mistake(
+                record.kind,
+                cache(path),
+                scaled=record.scaled,
+                named=named_factors(record, law),
+                beside=record.beside,
+                simpler=record.simpler,
+            )
 
 
 def mistakes_on_mesh(
@@ -342,7 +328,7 @@ def mistakes_on_mesh(
 
     def solved() -> Solved:
         lattice = mesh_lattice(mesh, EDGE_RULES[0], positive=True)
-        own = replace(law, nu=CAUCHY[law.dim])
+        own = replace(law, nu=springs_ratio(law))
         constants = (central_modulus(own, law.dim, "springs on a mesh's edges"),)
         network = spring_network(
             mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, held=fixed,
@@ -359,13 +345,10 @@ Solved = list[tuple[float, list[Array | None]]]
 """Spacing (m), and displacement (p, d) in m of each mistake there, from fine to coarse."""
 
 
-def _spring_path(
-    solved: Callable[[], Solved], number: int, record: SpringMistake, elastic: Array
-) -> Path:
-    """One mistake at each spacing; right springs close in on elasticity."""
+def _spring_path(solved: Callable[[], Solved], number: int, elastic: Array) -> Path:
+    """One mistake at each spacing; right springs, the first, close in on elasticity."""
     path = [(h, u) for h, each in solved() if (u := each[number]) is not None]
-    right = record == SPRING_MISTAKES[0]
-    return [(0.0, elastic), *path] if right and path else path
+    return path if number or not path else [(0.0, elastic), *path]
 
 
 def _rest_path(solved: Callable[[], Solved], number: int, which: int) -> Path:

@@ -12,15 +12,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse import csr_array
 
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.routes import calibrate_by_route
-from msvalidate.constants.stiffness import CAUCHY, moduli
-from msvalidate.lattice import Constants, CutLattice, Lattice
+from msvalidate.constants.stiffness import moduli, springs_ratio
+from msvalidate.lattice import Constants, Lattice
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.lattice.patterns import all_patterns
+from msvalidate.linear_algebra.factor import factorise
 from msvalidate.network import Network
 from msvalidate.network.configuration import Configuration
 from msvalidate.problem import Array, Isotropic
@@ -73,13 +73,12 @@ class CorrectSprings:
         k = np.asarray(constants, dtype=float)[lattice.kind]
         if isinstance(lattice, EdgeLattice):
             return replace(self.network, stiffness=k)
-        inner = np.array([lattice.factor[lattice.kind == i].max() for i in range(lattice.kinds)])
-        k *= inner[lattice.kind]
-        if isinstance(lattice, CutLattice):
-            share = lattice.factor / inner[lattice.kind]
-        else:
-            share = lattice.share
-        return replace(self.network, stiffness=k * (1.0 if whole else share))
+        weight = lattice.share * lattice.factor  # of a cut lattice the factor has the share in it
+        if whole:
+            kinds = range(lattice.kinds)
+            inner = np.array([lattice.factor[lattice.kind == i].max() for i in kinds])
+            weight = inner[lattice.kind]
+        return replace(self.network, stiffness=k * weight)
 
 
 def bar_constant(law: Isotropic, spacing: float) -> float:
@@ -218,7 +217,7 @@ def solve_mistakes(
         network = record.network(springs)
         shared = record.constants, record.whole
         if shared not in factors:
-            factors[shared] = factorise(network)
+            factors[shared] = factorise_network(network)
         factor = factors[shared]
         if record.rest:
             none = np.zeros(network.points.shape)
@@ -231,19 +230,18 @@ def solve_mistakes(
             yield network, factor(network)
 
 
-def factorise(network: Network) -> Factor | None:
+def factorise_network(network: Network) -> Factor | None:
     """Factor of the tangent of a network at rest; None if the network is not stable.
 
     A plain sparse factor: a mistake's field needs no bound of its own error, and takes a fifth of
     the time of `statics.equilibrium`.
     """
-    K, free = csc_array(Configuration(network).tangent()), ~network.held.ravel()
-    inner = csc_array(K[free][:, free])
+    K, free = csr_array(Configuration(network).tangent()), ~network.held.ravel()
     try:
-        factor = symmetric_factor(inner)
+        factor = factorise(csr_array(K[free][:, free]))
     except RuntimeError:  # singular
         return None
-    pivots = factor.U.diagonal()
+    pivots = factor.lu.U.diagonal()
     if pivots.min() <= MIN_PIVOT * pivots.max():
         return None
 
@@ -254,12 +252,6 @@ def factorise(network: Network) -> Factor | None:
         return np.asarray(u.reshape(other.points.shape))
 
     return solve
-
-
-def symmetric_factor(matrix: csc_array) -> SuperLU:
-    """Sparse factor without pivoting; raises `RuntimeError` if a pivot is 0."""
-    options = {"SymmetricMode": True}
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
 def named_factors(record: SpringMistake, law: Isotropic) -> Mapping[str, Callable[[float], float]]:
@@ -278,7 +270,7 @@ def mistake_lines(law: Isotropic, lattice: str, spacing: float) -> list[str]:
         If no constants make the lattice a solid.
     """
     pattern = all_patterns()[lattice]()
-    own = calibrate_by_route(replace(law, nu=CAUCHY[law.dim]), pattern, spacing, "springs")
+    own = calibrate_by_route(replace(law, nu=springs_ratio(law)), pattern, spacing, "springs")
     lines = []
     for record in SPRING_MISTAKES[1:]:
         if record.rest or record.beside or not record.applies(pattern.kinds, heavy=True):

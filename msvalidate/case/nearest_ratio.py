@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Box, Isotropic, Material, Problem, Support, Traction
+from msvalidate.problem import Box, Isotropic, Problem, Support, Traction
 from msvalidate.problem.records import replace
 from reference_fem import box_discretisation, solve_problem
 from reference_fem.converged import is_nearly_incompressible
@@ -12,15 +11,6 @@ from reference_fem.mesh.discretisation import Discretisation
 
 ELEMENTS = {2: ("Q2", 4), 3: ("H2", 2)}
 """Axes -> element, and elements across a block: errors are a tenth of what is compared."""
-
-
-def springs_ratio(law: Material) -> float:
-    """The ratio of springs alone, where all points deform affinely.
-
-    1/3 in plane stress, 1/4 in plane strain and in space. Source: Cauchy's relation,
-    [BornHuang1954].
-    """
-    return CAUCHY[2 if getattr(law, "state", "") == "plane_stress" else 3]
 
 
 def change_by_ratio(problem: Problem, law: Isotropic, nu: float, body: Discretisation) -> float:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import bisect
 
 from msvalidate.case.case import Case
 from msvalidate.case.large import NonlinearAnswer
@@ -157,10 +158,10 @@ def _unstable(whose: str, error: SolverError) -> Limitation:
 
 def _strain(kind: str, reference: Reference) -> list[Limitation]:
     """Strain of linear theory, where no nonlinear value measures its error."""
-    few = [one for one in reference.solutions if len(one.body.points) <= STRAIN_NODES]
+    finest = reference.solutions_up_to(STRAIN_NODES)[-2:]
 
     def exceeded(load: float) -> float:
-        return min(strain_exceeded(one, load) for one in few[-2:] or reference.solutions[:1])
+        return min(strain_exceeded(one, load) for one in finest)
 
     load = 1.0
     strain = value = exceeded(load)
@@ -234,7 +235,7 @@ def layer_thickness(problem: Problem, start: Array, direction: Array) -> float:
     if not len(other):
         return float(t[-1])
     low, high = t[inside[0] + other[0] + np.array([-1, 0])]
-    while high - low > JUST_INSIDE**2 * high:
-        middle = (low + high) / 2
-        low, high = (middle, high) if layer(np.array([middle]))[0] == first else (low, middle)
-    return float(low)
+    end = bisect(
+        lambda t: (layer(np.array([t]))[0] == first) - 0.5, low, high, (), JUST_INSIDE**2 * low
+    )
+    return float(end)

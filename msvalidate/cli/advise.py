@@ -13,7 +13,7 @@ from msvalidate.case.identify import identified_lines, identify_lattice
 from msvalidate.case.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
-from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame
+from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame, springs_ratio
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import require_one_of
@@ -79,7 +79,7 @@ def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic]
     """The material, and if springs alone are asked for the nearest they can be, and its price."""
     if engine != "springs":
         return [material], ""
-    from msvalidate.case.nearest_ratio import change_of_blocks, springs_ratio
+    from msvalidate.case.nearest_ratio import change_of_blocks
 
     nu = springs_ratio(material)
     if abs(nu - material.nu) <= ALIKE:

@@ -131,6 +131,15 @@ def square_tensor(k1: float, k2: float) -> Array:
     return np.array([[k1 + k2, k2, 0.0], [k2, k1 + k2, 0.0], [0.0, 0.0, k2]])
 
 
+def springs_ratio(law: Material) -> float:
+    """The ratio of springs alone, where all points deform affinely.
+
+    1/3 in plane stress, 1/4 in plane strain and in space. Source: Cauchy's relation,
+    [BornHuang1954].
+    """
+    return CAUCHY[2 if getattr(law, "state", "") == "plane_stress" else 3]
+
+
 def central_modulus(material: Isotropic, dim: int, what: str) -> float:
     """Modulus of the d axes, N/m in the plane or Pa, of a material that central springs can be.
 

@@ -19,7 +19,6 @@ from msvalidate.problem.checks import (
     finite,
     finite_number,
     format_value,
-    positive_number,
     require_type,
 )
 from msvalidate.problem.records import dataclass
@@ -160,9 +159,7 @@ def _raise_to(
     return last, None, ""
 
 
-def turning_point(
-    actuator: SoftSlab, start: ActuatedSlab, *, step: float = CHARGE_STEP
-) -> ActuatedSlab:
+def turning_point(actuator: SoftSlab, start: ActuatedSlab) -> ActuatedSlab:
     """The equilibrium with the largest voltage, followed from `start` over the charge.
 
     The charge is raised until the voltage falls, and then sought between [Brent1973].
@@ -173,8 +170,6 @@ def turning_point(
         The question, with two electrodes.
     start
         An equilibrium below it.
-    step
-        Of the charge, relative to the start's.
 
     Raises
     ------
@@ -189,7 +184,6 @@ def turning_point(
         raise ProblemError("turning: more than two electrodes have no one charge; give two")
     if not start.voltage:
         raise ProblemError("turning: start is at 0 V; start from an equilibrium at a voltage")
-    positive_number("step", step)
     found = [start]
     while len(found) < 3 or found[-1].voltage > found[-2].voltage:
         if len(found) > MOST_CHARGES:
@@ -197,7 +191,7 @@ def turning_point(
                 f"actuator: the voltage still rises at {found[-1].voltage:.4g} V, with a thickness "
                 f"of {found[-1].ratio:.3g} of that at rest; it has no pull-in there"
             )
-        charge = (1 + step) * _charge(found[-1])
+        charge = (1 + CHARGE_STEP) * _charge(found[-1])
         found.append(solve_actuated(actuator, "charge", charge, found[-1]))
     low, high = _charge(found[-3]), _charge(found[-1])
 

@@ -17,11 +17,11 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.case.case import Case, spacing_of
-from msvalidate.case.nearest_ratio import change_by_ratio, springs_ratio
+from msvalidate.case.nearest_ratio import change_by_ratio
 from msvalidate.case.network_files import SHAPE_OF
 from msvalidate.case.springs import SpringAnswer, make_network, solve_springs
 from msvalidate.constants.homogenise import deforms_affinely
-from msvalidate.constants.stiffness import ALIKE
+from msvalidate.constants.stiffness import ALIKE, springs_ratio
 from msvalidate.lattice import Lattice
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.network import Network

@@ -20,9 +20,10 @@ from msvalidate.case.advice import (
     advice_record,
     advise,
 )
-from msvalidate.case.nearest_ratio import change_of_blocks, springs_ratio
+from msvalidate.case.nearest_ratio import change_of_blocks
 from msvalidate.cli.program import main
 from msvalidate.constants.routes import calibrate_by_route
+from msvalidate.constants.stiffness import springs_ratio
 from msvalidate.dynamics import spectrum
 from msvalidate.dynamics.damping import Damping
 from msvalidate.lattice import boundary_weights, fill
@@ -195,7 +196,8 @@ def test_the_command_says_its_numbers_and_what_it_took(capsys):
     assert "in plane_stress (taken; another by --state)" in out
     assert "springs alone have nu = 0.3333 (honeycomb: others too)" in out
     assert "k1 = 1.26e+07 N/m = 2μt along the axes" in out  # 2 t E/(2 (1 + 1/3))
-    assert "k2 = 2 k1 of square: nu = 0.6667 along the axes, not incompressible" in out
+    assert "k2 = 2 k1, k1 1 times the right one" in out
+    assert "(square: E 1.25 times, nu = 0.6667 along the axes, Zener ratio 4)" in out
     assert main([*sheet.split(), "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert [each["lattice"] for each in record["lattices"]] == ["square", "triangular", "honeycomb"]

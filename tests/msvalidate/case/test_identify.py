@@ -156,6 +156,13 @@ def test_known_mistakes_are_solids(kind, name, k):
     assert f"{solid.zener:.4g})" in lines[0]
 
 
+def test_known_mistakes_are_listed_in_each_state():
+    for name, states in (("square", ("plane_stress", "plane_strain")), ("cubic18", ("solid",))):
+        for state in states:
+            lines = mistake_lines(Isotropic(1e5, 0.3, state), name, 0.37)
+            assert any(each.startswith(OPENS["k = E"]) for each in lines)
+
+
 def test_how_stable_it_is():
     sides = identify_lattice("fcc", (1.0, 0.25), 1.0, volume=-1.0, density=1.0)  # nu = 0
     assert sides.stable.startswith("endless stable, a body not: FCC lattice: a free block")
