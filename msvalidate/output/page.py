@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from msvalidate.judging.columns import column_key
 from msvalidate.judging.evidence import OPEN, is_missed
 from msvalidate.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.output.pictures import Picture, embed_pictures
@@ -69,11 +70,12 @@ class Layer:
 
 @dataclass(frozen=True)
 class Column:
-    """A column's name and meaning, and how its cells are set."""
+    """Name, meaning and head of a column, and how its cells are set."""
 
     name: str
     meaning: str
     kind: str
+    label: str
 
 
 @dataclass(frozen=True)
@@ -293,18 +295,30 @@ def layer_judgements(name: str, rows: Sequence[Judged]) -> Layer:
 def tables(study: Stored) -> tuple[Table, ...]:
     """A study's tables, those first that a reader wants first."""
     names = sorted(study.tables, key=lambda name: name not in TABLES_FIRST)
-    return tuple(table_excerpt(name, study.tables[name], study.columns) for name in names)
+    known = study.columns, study.labels
+    return tuple(table_excerpt(name, study.tables[name], *known) for name in names)
 
 
-def table_excerpt(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Table:
+def table_excerpt(
+    name: str, content: pd.DataFrame, meanings: Mapping[str, str], labels: Mapping[str, str]
+) -> Table:
     """The first rows of a table, its numbers with six digits."""
+
+    def of(column: object, known: Mapping[str, str], default: str) -> str:
+        return known.get(column_key(name, str(column), known), default)
+
     texts = {column: [str(value) for value in content[column]] for column in content}
     shown = len(content) if name in WHOLE else ROWS_SHOWN
     kept = [format_column(values)[:shown] for values in texts.values()]
     return Table(
         name=name,
         columns=tuple(
-            Column(str(column), meanings.get(str(column), ""), column_kind(values))
+            Column(
+                str(column),
+                of(column, meanings, ""),
+                column_kind(values),
+                of(column, labels, str(column)),
+            )
             for column, values in texts.items()
         ),
         rows=tuple(zip(*kept, strict=True)),

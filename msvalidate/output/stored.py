@@ -26,7 +26,7 @@ from msvalidate.judging.evidence import Evidence, all_passed
 from msvalidate.output.figures import add_title, figure_style, plain_logarithms
 from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, field
 from msvalidate_check.baseline import read_columns
 
 FORMATS = ("png", "svg")
@@ -55,6 +55,8 @@ class About(msgspec.Struct, frozen=True):
         All that the run wrote into the folder.
     seconds
         That the study itself took.
+    labels
+        Column, or "table.column" -> head of the column for a reader.
     """
 
     question: str
@@ -66,6 +68,7 @@ class About(msgspec.Struct, frozen=True):
     files: tuple[Name, ...]
     error: str = ""
     seconds: float = 0.0
+    labels: dict[str, str] = {}
 
 
 class Written(msgspec.Struct, frozen=True):
@@ -125,6 +128,8 @@ class Stored:
         Why a later run did not finish, or "": results are then of the run before it.
     seconds
         That the study itself took; 0 in results of old, which do not say.
+    labels
+        Column, or "table.column" -> head of the column for a reader.
     """
 
     name: str
@@ -137,6 +142,7 @@ class Stored:
     pictures: Mapping[str, tuple[str, bytes]]
     error: str = ""
     seconds: float = 0.0
+    labels: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def held(self) -> bool:
@@ -165,6 +171,7 @@ def result_files(
         captions=captions,
         files=tuple(sorted([*found, ABOUT])),
         seconds=seconds,
+        labels=dict(evidence.labels),
     )
     return found | {ABOUT: _json(msgspec.to_builtins(about))}
 
@@ -223,6 +230,7 @@ def read_result(folder: Path) -> Stored:
             },
             error=about.error,
             seconds=about.seconds,
+            labels=about.labels,
         )
     except FileNotFoundError as error:
         missing = Path(error.filename).name
