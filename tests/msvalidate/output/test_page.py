@@ -203,6 +203,7 @@ def spoilt(name):
         "tables": {"line": table, EVIL: table},
         "pictures": {EVIL: (EVIL, EVIL.encode())},
         "error": EVIL,
+        "labels": {EVIL: EVIL, "x": EVIL},
     }
     assert set(whole) == set(TEXTS)
     return stored(**(whole if name == "all of them" else {name: whole[name]}))
