@@ -30,6 +30,7 @@ def summary_row(
     springs: float,
     reference: float | None,
     *,
+    scale: float | None = None,
     uncertainty: float = 0.0,
     tolerance: float = TOLERANCE,
     more: Mapping[str, object] | None = None,
@@ -43,8 +44,11 @@ def summary_row(
     springs, reference
         Values of the springs and of the reference in one unit. A row without a reference has no
         difference and no verdict.
+    scale
+        Size that the difference is relative to, by default that of the reference. A positive
+        difference means that the springs give the larger value.
     uncertainty
-        Error of the reference, relative to the reference.
+        Error of the reference, relative to the scale.
     tolerance
         Largest relative difference that counts as agreement.
     more
@@ -54,7 +58,8 @@ def summary_row(
     if reference is None:
         row |= {"reference": NONE, "difference": NONE, "tolerance": NONE}
         return row | dict(more or {}) | {"verdict": NONE}
-    difference = (springs - reference) / abs(reference) if reference else math.inf
+    size = abs(reference) if scale is None else scale
+    difference = (springs - reference) / math.copysign(size, reference) if size else math.inf
     row |= {"reference": reference, "difference": difference, "tolerance": tolerance}
     verdict = agreement(difference, uncertainty, tolerance)
     return row | dict(more or {}) | {"verdict": verdict}
