@@ -35,7 +35,10 @@ def summary_texts(
 def summary_lines(table: pd.DataFrame, evidence: Evidence) -> list[str]:
     """Lines of a summary for a terminal: its quantity, then the table."""
     quantity = evidence.columns[column_key(NAME, "springs", evidence.columns)]
-    return [f"{quantity[:1].upper()}{quantity[1:]}:", *align_table(*summary_texts(table, evidence.labels))]
+    return [
+        f"{quantity[:1].upper()}{quantity[1:]}:",
+        *align_table(*summary_texts(table, evidence.labels)),
+    ]
 
 
 def _text(name: str, value: object) -> str:
