@@ -34,7 +34,7 @@ def summary_texts(
 
 def summary_lines(table: pd.DataFrame, evidence: Evidence) -> list[str]:
     """Lines of a summary for a terminal: its quantity, then the table."""
-    quantity = evidence.columns[column_key(NAME, "springs", evidence.columns)]
+    quantity = str(evidence.columns[column_key(NAME, "springs", evidence.columns)])
     return [
         f"{quantity[:1].upper()}{quantity[1:]}:",
         *align_table(*summary_texts(table, evidence.labels)),

@@ -31,10 +31,10 @@ def summarise(cases: pd.DataFrame) -> dict[str, pd.DataFrame]:
     chosen = cases[(cases["lattice"] == "square") & (cases["cells_y"] == CELLS)]
     rows = []
     for words, model in SPRINGS.items():
-        own = chosen[(chosen[list(model)] == pd.Series(model)).all(axis=1)]
+        own = chosen[(chosen["k2"] == model["k2"]) & (chosen["weights"] == model["weights"])]
         for case in CASES:
             part = own[own["case"] == case]
-            farthest = part.loc[part["total"].abs().idxmax()]
+            farthest = part.iloc[int(part["total"].abs().argmax())]
             rows.append(_row(f"{case}, {words}", farthest))
     return kit.summary_tables(rows)
 
