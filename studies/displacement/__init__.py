@@ -4,6 +4,7 @@ A single difference from FEM mixes several causes; this study takes them apart. 
 
 - `budget`: every case, lattice, size and boundary rule against its target, cause by cause;
 - `shapes`: the report's Figures 4 to 7 drawn again, and its words about them put to numbers;
+- `emblem`: the bar of Figure 7 with the report's springs and with calibrated ones;
 - `target`: what the "incompressible" lattice is measured against is a choice, and decides;
 - `identities`: which networks are exactly a known discretisation;
 - `bent_bar`: how stiff a bar of cubic cells is in pure bending;
@@ -26,6 +27,7 @@ from . import (
     budget,
     controls,
     elastic,
+    emblem,
     identities,
     large,
     measuring,
@@ -73,6 +75,7 @@ def run(
         {
             "budget": lambda: budget.run(measured(), bodies(), large.solve(setting)),
             "shapes": lambda: shapes.run(measured(), bodies()),
+            "emblem": lambda: emblem.run(measured(), bodies()),
             "target": lambda: target.run(candidate, setting),
             "identities": lambda: identities.run(candidate, setting),
             "bent_bar": lambda: bent_bar.run(candidate, setting),
