@@ -50,6 +50,8 @@ class Evidence:
         Column -> as `Column.rounding`, which enters it.
     labels
         Column -> as `Column.label`, which enters it.
+    cover
+        Name of the figure that the page shows first, a picture of a body; "" for the first figure.
     findings
         Sentences that say what was found; numbers in them come from the tables.
 
@@ -68,6 +70,7 @@ class Evidence:
     rounding: Mapping[str, float] = field(default_factory=dict)
     labels: Mapping[str, str] = field(default_factory=dict)
     drawn: Tables = field(default_factory=dict)
+    cover: str = ""
 
     def __post_init__(self) -> None:
         known = {**common_columns(), **self.columns}
@@ -161,6 +164,7 @@ def merge(*parts: Evidence) -> Evidence:
         rounding=rounding,
         labels=labels,
         drawn=drawn,
+        cover=next((part.cover for part in parts if part.cover), ""),
     )
 
 

@@ -57,6 +57,8 @@ class About(msgspec.Struct, frozen=True):
         That the study itself took.
     labels
         Column, or "table.column" -> head of the column for a reader.
+    cover
+        Name of the picture that the page shows first; "" for the first one.
     """
 
     question: str
@@ -69,6 +71,7 @@ class About(msgspec.Struct, frozen=True):
     error: str = ""
     seconds: float = 0.0
     labels: dict[str, str] = {}
+    cover: str = ""
 
 
 class Written(msgspec.Struct, frozen=True):
@@ -130,6 +133,8 @@ class Stored:
         That the study itself took; 0 in results of old, which do not say.
     labels
         Column, or "table.column" -> head of the column for a reader.
+    cover
+        Name of the picture that the page shows first; "" for the first one.
     """
 
     name: str
@@ -143,6 +148,7 @@ class Stored:
     error: str = ""
     seconds: float = 0.0
     labels: Mapping[str, str] = field(default_factory=dict)
+    cover: str = ""
 
     @property
     def held(self) -> bool:
@@ -172,6 +178,7 @@ def result_files(
         files=tuple(sorted([*found, ABOUT])),
         seconds=seconds,
         labels=dict(evidence.labels),
+        cover=evidence.cover,
     )
     return found | {ABOUT: _json(msgspec.to_builtins(about))}
 
@@ -231,6 +238,7 @@ def read_result(folder: Path) -> Stored:
             error=about.error,
             seconds=about.seconds,
             labels=about.labels,
+            cover=about.cover,
         )
     except FileNotFoundError as error:
         missing = Path(error.filename).name

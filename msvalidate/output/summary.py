@@ -10,6 +10,7 @@ from msvalidate.judging.columns import column_key
 from msvalidate.judging.evidence import Evidence
 from msvalidate.judging.summary import NAME, RELATIVE
 from msvalidate_check.text import align_table, percent
+from msvalidate_check.verdict import AGREES
 
 
 def summary_texts(
@@ -39,6 +40,28 @@ def summary_lines(table: pd.DataFrame, evidence: Evidence) -> list[str]:
         f"{quantity[:1].upper()}{quantity[1:]}:",
         *align_table(*summary_texts(table, evidence.labels)),
     ]
+
+
+def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
+    """One sentence: rows that agree, and the row that differs most; "" without a verdict.
+
+    Parameters
+    ----------
+    table, labels
+        As for `summary_texts`.
+    """
+    judged = table[table["difference"].map(_is_number)]
+    if judged.empty:
+        return ""
+    size = judged["difference"].astype(float).abs()
+    farthest = judged.iloc[int(size.argmax())]
+    reference = labels.get(column_key(NAME, "reference", labels), "the reference")
+    agreeing = int((judged["verdict"] == AGREES).sum())
+    off = percent(float(size.max()))
+    return (
+        f"{agreeing} of {len(judged)} rows agree with {reference} within their tolerance. "
+        f"The largest difference is {off} ({farthest['case']})."
+    )
 
 
 def _text(name: str, value: object) -> str:

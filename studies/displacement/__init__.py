@@ -1,6 +1,11 @@
 """Displacement: how far are the report's load cases from elasticity, and why?
 
-A single difference from FEM mixes several causes; this study takes them apart. One question a file:
+A single difference from FEM mixes several causes; this study takes them apart.
+
+Recommendation: use k2 = k1/2 with boundary weight 1/2, and at least 20 cells across the body. A
+lattice with k2 = 2 k1 is a different, anisotropic material, which no refinement corrects.
+
+One question a file:
 
 - `budget`: every case, lattice, size and boundary rule against its target, cause by cause;
 - `shapes`: the report's Figures 4 to 7 drawn again, and its words about them put to numbers;

@@ -72,6 +72,7 @@ def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> kit.Evidence:
         tables={"bars": pd.concat(parts, ignore_index=True)},
         tolerances=RULES,
         figures={"emblem": emblem},
+        cover="emblem",
         columns=kit.columns(__file__),
     )
 
