@@ -174,7 +174,9 @@ def render_page(studies: Sequence[Stored]) -> str:
         glanced=glance.cover if glance else None,
         shown=GLANCED,
         # What our own springs are good for is no part of what is said of somebody else's.
-        front=None if glance or (sections and all(s.candidate for s in sections)) else first_screen(studies),
+        front=None
+        if glance or (sections and all(s.candidate for s in sections))
+        else first_screen(studies),
         picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
         ledger=next((ledger(s.tables[SENTENCES]) for s in studies if SENTENCES in s.tables), ()),
         there={section.name: section.anchor for section in sections},
