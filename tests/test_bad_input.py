@@ -19,12 +19,12 @@ from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.directions import directional_ratio
 from msvalidate.constants.homogenise import deforms_affinely, homogenise_network, interior_tensor
+from msvalidate.constants.isotropic import isotropic_constants
 from msvalidate.constants.routes import ROUTES, default_constants
 from msvalidate.constants.stiffness import (
     moduli,
     pattern_tensor,
     spring_tensor,
-    square_constants,
     square_tensor,
 )
 from msvalidate.dielectric.charges.faces import slab_faces
@@ -43,6 +43,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import (
     boundary_weights,
     diagonal_square,
+    patterns,
     square,
     trapezium,
     triangular,
@@ -198,7 +199,7 @@ BAD = [
     ("fault in other loads", lambda: faults.lump_tractions(PROBLEM, net(), 0.1), ProblemError,
         "no point of the network lies there; give the problem's own"),
     # stiffness
-    ("constants of None", lambda: square_constants(None), ProblemError,
+    ("constants of None", lambda: isotropic_constants(None, patterns.square(), 1.0), ProblemError,
         "the material must be isot"),
     ("tensor of NaN", lambda: square_tensor(NAN, 1.0), ProblemError, "spring constant k1: nan"),
     ("tensor of None", lambda: interior_tensor(None, (1.0,), "equal"), ProblemError, "a Lattice"),
@@ -401,7 +402,7 @@ def test_any_isotropic_material(E, nu, thickness, state):
     material = judged(lambda: Isotropic(E, nu, state, thickness=thickness))
     if material:
         assert all_finite(material.E, material.nu, material.thickness)
-        constants = judged(lambda: square_constants(material))
+        constants = judged(lambda: isotropic_constants(material, patterns.square(), 1.0))
         assert constants is None or all_finite(constants)
         for route in ROUTES:
             found = judged(

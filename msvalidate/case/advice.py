@@ -27,30 +27,8 @@ from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverErro
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import dataclass, replace
 
-FORMULAS: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "square": (("the axes", "2μt"), ("the diagonals", "μt")),
-    "triangular": (("the triangles' sides", "4/√3·μt"),),
-    "honeycomb": (("the hexagons' sides", "2√3·({λ} - μ)t"), ("their short diagonals", "2/√3·μt")),
-    "cubic18": (("the axes", "μh"), ("the faces' diagonals", "μh")),
-    "cubic26": (
-        ("the axes", "11/7·μh"),
-        ("the faces' diagonals", "3/7·μh"),
-        ("the cubes' diagonals", "3/7·μh"),
-    ),
-    "bcc": (("half the cubes' diagonals", "3/2·μh"), ("the axes", "μh")),
-    "fcc": (("half the faces' diagonals", "μh"), ("the axes", "1/4·μh")),
-}
-"""Lattice -> where springs of each kind run, and their constant in N/m, {λ} by the state: what
-makes the tensor of `lattice.patterns` the material's. For cubic26 others do too; here k2 = k3."""
 VOLUME = {2: "({λ} - μ)t", 3: "λ - μ"}
 """Axes -> κ of a cell, N/m in the plane or Pa in space. Source: [Golec2020]."""
-UNDER_TENSION = {
-    "square": "μt/3",
-    "triangular": "μt/√3",
-    "cubic18": "μh/5",
-    "cubic26": "μh/9",
-}
-"""Lattice -> constant of all springs by the route "neo-Hookean"."""
 UNDER_PRESSURE = {2: "{λ}t", 3: "λ"}
 """Axes -> stiffness of its cells."""
 BOUNDARY = {
@@ -58,8 +36,8 @@ BOUNDARY = {
     "cut": "springs and points of cut cells count by the part in the body",
     "edges": "springs and points have the part of each cell that they border",
 }
-"""How bodies are made -> what is less at their boundary: filled, by the rule "shared" of
-`lattice.WEIGHTS`; cut; or of a mesh's edges."""
+"""Rule of a lattice's `boundary` -> what is less there: filled, by "shared" of `lattice.WEIGHTS`;
+cut; or of a mesh's edges."""
 WHOSE, BLOCK = "bodies of whole cells, two or more across", 2
 """Whose highest frequency is taken, and cells along the edges of the free block that stands for
 them: larger ones had no higher frequency, but for 0.8 %."""
@@ -90,6 +68,8 @@ class Advice:
         Of a point inside (kg).
     omega, whose
         Highest frequency (rad/s), and of what it is: it sets the steps.
+    source
+        Keys of docs/references.bib.
     weights
         A key of `BOUNDARY`.
     damping, undamped
@@ -110,6 +90,7 @@ class Advice:
     mass: float
     omega: float
     whose: str
+    source: str
     weights: str = "shared"
     damping: Damping | None = None
     undamped: str = "damping goes by body and load, not by E and nu"
@@ -136,14 +117,6 @@ class Advice:
         """What springs and points in the body's sides have."""
         edge = ", in its edges 1/4" if self.material.dim == 3 else ""
         return BOUNDARY[self.weights].format(edge=edge)
-
-    @property
-    def source(self) -> str:
-        """Keys of docs/references.bib."""
-        own = "OstojaStarzewski2002" if self.lattice == "triangular" else "BornHuang1954"
-        if self.pressure:
-            return f"[{own}], cells [SimoPister1984]"
-        return f"[{own}], κ [Golec2020]" if self.volume else f"[{own}]"
 
 
 def step_limits(omega: float, damping: float = 0.0) -> dict[str, float]:
@@ -190,14 +163,16 @@ def advice_of(
     """The same from a calibration, the highest frequency (rad/s) of what is named, and damping."""
     pattern = all_patterns()[lattice]()
     lame = lame_name(material)
+    formulas, own = pattern.formulas, f"[{pattern.formulas.source}]"
     every = found.spacing * np.linalg.norm(pattern.vectors, axis=1)
     rest = [float(every[pattern.kind == kind].mean()) for kind in range(pattern.kinds)]
     space = float(pattern.volume.mean()) * found.spacing**pattern.dim  # of a point inside
     by_route = found.route in ROUTES  # constants that were given have no formula
-    along, cells = FORMULAS.get(lattice, (("the axes", ""),)), VOLUME
+    along = formulas.kinds or tuple((f"kind {n + 1}", "") for n in range(pattern.kinds))
+    cells, cells_source = VOLUME, ", κ [Golec2020]" * bool(found.volume)
     if found.pressure:
-        cells = UNDER_PRESSURE
-        along = tuple((where, UNDER_TENSION.get(lattice, "")) for where, _ in along)
+        cells, cells_source = UNDER_PRESSURE, ", cells [SimoPister1984]"
+        along = tuple((where, formulas.zero_length) for where, _ in along)
     springs = zip(along, found.constants, rest, strict=True)
     return Advice(
         material=material,
@@ -211,6 +186,7 @@ def advice_of(
         mass=material.density * material.thickness * space,
         omega=omega,
         whose=whose,
+        source=own + cells_source,
         weights=weights,
         damping=damping,
         volume=found.volume,
@@ -266,11 +242,6 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     grows = f"{'k, κ' if a.volume else 'k'} the same at any spacing"
     if dim == 3:
         grows = f"k in proportion to the spacing{', κ the same' if a.volume else ''}"
-    schemes: dict[str, list[str]] = {}
-    for name, limit in a.limits.items():
-        shown = f"{SAFETY * limit:.4g} s ({SAFETY:g} of the limit {limit:.4g} s)"
-        schemes.setdefault(shown, []).append(INTEGRATORS[name].title)
-    steps = ", ".join(f"{' and '.join(names)} {shown}" for shown, names in schemes.items())
     solid = f"E = {a.E:.6g} Pa, nu = {a.nu:.6g}" if math.isfinite(a.E) else "E and nu not known"
     if abs(a.zener - 1) > ALIKE:
         solid += f" along the axes, by direction unequal (Zener ratio {a.zener:.6g})"
@@ -286,9 +257,18 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
         f"{a.lattice}, spacing {a.spacing:.6g} m, route {a.route}: {solid} {a.source}",
         f"  {springs_words(a)}",
         f"  {grows}; mass of a point inside {a.mass:.6g} kg; {a.boundary}",
-        f"  step of {steps}; highest frequency {a.omega:.6g} rad/s of {a.whose}",
+        f"  step of {step_words(a.limits)}; highest frequency {a.omega:.6g} rad/s of {a.whose}",
         f"  {damping}",
     )
+
+
+def step_words(limits: Mapping[str, float]) -> str:
+    """List the step (s) of each integrator, of those with one limit together."""
+    schemes: dict[str, list[str]] = {}
+    for name, limit in limits.items():
+        shown = f"{SAFETY * limit:.4g} s ({SAFETY:g} of the limit {limit:.4g} s)"
+        schemes.setdefault(shown, []).append(INTEGRATORS[name].title)
+    return ", ".join(f"{' and '.join(names)} {shown}" for shown, names in schemes.items())
 
 
 def springs_words(advice: Advice) -> str:
@@ -298,6 +278,8 @@ def springs_words(advice: Advice) -> str:
         f"along {kind.along} ({kind.length:.6g} m)"
         for kind in advice.kinds
     ]
+    if advice.route in ROUTES and not all(kind.formula for kind in advice.kinds):
+        springs.append("constants of the calibration, for which no formula is recorded")
     unit = UNIT[advice.material.dim]
     formula = " = " * bool(advice.volume_formula) + advice.volume_formula
     if advice.pressure:
@@ -315,7 +297,6 @@ def advice_record(advice: Advice) -> dict[str, Any]:
     """The same for JSON, all in SI units: m, kg, s, N/m, Pa."""
     return {
         **asdict(advice),
-        "source": advice.source,
         "boundary": advice.boundary,
         "step_limit": advice.limits,
         "step": {name: SAFETY * limit for name, limit in advice.limits.items()},

@@ -16,7 +16,7 @@ from msvalidate.case.advice import (
     lame_name,
     springs_words,
 )
-from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
+from msvalidate.case.case import MESH_EDGES, Case
 from msvalidate.case.identify import with_cells
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.calibration import Calibration
@@ -25,14 +25,15 @@ from msvalidate.constants.routes import calibration_of
 from msvalidate.constants.zones import calibrate_zones
 from msvalidate.dynamics.damping import quickest_damping
 from msvalidate.dynamics.spectrum import highest_frequency
+from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.problem.records import replace
 
 EDGE_FORMULAS = {
-    True: "sum of E·V/L² over its cells, V their volume",
-    False: "sum of -μ∫∇φi·∇φj over its cells, φ of their corners",
+    "area": "sum of E·V/L² over its cells, V their volume",
+    "cotangent": "sum of -μ∫∇φi·∇φj over its cells, φ of their corners",
 }
-"""Whether springs are at rest -> stiffness of a mesh's edge; V has the thickness in it."""
+"""Rule of `lattice.EDGE_RULES` -> stiffness of a mesh's edge; V has the thickness in it."""
 FREQUENCY = 1e-4
 """Relative error of the highest frequency's square: a step has a tenth of its limit in hand."""
 
@@ -43,7 +44,7 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
     Steps and damping are those of the whole network; no damping where nothing moves it. No entry of
     a material that is given by its tensor. Raises `SolverError` if no highest frequency is found.
     """
-    network, problem = answer.network, case.problem
+    network, problem, lattice = answer.network, case.problem, answer.lattice
     law = problem.material
     if not isinstance(law, Isotropic):
         return ()
@@ -53,7 +54,7 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
         damping = quickest_damping(network)
     except (ProblemError, SolverError) as error:
         why = f"no damping: {error}"
-    if case.lattice == MESH_EDGES:
+    if isinstance(lattice, EdgeLattice):
         k, own = network.stiffness, case.constants is None
         middle = int(np.argsort(k, kind="stable")[len(k) // 2])
         edges = SpringKind(
@@ -61,26 +62,27 @@ def advise_body(case: Case, answer: SpringAnswer) -> tuple[Advice, ...]:
             along="the mesh's edges, and diagonals of other cells than simplices",
             constant=float(k[middle]),
             length=float(network.rest_length[middle]),
-            formula=EDGE_FORMULAS[case.at_rest_on_edges] if own else "",
+            formula=EDGE_FORMULAS[lattice.rule] if own else "",
         )
-        rule = "the rule 'area'" if case.at_rest_on_edges else EDGE_ROUTES[1]
-        body = (law, MESH_EDGES, answer.spacing, rule, (edges,), float(np.median(network.mass)))
         made = answer.calibration
-        edge: dict[str, Any] = {"damping": damping, "undamped": why, "weights": "edges"}
+        route = made.route if made else f"the rule {lattice.rule!r}"
+        body = (law, MESH_EDGES, answer.spacing, route, (edges,), float(np.median(network.mass)))
+        edge: dict[str, Any] = {"damping": damping, "undamped": why, "weights": lattice.boundary}
+        source = "[vanGelder1998]" + ", cells [SimoPister1984]" * (made is not None)
         if made is not None and not problem.zones:
             lame = UNDER_PRESSURE[network.dim].format(λ=lame_name(law))
             cells = {"volume": made.volume, "volume_formula": lame, "pressure": made.pressure}
             edge |= {**cells, "E": made.E, "nu": made.nu, "zener": made.zener}
-        return (Advice(*body, omega, whose, **edge),)
+        return (Advice(*body, omega, whose, source, **edge),)
     found: tuple[Calibration, ...]
     if problem.zones:
-        found = calibrate_zones(problem, answer.lattice, route=case.route)
+        found = calibrate_zones(problem, lattice, route=case.route)
     else:
         found = (answer.calibration or _given(case, answer, law),)
-    weights = "cut" if hasattr(answer.lattice, "fraction") else "shared"
     return tuple(
         replace(
-            advice_of(law, str(case.lattice), each, omega, whose, damping, weights), undamped=why
+            advice_of(law, str(case.lattice), each, omega, whose, damping, lattice.boundary),
+            undamped=why,
         )
         for law, each in zip(problem.materials, found, strict=True)
         if isinstance(law, Isotropic)

@@ -29,7 +29,6 @@ PARTS = {
     "boundary or material": "what stays; the material that the springs are is not known",
 }
 """Parts that make up the difference, in words."""
-LAW_WORDS = dict(zip(LAWS, ("St Venant and Kirchhoff's", "the neo-Hookean"), strict=True))
 
 
 def budget(found: Comparison) -> pd.DataFrame:
@@ -109,7 +108,7 @@ def _large_rows(
     part: Callable[[Array], float],
 ) -> list[tuple[str, float, float, str]]:
     """Rows "linear reference" and "law"."""
-    size, (*changes, why), law = found.size, large, LAW_WORDS[found.case.law]
+    size, (*changes, why), law = found.size, large, LAWS[found.case.law]
     (target, off), (own, own_off) = (
         (math.nan, math.nan) if each is None else (part(each[0]), each[1] / size)
         for each in changes

@@ -54,7 +54,7 @@ LITTLE = 1.25
 a number that is asked for is kept, about."""
 FITS = 4e-10
 """Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
-LAWS = ("st-venant-kirchhoff", "neo-hookean")
+LAWS = {"st-venant-kirchhoff": "St Venant and Kirchhoff's", "neo-hookean": "the neo-Hookean"}
 """Laws of elements at large strain; all are the material's own at small strain."""
 GEOMETRIES = ("linear", "nonlinear")
 BAND = 0.05
@@ -118,7 +118,7 @@ class Case:
     band: float = BAND
     accuracy: float = ACCURACY
     memory: float = MEMORY
-    law: str = LAWS[0]
+    law: str = "st-venant-kirchhoff"
     geometry: Literal["linear", "nonlinear"] = "linear"
     fracture: Fracture | None = None
     notes: Mapping[str, str] = field(default_factory=dict)

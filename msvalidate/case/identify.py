@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.case.advice import WHOSE, block_frequency, step_limits
+from msvalidate.case.advice import WHOSE, block_frequency, step_limits, step_words
 from msvalidate.constants.directions import directional_modulus
 from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.constants.stiffness import (
@@ -19,7 +19,6 @@ from msvalidate.constants.stiffness import (
     isotropic_part,
 )
 from msvalidate.constants.waves import least_stable_volume
-from msvalidate.dynamics.step_limits import SAFETY
 from msvalidate.lattice import Constants
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Array, Isotropic, ProblemError
@@ -170,9 +169,8 @@ def identified_lines(found: Identified, thickness: float | None = None) -> tuple
             f"{mean.E / t * (1 - strain**2):.6g} Pa, nu = {strain:.6g}"
         )
     if math.isfinite(found.omega):
-        limit = step_limits(found.omega)["leapfrog"]
+        steps = step_words(step_limits(found.omega))
         lines.append(
-            f"  highest frequency {found.omega:.6g} rad/s of {found.whose}; step of leapfrog and "
-            f"Euler-Cromer {SAFETY * limit:.4g} s, {SAFETY:g} of the limit {limit:.4g} s"
+            f"  highest frequency {found.omega:.6g} rad/s of {found.whose}; step of {steps}"
         )
     return tuple(lines)

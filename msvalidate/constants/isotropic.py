@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 import numpy as np
 from scipy.optimize import least_squares, nnls
 
@@ -19,17 +17,10 @@ from msvalidate.constants.stiffness import (
     isotropic_tensor,
     moduli,
     pattern_tensor,
-    square_constants,
-    triangular_constants,
 )
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Array, Isotropic, ProblemError
 
-CLOSED: Mapping[str, Callable[[Isotropic], Constants]] = {
-    "square": square_constants,
-    "triangular": triangular_constants,
-}
-"""Patterns whose constants have a closed form."""
 START = 1e-3
 """Least constant to start a search from, relative to the largest: at zero springs are gone."""
 
@@ -37,9 +28,8 @@ START = 1e-3
 def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
     """Spring constants (N/m), one a kind, that make a pattern a material by springs alone.
 
-    By closed form where there is one, by the pattern's own rules where one leaves the material's
-    ratio, or by search: linear where points follow a uniform strain, on the relaxed tensor
-    elsewhere.
+    By the pattern's own rules where one leaves the material's ratio, or by search: linear where
+    points follow a uniform strain, on the relaxed tensor elsewhere.
 
     Parameters
     ----------
@@ -54,8 +44,6 @@ def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -
         With the reason and the nearest that there is, if there are none.
     """
     E, nu = axes_moduli(material, pattern.dim, f"{pattern.name} lattice")
-    if pattern.name in CLOSED:
-        return CLOSED[pattern.name](material)
     for rule in pattern.rules.values():
         solid = _isotropic_moduli(pattern, rule, spacing)
         if solid is not None and abs(nu - solid.nu) <= ALIKE:

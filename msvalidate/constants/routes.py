@@ -46,7 +46,7 @@ from msvalidate.constants.stiffness import (
     pattern_tensor,
 )
 from msvalidate.constants.waves import least_stable_volume
-from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
+from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice
 from msvalidate.lattice.edges import REST_SHARE, EdgeLattice
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
 from msvalidate.problem.checks import (
@@ -59,12 +59,6 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
 
-PATTERN_OF: Mapping[str, Callable[[], Pattern]] = {
-    "square": patterns.square,
-    "square at 45°": patterns.square,
-    "triangular": patterns.triangular,
-}
-"""Lattices built without a pattern, and what repeats in them; a turn changes no isotropic solid."""
 ORDINARY = 1e100
 """Moduli times thickness beyond which, or below one over which, squares have no digits left."""
 
@@ -184,8 +178,8 @@ def _repeating_cell(lattice: Pattern | Lattice, spacing: float | None) -> tuple[
         raise ProblemError(f"spacing: {format_value(spacing)}; a body has its own, leave it out")
     if isinstance(lattice, PatternLattice):
         return lattice.pattern, lattice.spacing
-    if lattice.name in PATTERN_OF:
-        return PATTERN_OF[lattice.name](), 1.0  # plane tensors do not depend on it
+    if lattice.unit_cell is not None:
+        return lattice.unit_cell, 1.0  # plane tensors do not depend on it
     raise ProblemError(
         f"spring constants: none known for {lattice.name}; give the constants, or calibrate the "
         "pattern that it was made from"

@@ -131,33 +131,6 @@ def square_tensor(k1: float, k2: float) -> Array:
     return np.array([[k1 + k2, k2, 0.0], [k2, k1 + k2, 0.0], [0.0, 0.0, k2]])
 
 
-def square_constants(material: Isotropic) -> tuple[float, float]:
-    """Spring constants (k1, k2) in N/m of the square lattice: E2 = 4 k1/3, k2 = k1/2.
-
-    Source: `square_tensor`, solved for the constants of an isotropic material.
-
-    Raises
-    ------
-    ProblemError
-        As `central_modulus`.
-    """
-    E = central_modulus(material, 2, "square lattice")
-    return 3 / 4 * E, 3 / 8 * E
-
-
-def triangular_constants(material: Isotropic) -> tuple[float]:
-    """Spring constant (k,) in N/m of the triangular lattice: E2 = 2k/√3, always isotropic.
-
-    Source: [OstojaStarzewski2002], triangular lattice of central springs.
-
-    Raises
-    ------
-    ProblemError
-        As `central_modulus`.
-    """
-    return (math.sqrt(3) / 2 * central_modulus(material, 2, "triangular lattice"),)
-
-
 def central_modulus(material: Isotropic, dim: int, what: str) -> float:
     """Modulus of the d axes, N/m in the plane or Pa, of a material that central springs can be.
 

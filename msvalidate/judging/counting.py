@@ -21,8 +21,6 @@ AT_REST = 1e-13
 """Tolerance of a run, far below what the thresholds need: they end it."""
 LOOKS = 100
 """Looks on the way to the first threshold: the count of steps is then known to about 1 %."""
-SINGLY = ("conjugate_gradients", "newton", "newton_multigrid")
-"""Methods of few steps, looked at after every one."""
 BUDGET = 50
 """Times the predicted steps after which a run has failed."""
 
@@ -66,7 +64,7 @@ def count_steps(
             tolerance=AT_REST,
             max_steps=BUDGET * predict_steps(root_kappa, min(thresholds)),
             watch=watch,
-            look_every=1 if method.name in SINGLY else stride,
+            look_every=1 if method.look_every == 1 else stride,
             frequencies=frequencies,
         )
     return reached

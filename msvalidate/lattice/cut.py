@@ -72,6 +72,7 @@ class CutLattice(PatternLattice):
     inside: Mask
     drawing_error: float
     by_surface: bool
+    boundary: str = "cut"
 
     def weights_at(self, places: Array) -> tuple[Index, Array]:
         """Points (q, corners) and weights (q, corners) that interpolate at places (q, d) in m.

@@ -70,6 +70,7 @@ class EdgeLattice(Lattice):
     rule: str
     gifts: Array
     of: Index
+    boundary: str = "edges"
 
 
 def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> EdgeLattice:

@@ -61,6 +61,11 @@ class Lattice(ReadOnly):
     regular
         Whether its facets are those of equal cells, which a load on part of a side can be made to
         end with.
+    boundary
+        Rule by which springs and points count at its boundary: "shared", as `WEIGHTS` has it by
+        default, "cut" by the part of their cells in the body, or "edges" of a mesh.
+    unit_cell
+        What it repeats, if its constants may be found by that; of a `PatternLattice` its pattern.
     """
 
     name: str
@@ -75,6 +80,8 @@ class Lattice(ReadOnly):
     sharing: Index = field(default_factory=lambda: np.ones((), dtype=np.intp))
     factor: Array = field(default_factory=lambda: np.ones(()))
     regular: bool = True
+    boundary: str = "shared"
+    unit_cell: Pattern | None = None
 
     def __post_init__(self) -> None:
         for name in ("kind", "share", "sharing", "factor"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,12 +23,33 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
-from msvalidate.problem.records import dataclass, field
+from msvalidate.problem.records import dataclass, field, replace
 
 Constants = tuple[float, ...]
 """Spring constants (N/m), one for each kind of spring."""
 SAME_DISTANCE = 1e-9
 """Distances closer than this fraction are one."""
+
+
+class SpringFormulas(NamedTuple):
+    """Formulas for the springs of a lattice, as text for users.
+
+    They are in μ and λ (written ``{λ}``), the thickness t and the spacing h.
+
+    Parameters
+    ----------
+    kinds
+        Where the springs of each kind run, and their stiffness (N/m) by central springs; empty if
+        no formula is known.
+    zero_length
+        Stiffness (N/m) of all springs by the route "neo-Hookean"; empty if it is not known.
+    source
+        Key of docs/references.bib.
+    """
+
+    kinds: tuple[tuple[str, str], ...] = ()
+    zero_length: str = ""
+    source: str = "BornHuang1954"
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +80,8 @@ class Pattern:
         (m,) stiffness of each spring relative to the constant of its kind, by default 1.
     volume
         (n,) part of the cell that belongs to each point, by default an equal one.
+    formulas
+        Constants of its springs as text, a row a kind or none.
 
     Raises
     ------
@@ -75,6 +99,7 @@ class Pattern:
     tensor: Callable[[Constants], Array] | None = None
     factor: Array = field(default_factory=lambda: np.ones(0))
     volume: Array = field(default_factory=lambda: np.ones(0))
+    formulas: SpringFormulas = SpringFormulas()
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isprintable() or not self.name:
@@ -118,6 +143,10 @@ class Pattern:
         kinds = sorted(set(self.kind.tolist()))
         if kinds != list(range(len(kinds))):
             raise ProblemError(f"{said}: kinds {kinds}; count from 0 without a gap")
+        if len(self.formulas.kinds) not in {0, len(kinds)}:
+            raise ProblemError(
+                f"{said}: formulas of {len(self.formulas.kinds)} kinds; give {len(kinds)}, or none"
+            )
         if (self.factor < 0).any() or (self.volume <= 0).any():
             raise ProblemError(f"{said}: a factor below 0 or a volume not above; give neither")
         cell = math.prod(self.size)
@@ -180,6 +209,7 @@ def pattern_by_shells(
     distances: tuple[float, ...],
     rules: Mapping[str, Constants],
     tensor: Callable[[Constants], Array] | None = None,
+    formulas: SpringFormulas = SpringFormulas(),  # noqa: B008  it is never changed
 ) -> Pattern:
     """Pattern whose springs join all points at some distances in spacings, one kind each.
 
@@ -226,6 +256,7 @@ def pattern_by_shells(
         kind=np.concatenate(kind),
         rules=rules,
         tensor=tensor,
+        formulas=formulas,
     )
 
 
@@ -244,15 +275,13 @@ def repeat_cell(pattern: Pattern, times: int) -> Pattern:
     beyond = cells[:, None] + pattern.image
     image, home = np.divmod(beyond, times)
     here = np.repeat(cells @ place, len(i)).reshape(len(cells), -1)
-    return Pattern(
-        name=pattern.name,
+    return replace(
+        pattern,
         size=tuple(times * edge for edge in pattern.size),
         points=(cells[:, None] * np.array(pattern.size) + pattern.points).reshape(-1, d),
         springs=np.stack([here * n + i, home @ place * n + j], axis=2).reshape(-1, 2),
         image=image.reshape(-1, d),
         kind=np.tile(pattern.kind, len(cells)),
-        rules=pattern.rules,
-        tensor=pattern.tensor,
         factor=np.tile(pattern.factor, len(cells)),
         volume=np.tile(pattern.volume, len(cells)),
     )

@@ -16,8 +16,11 @@ from math import sqrt
 
 import numpy as np
 
-from msvalidate.lattice.pattern import Constants, Pattern, pattern_by_shells
+from msvalidate.lattice.pattern import Constants, Pattern, SpringFormulas, pattern_by_shells
 from msvalidate.problem import Array
+
+AXES = SpringFormulas((("the axes", ""),))
+"""Formulas of lattices that no constants make isotropic, with springs along the axes alone."""
 
 
 def all_patterns() -> dict[str, Callable[[], Pattern]]:
@@ -42,7 +45,9 @@ def square() -> Pattern:
     def tensor(k: Constants) -> Array:
         return cubic_tensor(2, k[0] + k[1], k[1])
 
-    return pattern_by_shells("square", (1.0, 1.0), [(0, 0)], (1.0, sqrt(2)), rules, tensor)
+    formulas = SpringFormulas((("the axes", "2μt"), ("the diagonals", "μt")), "μt/3")
+    lengths = (1.0, sqrt(2))
+    return pattern_by_shells("square", (1.0, 1.0), [(0, 0)], lengths, rules, tensor, formulas)
 
 
 def square4() -> Pattern:
@@ -51,7 +56,8 @@ def square4() -> Pattern:
     def tensor(k: Constants) -> Array:
         return cubic_tensor(2, k[0], 0.0)
 
-    return pattern_by_shells("square 4", (1.0, 1.0), [(0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
+    rules = {"equal": (1.0,)}
+    return pattern_by_shells("square 4", (1.0, 1.0), [(0, 0)], (1.0,), rules, tensor, AXES)
 
 
 def triangular() -> Pattern:
@@ -61,8 +67,10 @@ def triangular() -> Pattern:
         return cubic_tensor(2, 3 * sqrt(3) / 4 * k[0], sqrt(3) / 4 * k[0])
 
     points = [(0, 0), (0.5, sqrt(3) / 2)]
+    sides = (("the triangles' sides", "4/√3·μt"),)
+    formulas = SpringFormulas(sides, "μt/√3", "OstojaStarzewski2002")
     return pattern_by_shells(
-        "triangular", (1.0, sqrt(3)), points, (1.0,), {"equal": (1.0,)}, tensor
+        "triangular", (1.0, sqrt(3)), points, (1.0,), {"equal": (1.0,)}, tensor, formulas
     )
 
 
@@ -81,7 +89,10 @@ def honeycomb() -> Pattern:
 
     points = [(0, 0), (0, 1), (sqrt(3) / 2, 3 / 2), (sqrt(3) / 2, 5 / 2)]
     rules = {"ratio 1/2": (3.0, 1.0), "equal": (1.0, 1.0)}
-    return pattern_by_shells("honeycomb", (sqrt(3), 3.0), points, (1.0, sqrt(3)), rules, tensor)
+    sides = ("the hexagons' sides", "2√3·({λ} - μ)t")
+    formulas = SpringFormulas((sides, ("their short diagonals", "2/√3·μt")))
+    lengths = (1.0, sqrt(3))
+    return pattern_by_shells("honeycomb", (sqrt(3), 3.0), points, lengths, rules, tensor, formulas)
 
 
 def cubic6() -> Pattern:
@@ -90,7 +101,8 @@ def cubic6() -> Pattern:
     def tensor(k: Constants) -> Array:
         return cubic_tensor(3, k[0], 0.0)
 
-    return pattern_by_shells("cubic 6", (1.0,) * 3, [(0, 0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
+    rules = {"equal": (1.0,)}
+    return pattern_by_shells("cubic 6", (1.0,) * 3, [(0, 0, 0)], (1.0,), rules, tensor, AXES)
 
 
 def cubic18() -> Pattern:
@@ -100,18 +112,25 @@ def cubic18() -> Pattern:
         return cubic_tensor(3, k[0] + 2 * k[1], k[1])
 
     rules = {"isotropic": (1.0, 1.0), "report's 2 k1": (1.0, 2.0)}
-    return pattern_by_shells("cubic 18", (1.0,) * 3, [(0, 0, 0)], (1.0, sqrt(2)), rules, tensor)
+    formulas = SpringFormulas((("the axes", "μh"), ("the faces' diagonals", "μh")), "μh/5")
+    lengths = (1.0, sqrt(2))
+    return pattern_by_shells("cubic 18", (1.0,) * 3, [(0, 0, 0)], lengths, rules, tensor, formulas)
 
 
 def cubic26() -> Pattern:
-    """Cubic lattice with twenty-six neighbours: edges k1, faces' diagonals k2, the cube's k3."""
+    """Cubic lattice with twenty-six neighbours: edges k1, faces' diagonals k2, the cube's k3.
+
+    Its formulas are those with k2 = k3; others are the material too.
+    """
 
     def tensor(k: Constants) -> Array:
         return cubic_tensor(3, k[0] + 2 * k[1] + 4 / 3 * k[2], k[1] + 4 / 3 * k[2])
 
     rules = {"isotropic": (11 / 3, 1.0, 1.0), "equal": (1.0, 1.0, 1.0)}
     shells = (1.0, sqrt(2), sqrt(3))
-    return pattern_by_shells("cubic 26", (1.0,) * 3, [(0, 0, 0)], shells, rules, tensor)
+    cross = (("the faces' diagonals", "3/7·μh"), ("the cubes' diagonals", "3/7·μh"))
+    formulas = SpringFormulas((("the axes", "11/7·μh"), *cross), "μh/9")
+    return pattern_by_shells("cubic 26", (1.0,) * 3, [(0, 0, 0)], shells, rules, tensor, formulas)
 
 
 def bcc() -> Pattern:
@@ -122,7 +141,8 @@ def bcc() -> Pattern:
 
     rules = {"isotropic": (1.0, 2 / 3), "equal": (1.0, 1.0)}
     points = [(0, 0, 0), (0.5, 0.5, 0.5)]
-    return pattern_by_shells("BCC", (1.0,) * 3, points, (sqrt(3) / 2, 1.0), rules, tensor)
+    formulas = SpringFormulas((("half the cubes' diagonals", "3/2·μh"), ("the axes", "μh")))
+    return pattern_by_shells("BCC", (1.0,) * 3, points, (sqrt(3) / 2, 1.0), rules, tensor, formulas)
 
 
 def fcc() -> Pattern:
@@ -133,7 +153,8 @@ def fcc() -> Pattern:
 
     rules = {"isotropic": (1.0, 0.25), "nearest only": (1.0, 0.0)}
     points = [point for point in product((0, 0.5), repeat=3) if sum(point) in {0, 1}]
-    return pattern_by_shells("FCC", (1.0,) * 3, points, (sqrt(0.5), 1.0), rules, tensor)
+    formulas = SpringFormulas((("half the faces' diagonals", "μh"), ("the axes", "1/4·μh")))
+    return pattern_by_shells("FCC", (1.0,) * 3, points, (sqrt(0.5), 1.0), rules, tensor, formulas)
 
 
 def cubic_tensor(dim: int, C11: float, C12: float, C44: float | None = None) -> Array:

@@ -47,6 +47,7 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
         share=whole.share,
         sharing=np.array(2),
         point_volume=whole.point_volume,
+        unit_cell=patterns.square(),  # a turn changes no isotropic solid
     )
 
 
@@ -96,6 +97,7 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         share=borders / 2,
         sharing=np.array(2),
         point_volume=np.bincount(cells.ravel()).astype(float) * outline.volume / (3 * len(cells)),
+        unit_cell=patterns.triangular(),
     )
 
 

@@ -9,11 +9,7 @@ import numpy as np
 
 from msvalidate import kit
 
-from .load_cases import CASES
-
 SOURCES = ("springs", "homogenised body", "target")
-NUMBERS = {case: number for number, case in enumerate(CASES, start=4)}
-"""Load case -> the report's figure."""
 LIKE = 0.05
 """A line is like a curve if it misses it by less than this part of its height, which a reader of a
 printed figure just about sees."""

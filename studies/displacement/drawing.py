@@ -152,7 +152,8 @@ def field(tables: kit.Tables) -> Figure:
     table = tables["field"]
     lattices = list(dict.fromkeys(table["lattice"]))
     figure = Figure(figsize=(7.2, 7.4), layout="constrained")
-    *blocks, bar = CASES
+    bar = "bending"
+    blocks = [case for case in CASES if case != bar]
     layout: list[Any] = [[f"{case}, {lattice}" for case in blocks] for lattice in lattices]
     layout += [[f"{bar}, {lattice}"] * len(blocks) for lattice in lattices]
     axes = figure.subplot_mosaic(layout, height_ratios=(2, 2.2, 1.3, 1.5))

@@ -37,11 +37,14 @@ replaces a material known to some percent: closer than that, nobody could tell t
 class LoadCase:
     """One load case, the same on every body.
 
+    `figure`: number of the report's figure. `magnification`: of the redrawn displacements.
     `loads`: named part of the body -> total force (N) on it. `supports`: named part -> components
     held. `strain`: nominal strain.
     """
 
     name: str
+    figure: int
+    magnification: int
     loads: dict[str, tuple[float, float]]
     supports: dict[str, tuple[bool, bool]]
     strain: float
@@ -53,6 +56,8 @@ CASES = {
     for case in (
         LoadCase(
             "pressure",
+            4,
+            10,
             {"middle fifth of left": (1000.0, 0.0)},
             {"right": (True, True)},
             0.01,
@@ -60,6 +65,8 @@ CASES = {
         ),
         LoadCase(
             "two-sided pressure",
+            5,
+            10,
             {"middle fifth of left": (1000.0, 0.0), "middle fifth of right": (-1000.0, 0.0)},
             {"lower inner point": (True, True), "upper inner point": (True, False)},
             0.01,
@@ -67,6 +74,8 @@ CASES = {
         ),
         LoadCase(
             "shear",
+            6,
+            10,
             {"left": (0.0, 375.0)},
             {"right": (True, True)},
             0.01,
@@ -74,6 +83,8 @@ CASES = {
         ),
         LoadCase(
             "bending",
+            7,
+            20,
             {"middle of top": (0.0, -250.0)},
             {"left": (True, True), "right": (True, True)},
             250.0 * LENGTH / 8 / (MODULUS * THICKNESS / 6),

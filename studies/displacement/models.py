@@ -8,7 +8,8 @@ import numpy as np
 
 from msvalidate import kit
 from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.stiffness import square_constants, triangular_constants
+from msvalidate.constants.isotropic import isotropic_constants
+from msvalidate.lattice import patterns
 
 from . import load_cases
 from .load_cases import DENSITY, MODULUS, THICKNESS
@@ -42,15 +43,23 @@ def plane_stress(E: float, nu: float) -> kit.Isotropic:
 CAUCHY = plane_stress(MODULUS, 1 / 3)
 INCOMPRESSIBLE = plane_stress(MODULUS, 0.5)
 """The report's claim for k2 = 2 k1: nu2 = 1/2; E is the lattice's axial modulus, 5/3 k1."""
+
+
+def isotropic(lattice: str) -> Model:
+    """Springs of a lattice that are `CAUCHY` by themselves."""
+    pattern = patterns.all_patterns()[lattice]()
+    return Model("isotropic", lattice, isotropic_constants(CAUCHY, pattern, 1.0), CAUCHY)
+
+
 MODELS = (
-    Model("isotropic", "square", square_constants(CAUCHY), CAUCHY),
+    isotropic("square"),
     Model(
         "k2 = 2 k1",
         "square",
         (0.6 * MODULUS * THICKNESS, 1.2 * MODULUS * THICKNESS),
         INCOMPRESSIBLE,
     ),
-    Model("isotropic", "triangular", triangular_constants(CAUCHY), CAUCHY),
+    isotropic("triangular"),
 )
 ISOTROPIC = MODELS[0]
 

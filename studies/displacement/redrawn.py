@@ -9,21 +9,20 @@ from matplotlib.figure import Figure
 
 from msvalidate import kit
 
-from .claims import CLAIMS, CURVES, NUMBERS, SOURCES
+from .claims import CLAIMS, CURVES, SOURCES
 from .load_cases import CASES
-
-EXAGGERATED = {"pressure": 10, "two-sided pressure": 10, "shear": 10, "bending": 20}
 
 
 def figures_4_to_7(tables: kit.Tables) -> Figure:
     """Figures 4 to 7 at k2 = 2 k1 redrawn: 6 x 6 particles over the outlines of elastic bodies."""
     figure = Figure(figsize=(7.6, 6.8), layout="constrained")
-    *blocks, bar = CASES
+    bar = "bending"
+    blocks = [case for case in CASES if case != bar]
     layout: list[Any] = [blocks, [bar] * len(blocks)]
     axes = figure.subplot_mosaic(layout, height_ratios=(1.3, 1))
     _, orange, green, *_ = kit.figures.COLOURS
     for case, axis in axes.items():
-        scale = EXAGGERATED[case]
+        scale = CASES[case].magnification
         points, pairs, edge = (
             table[table["case"] == case]
             for table in (tables["deformed"], tables["deformed_springs"], tables["outline"])
@@ -46,7 +45,7 @@ def figures_4_to_7(tables: kit.Tables) -> Figure:
         kit.body_drawing.draw_loads(axis, now, points[["load_x", "load_y"]])
         axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
         gap_in_title = ", " if case == bar else "\n"
-        axis.set_title(f"Figure {NUMBERS[case]}: {case}{gap_in_title}displacement × {scale}")
+        axis.set_title(f"Figure {CASES[case].figure}: {case}{gap_in_title}displacement × {scale}")
         axis.grid(visible=False)
         if case != bar:
             axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=(0, 0.5, 1))

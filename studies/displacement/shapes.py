@@ -31,7 +31,6 @@ from .claims import (
     LOADED,
     MISFIT,
     NAMED,
-    NUMBERS,
     SLIGHTLY,
     SOURCES,
     fitted,
@@ -101,7 +100,7 @@ def judge_claims(
     rows = []
     for claim in CLAIMS[case]:
         values = [float(claim.number(points, move)) for move in moves]
-        row: dict[str, object] = {"figure": NUMBERS[case], "statement": claim.statement}
+        row: dict[str, object] = {"figure": CASES[case].figure, "statement": claim.statement}
         row |= {"k1": model.k[0], "k2": model.k[1], "measured": claim.measured, "unit": claim.unit}
         row |= dict(zip(("in_springs", "in_homogenised", "in_target"), values, strict=True))
         rows.append(row | {"judgement": claim.judge(values)})

@@ -25,6 +25,7 @@ from msvalidate.judging.evidence import judge
 from msvalidate.lattice import patterns
 from msvalidate.network.faults import stiffen_all
 from msvalidate.studies import lattices
+from tests.registries import AFFINE
 
 
 @cache
@@ -32,7 +33,7 @@ def found(question):
     return lattices.run(setting=kit.Setting(quick=True), questions=(question,))
 
 
-@pytest.mark.parametrize("name", ["square", "triangular", "cubic18", "bcc"])
+@pytest.mark.parametrize("name", AFFINE)
 def test_a_points_own_row_has_the_waves_of_the_pattern(name):
     pattern = getattr(patterns, name)()
     springs = routes.calibrate_way(Way(name, "springs"))

@@ -1,5 +1,6 @@
 """Shapes of the displacement study: numbers of known fields, words that follow them, pictures."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -172,3 +173,10 @@ def test_findings_follow_the_table(evidence):
     assert '"sine-like: half a wave" does not hold' in bent
     reversed_shear = shapes.run(*asked(springs=-1.0)).findings[2]
     assert '"upper edge is compressed" holds of homogenised body and target only' in reversed_shear
+
+
+def test_figure_numbers_are_fields_of_the_load_cases(monkeypatch):
+    others = {**CASES, "bending": replace(CASES["bending"], figure=9)}
+    monkeypatch.setattr(shapes, "CASES", dict(reversed(others.items())))
+    table = shapes.run(*asked()).tables["statements"]
+    assert (table["figure"] == 9).sum() == 2 * len(claims.CLAIMS["bending"])

@@ -32,6 +32,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.network import tangent
 from msvalidate.problem import ProblemError
 from msvalidate.studies import stability
+from tests.table import table
 
 QUICK = Setting(quick=True)
 REPORTED = {name: INTEGRATORS[name] for name in common.REPORTED}
@@ -157,13 +158,50 @@ def test_leading_terms_are_leading(name):
     assert left[1] < 0.3 * left[0]
 
 
-@pytest.mark.parametrize("name", drift.KEPT)
-def test_a_period_is_whole(name):
-    scheme = INTEGRATORS[name]
-    size = 2 * np.tan(np.pi / 63) if scheme.implicit else drift.size(63)
-    states = oscillator.states(scheme, size)
-    path = np.array([next(states) for _ in range(64)])
-    np.testing.assert_allclose(path[63], path[0], atol=1e-12)
+def forest_ruth(acceleration, now, h, c):
+    """Three velocity Verlet steps of fourth order together."""
+    outer = 1 / (2 - 2 ** (1 / 3))
+    for part in (outer, 1 - 2 * outer, outer):
+        now = INTEGRATORS["velocity_verlet"].step(acceleration, now, part * h, c)
+    return now
+
+
+def position_first(acceleration, now, h, c):
+    """Symplectic Euler in the other order."""
+    x = now.x + h * now.v
+    a = acceleration(x)
+    return MotionState(x, now.v + h * (a - c * now.v), a)
+
+
+FOREST_RUTH = replace(
+    INTEGRATORS["velocity_verlet"], name="forest_ruth", order=4, step=forest_ruth, leading=None
+)
+POSITION_FIRST = replace(
+    INTEGRATORS["euler_cromer"], name="position_first", step=position_first, leading=None,
+    factors=None,
+)  # fmt: skip
+
+
+def test_any_symplectic_scheme_passes():
+    """Each with a period of its own, and not that of velocity Verlet."""
+    mine = {scheme.name: scheme for scheme in (FOREST_RUTH, POSITION_FIRST)}
+    found = stability.run(REPORTED | mine, QUICK, ("drift", "order"))
+    assert all_passed(judge(found))
+    for name in ("drift", "fluctuation_powers", "orders"):
+        assert set(mine) < set(found.tables[name]["scheme"])
+    assert all(draw(found.tables) for draw in found.figures.values())
+
+
+@table("false_claim", [
+    replace(INTEGRATORS["runge_kutta"], name="mine", symplectic=True),
+    replace(FOREST_RUTH, name="mine", symplectic=False),
+    replace(FOREST_RUTH, name="mine", order=2),
+    replace(POSITION_FIRST, name="mine", order=2),
+])  # fmt: skip
+def test_a_false_claim_of_a_scheme_fails(false_claim, monkeypatch):
+    monkeypatch.setattr(drift, "QUICK_PERIODS", 100)
+    scheme = {"mine": false_claim}
+    assert not all_passed(judge(stability.run(REPORTED | scheme, QUICK, ("drift",))))
 
 
 # --- runs of the block ----------------------------------------------------------------------------

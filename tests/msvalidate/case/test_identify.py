@@ -15,12 +15,11 @@ from msvalidate.cli.program import main
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.stiffness import moduli
 from msvalidate.lattice import boundary_weights, fill, repeat_cell, voronoi
-from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Box, Isotropic, Problem, Support
+from tests.registries import AFFINE, LATTICES
 from tests.table import refused, table
 
 SPACING = 0.37 / 5
-LATTICES = all_patterns()
 
 
 def written(folder, points, springs, stiffness, **more):
@@ -82,7 +81,7 @@ def test_a_hole_and_a_turn_change_nothing_inside(tmp_path):
     assert np.abs(found.tensor - expected).max() <= 1e-9 * expected.max()
 
 
-@pytest.mark.parametrize("name", ["square", "triangular", "cubic26", "bcc", "fcc"])
+@pytest.mark.parametrize("name", AFFINE)
 def test_a_body_of_a_material_is_that_material(name, tmp_path):
     pattern = LATTICES[name]()
     E, nu, d = 2.8e9, 0.4, pattern.dim

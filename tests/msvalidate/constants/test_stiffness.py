@@ -13,15 +13,21 @@ from hypothesis import strategies as st
 
 from msvalidate.constants.directions import directional_modulus, directional_ratio, rotate_tensor
 from msvalidate.constants.homogenise import interior_tensor
+from msvalidate.constants.isotropic import isotropic_constants
 from msvalidate.constants.routes import default_constants
 from msvalidate.constants.stiffness import (
     cubic_part,
     shear_modulus,
-    square_constants,
     square_tensor,
-    triangular_constants,
 )
-from msvalidate.lattice import diagonal_square, square, trapezium, triangular, zigzag_block
+from msvalidate.lattice import (
+    diagonal_square,
+    patterns,
+    square,
+    trapezium,
+    triangular,
+    zigzag_block,
+)
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
 from tests.table import table
 
@@ -50,7 +56,7 @@ def triangular_tensor(k):
     return k * np.sqrt(3) / 4 * np.array([[3, 1, 0], [1, 3, 0], [0, 0, 1]])
 
 
-@pytest.mark.parametrize("constants", [square_constants, triangular_constants])
+@pytest.mark.parametrize("make", [patterns.square, patterns.triangular])
 @table(("material", "message"), [
     (Isotropic(E=1.0, nu=0.3),
         "lattice: ratio 0.3 of its axes (plane_stress, nu = 0.3); central springs make it"),
@@ -61,11 +67,9 @@ def triangular_tensor(k):
     (Isotropic(E=1.0, nu=0.25, state="solid"), "the material is a solid"),
     (Anisotropic(np.eye(3)), "the material must be isotropic"),
 ])  # fmt: skip
-def test_a_material_that_the_lattice_cannot_be_is_refused_with_the_reason(
-    constants, material, message
-):
+def test_a_material_that_the_lattice_cannot_be_is_refused_with_the_reason(make, material, message):
     with pytest.raises(ProblemError, match=re.escape(message)):
-        constants(material)
+        isotropic_constants(material, make(), 1.0)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +80,7 @@ def test_a_material_that_the_lattice_cannot_be_is_refused_with_the_reason(
     ],
 )
 def test_constants_that_are_not_known_must_be_given(name, material, message):
-    lattice = replace(diagonal_square(Box((1.0, 1.0)), 2), name=name)
+    lattice = replace(diagonal_square(Box((1.0, 1.0)), 2), name=name, unit_cell=None)
     with pytest.raises(ProblemError, match=f"spring constants: {message}"):
         default_constants(material, lattice)
 

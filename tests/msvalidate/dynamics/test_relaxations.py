@@ -271,7 +271,7 @@ def test_newton_is_given_up_after_its_own_number_of_steps(lattice_body):
         relax(sheet(lattice_body, crush), RELAXATIONS["newton"])
 
 
-@pytest.mark.parametrize("name", ["algorithm1", "viscous_leapfrog", "kinetic_damping"])
+@pytest.mark.parametrize("name", RELAXATIONS)
 def test_a_lattice_far_from_the_origin_comes_to_rest(name, lattice_body):
     """Its springs are alike there but for the rounding of coordinates, some 1e-12 m."""
     here = sheet(lattice_body, PUSH, cells=(10, 5))

@@ -8,7 +8,7 @@ import pytest
 from msvalidate.lattice import cut_lattice, grid_cut, patterns
 from msvalidate.lattice.drawn import draw_surface, solid_facets
 from msvalidate.lattice.grid_cut import DRAWING, cell_parts
-from msvalidate.problem import Box
+from msvalidate.problem import SHAPES, Box
 from tests.msvalidate.solids import ball, bar, rotation
 from tests.table import refused
 
@@ -21,7 +21,7 @@ def all_slivers_count(monkeypatch):
 
 
 @pytest.mark.usefixtures("all_slivers_count")
-@pytest.mark.parametrize("shape", ["tetra", "hexahedron", "tetra10", "hexahedron27"])
+@pytest.mark.parametrize("shape", [n for n, s in SHAPES.items() if s.dim == 3])
 def test_points_have_the_volume_and_first_moment_of_a_turned_bar(shape):
     mesh = bar((1.0, 0.6, 0.5), (2, 1, 1), shape, rotation(0.3, 0.5, 0.7), HALF)
     lattice = cut_lattice(patterns.cubic18(), mesh, 0.13)

@@ -8,7 +8,7 @@ import pytest
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import Pattern, fill, patterns, repeat_cell
-from msvalidate.lattice.pattern import pattern_by_shells
+from msvalidate.lattice.pattern import SpringFormulas, pattern_by_shells
 from msvalidate.problem import Box, Isotropic, Problem, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import refused, table
@@ -159,6 +159,7 @@ def pattern(**change):
     ({"rules": {"one": (1.0, 2.0)}}, "row: spring one (1.0, 2.0); give 1, one a kind"),
     ({"rules": {"one": (-1.0,)}}, "row: spring one (-1.0,); none may be negative"),
     ({"rules": {"one": (float("inf"),)}}, "row: spring constants: inf"),
+    ({"formulas": SpringFormulas((("x", ""),) * 2)}, "row: formulas of 2 kinds; give 1, or none"),
     ({"factor": np.ones(2)}, "pattern row: factor: shape (2,); give (1,)"),
     ({"factor": np.array([-1.0])}, "pattern row: a factor below 0"),
     ({"factor": np.array([np.nan])}, "pattern row: factor: nan"),

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import square_constants
+from msvalidate.constants.isotropic import isotropic_constants
 from msvalidate.judging.candidate import solve_springs
-from msvalidate.lattice import square
+from msvalidate.lattice import patterns, square
 from msvalidate.network import faults
 from msvalidate.problem import BodyForce, Box, Isotropic, Problem, Support, Traction
 
 CELLS = 4
 BOX = Box((1.0, 1.0))
 MATERIAL = Isotropic(E=1e5, nu=1 / 3, state="plane_stress", density=1000.0)
-CONSTANTS = square_constants(MATERIAL)
+CONSTANTS = isotropic_constants(MATERIAL, patterns.square(), 1.0)
 
 
 def body(*loads):
