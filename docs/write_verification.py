@@ -2,11 +2,13 @@
 
     python docs/write_verification.py
 
-Which rows is data, in verification.toml; every number but a published target is a stored result.
+Which rows is data, in verification.toml. Every number is a stored result, a published target or
+the limit of a test.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -23,7 +25,16 @@ def page(baseline: Path = BASELINE) -> str:
     made = tomllib.loads((HERE / "verification.toml").read_text(encoding="utf-8"))
     groups = [made.get(group.get("like"), {}) | group for group in made["group"]]
     rows = (row(group, where, baseline) for group in groups for where in group["rows"])
-    return "".join([made["head"], *rows])
+    return "".join([made["head"], *rows, *map(tested, made["tested"])])
+
+
+def tested(row: dict[str, Any]) -> str:
+    """One row whose limit a test states and keeps."""
+    text = (HERE.parent / row["test"]).read_text(encoding="utf-8")
+    (limit,) = re.findall(rf"^{row['limit']} = (\S+)", text, re.MULTILINE)
+    below, link = f"< {limit}", f"[test](../{row['test']})"
+    known = (f"[{row['source']}]", row["case"], row["quantity"], row["side"])
+    return f"| {' | '.join((*known, '0', below, below, '–', link))} |\n"
 
 
 def row(group: dict[str, Any], where: dict[str, Any], baseline: Path) -> str:

@@ -222,7 +222,7 @@ def refine(
     tolerance
         Largest accepted uncertainty, in the unit of the quantity.
     highest_order
-        As for `close_in_each`.
+        As for `closing_in.close_in_each`.
     finest
         Cells per side beyond which to give up.
 

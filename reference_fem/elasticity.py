@@ -44,7 +44,7 @@ def solve(
         the centre; in space the first face's corners counter-clockwise as seen from the others,
         then edges, faces and the centre. Mid-sides off straight edges curve them.
     element
-        A name in `ELEMENTS`: "Q2", "P1" and so on in the plane, "H1", "T2" in space.
+        A name in `mesh.ELEMENTS`: "Q2", "P1" and so on in the plane, "H1", "T2" in space.
     material
         Plane state and thickness are the material's.
     fixed
@@ -60,7 +60,7 @@ def solve(
         If the mesh or a row is wrong, or the body can move rigidly.
     SolverError
         If the elements lock, or the solution fails its residual check or its error may be above
-        `ACCEPTED`.
+        `systems.solver.ACCEPTED`.
     """
     body = make_discretisation(points, cells, element)
     rows = check_arrays(body, fixed, nodal_forces)
@@ -112,7 +112,7 @@ def solve_on(
         solver is unknown, not there or not for this body.
     SolverError
         If part of the body can move without strain, the elements lock, or the solution fails its
-        residual check or its error may be above `ACCEPTED`.
+        residual check or its error may be above `systems.solver.ACCEPTED`.
     """
     refuse_shapes(body, held=held, displacement=displacement, force=force)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers

@@ -26,6 +26,7 @@ SLOW = Path(__file__).with_name("slow.csv")
 
 
 LONGEST = {"test_studies.py", "test_answers.py", "test_command_line.py", "test_jobs.py"}
+LONGEST |= {"test_documents.py"}
 """Files of more than ten seconds; a worker takes a file whole."""
 
 

@@ -1,25 +1,33 @@
 """Names in backticks, in docstrings, comments and documents, name something that is there.
 
 A dotted name is a module (or the end of its name) and what it binds, a class and its member, or a
-variable of the file and a member of some class; another name is any word of the code.
+variable of the file and a member of some class; another name is any word of the code. A docstring
+of a name that users import is read without its file, so its names import from where it says.
 """
 
 from __future__ import annotations
 
 import ast
+import builtins
+import contextlib
+import importlib
+import inspect
 import keyword
 import re
 from functools import cache
 
 import pytest
 
+import msvalidate
+import msvalidate_check
+import reference_fem
 from tests.test_architecture import ROOT, SOURCES, tree, within
 
 TICKED = re.compile(r"(?<!`)`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\([^`]*\))?`(?!`)")
 FILES = {"bib", "csv", "html", "inp", "json", "md", "msh", "npz", "toml", "txt", "vtu"}
 FILES |= {"data", "dump", "in"}  # of LAMMPS
 """Ends of names of files, which look like dotted names."""
-LIBRARIES = {"concurrent", "llvmlite", "loky", "numba", "numpy", "pandas", "scipy"}
+LIBRARIES = {"concurrent", "llvmlite", "loky", "numba", "numpy", "pandas", "scipy", "skfem"}
 DOCUMENTS = [ROOT / "ARCHITECTURE.md", *(ROOT / "docs").glob("*.md")]
 """Decisions are left out: they name what was there when they were taken."""
 
@@ -113,6 +121,79 @@ def unresolved(module):
     if within(module, "msvalidate.studies"):
         names = {name for name in names if "." in name}
     return sorted(name for name in names if not resolves(name, words(module)))
+
+
+PUBLIC = (msvalidate, msvalidate_check, reference_fem)
+"""Packages whose `__all__` users import from."""
+
+
+def public_docstrings():
+    """Owner, object and docstring of all public names and of the members of classes."""
+    for owner in (getattr(package, name) for package in PUBLIC for name in package.__all__):
+        if callable(owner):
+            yield owner, owner, inspect.getdoc(owner) or ""
+        for name, value in vars(owner).items() if inspect.isclass(owner) else ():
+            plain = getattr(value, "fget", getattr(value, "func", value))
+            if not name.startswith("_") and callable(plain):
+                yield owner, plain, plain.__doc__ or ""
+
+
+def members_of(thing):
+    """Members, fields and parameters of a module, class or function."""
+    code = getattr(thing, "__code__", None)
+    parameters = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount] if code else ()
+    return {*dir(thing), *getattr(thing, "__annotations__", ()), *parameters}
+
+
+def has(thing, names):
+    """Return True if an object has a chain of members; the last may be a field."""
+    for name in names[:-1]:
+        thing = getattr(thing, name, None)
+    return not names or names[-1] in members_of(thing)
+
+
+@cache
+def imports(name, module):
+    """Return True if a name imports as it stands, from its package or from beside its module."""
+    parts, package = name.split("."), module.partition(".")[0]
+    for start in ("", f"{package}.", f"{module.rpartition('.')[0]}.", "msvalidate."):
+        for cut in range(len(parts), -1, -1):
+            with contextlib.suppress(ImportError, ValueError):
+                place = importlib.import_module((start + ".".join(parts[:cut])).strip("."))
+                if has(place, parts[cut:]) and (cut or place in PUBLIC):
+                    return True
+    return False
+
+
+def reachable(name, owner, thing):
+    """Return True if the reader of a public docstring can find a name in it."""
+    first, last = name.split(".")[0], name.split(".")[-1]
+    known = members_of(thing) | members_of(owner) | LIBRARIES | set(keyword.kwlist)
+    return first in known | set(dir(builtins)) or last in FILES or imports(name, owner.__module__)
+
+
+def test_names_in_docstrings_of_public_names_are_imported_from_where_they_say():
+    lost = {
+        f"{thing.__qualname__}: {name}"
+        for owner, thing, text in public_docstrings()
+        for name in TICKED.findall(text)
+        if not reachable(name, owner, thing)
+    }
+    assert sorted(lost) == []
+
+
+def test_a_public_docstring_that_leaves_out_the_module_is_noticed():
+    step = msvalidate.recommended_time_step
+    named = ("step_limits.SAFETY", "dynamics.step_limits.SAFETY", "integrator", "Problem.materials")
+    assert [name for name in named if not reachable(name, step, step)] == []
+    lost = ("SAFETY", "euler_cromer", "step_limits.NOTHING", "Problem.nothing")
+    assert [name for name in lost if reachable(name, step, step)] == []
+
+
+def test_statements_of_import_in_texts_run():
+    for path in [*SOURCES.values(), ROOT / "README.md", *DOCUMENTS]:
+        for statement in re.findall(r"`(from [\w.]+ import [^`\n]+)`", path.read_text("utf-8")):
+            exec(statement, {})  # noqa: S102
 
 
 def test_names_in_docstrings_and_comments_are_there():

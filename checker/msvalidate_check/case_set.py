@@ -106,9 +106,9 @@ class ElasticCase:
     def at_ratio(self, nu: float) -> Array:
         """Elasticity's displacement (p, d) in m at another of Poisson's ratios.
 
-        Between the ratios of the set a cubic through its values and slopes: within `CUBIC` of the
-        largest displacement for ratios from 0 to 0.45, where each of the set's own is predicted
-        from the others; beyond them the nearest cubic goes on.
+        Between the ratios of the set a cubic through its values and slopes: within `case_set.CUBIC`
+        of the largest displacement for ratios from 0 to 0.45, where each of the set's own is
+        predicted from the others; beyond them the nearest cubic goes on.
         """
         given = _data(VERSION)
         u, slope = given[f"{self.name}/displacement"], given[f"{self.name}/by_ratio"]

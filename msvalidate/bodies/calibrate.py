@@ -70,12 +70,12 @@ def calibrate(
     thickness
         Out-of-plane thickness (m) of a plane body.
     spacing, route
-        As for `calibrate_material`.
+        As for `bodies.calibrate.calibrate_material`.
 
     Raises
     ------
     ProblemError
-        As for `calibrate_material`, or if there is no such material.
+        As for `bodies.calibrate.calibrate_material`, or if there is no such material.
     """
     material = Isotropic(E=E, nu=nu, state=plane, thickness=thickness)
     return calibrate_material(material, lattice, spacing=spacing, route=route)

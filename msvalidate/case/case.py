@@ -77,15 +77,15 @@ class Case:
         their number across the narrowest side; by default 20 in the plane, 8 in space, fewer in
         slender bodies. Of mesh edges about their mean length, by default the file's own.
     route
-        From the material to constants, one of `ROUTES`; None takes springs alone where they will
-        do, or else a volume energy.
+        From the material to constants, one of `constants.routes.ROUTES`; None takes springs alone
+        where they will do, or else a volume energy.
     constants, volume
         Spring constants (N/m) a kind and κ of a cell (see `network.laws.volumes`) in place of a
         route's.
     points
         Where displacements are compared: "lattice", "mesh" or places (p, d) in m.
     quantities
-        Some of `QUANTITIES`.
+        Some of `case.schema.QUANTITIES`.
     band
         Largest difference that agrees, over the largest displacement.
     accuracy
@@ -93,7 +93,7 @@ class Case:
     memory
         GB that the elements' finest mesh in space may take.
     law
-        Of the elements at large strain, one of `LAWS`.
+        Of the elements at large strain, one of `case.case.LAWS`.
     geometry
         "linear": springs and elements to first order in the displacement; "nonlinear": both at
         equilibrium however large it is. Then displacements alone are compared.

@@ -72,7 +72,9 @@ class Homogenised(ReadOnly):
 def homogenise(
     pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
 ) -> Homogenised:
-    """The solid that an endless lattice is, its points at rest, by `homogenise_network`.
+    """Compute the solid that an endless lattice is, its points at rest.
+
+    The method is that of `constants.homogenise.homogenise_network`.
 
     Parameters
     ----------

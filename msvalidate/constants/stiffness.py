@@ -243,7 +243,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     Returns
     -------
     Moduli
-        Its `zener` is 2·C44/(C11 - C12) with C11, C12, C44 the means over the axes: it shows an
+        Its zener is 2·C44/(C11 - C12) with C11, C12, C44 the means over the axes: it shows an
         anisotropy of cubic kind along them, and 1 of an isotropic tensor.
 
     Raises

@@ -58,15 +58,15 @@ def calibrate_zones(
     spacing: float | None = None,
     route: str | None = None,
 ) -> tuple[Calibration, ...]:
-    """Calibrations of each of a problem's materials, by one route, in the order of `materials`.
+    """Calibrate each of `Problem.materials` by one route, in their order.
 
     Parameters
     ----------
     problem, lattice, spacing
         What is to be, of what, and the length (m) of a pattern's unit; a body has its own.
     route
-        One of `ROUTES`; None takes springs alone where they will do for all, or else a volume
-        energy for all.
+        One of `constants.routes.ROUTES`; None takes springs alone where they will do for all, or
+        else a volume energy for all.
 
     Raises
     ------

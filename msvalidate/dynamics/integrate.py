@@ -24,7 +24,7 @@ from msvalidate.dynamics.divergence import (
 )
 from msvalidate.dynamics.implicit import NetworkAcceleration
 from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
-from msvalidate.dynamics.scheme import Integrator, MotionState
+from msvalidate.dynamics.scheme import Integrator, MotionState, stagger, synchronise
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.network import Network
@@ -50,7 +50,7 @@ class State:
     Parameters
     ----------
     position, velocity
-        (n, d) in m and m/s.
+        (n, d) in m and m/s, at the same time.
     folded
         Of the end of a motion: number of cells that are flat or inside out. None where there was
         nothing to look at (`msvalidate.network.folds`), and of states on the way.
@@ -76,21 +76,23 @@ def motion(
 ) -> State:
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
-    The plain NumPy form, for studies of schemes; `euler_cromer` is the compiled one of its scheme.
-    Both advance displacements, which have digits that positions far from the origin lack.
+    The plain NumPy form, for studies of schemes; `integrate.euler_cromer` is the compiled one of
+    its scheme. Both advance displacements, which have digits that positions far from the origin
+    lack.
 
     Parameters
     ----------
     network, state, dt, steps, damping
-        As in `euler_cromer`. A staggered scheme's velocity is that half a step before: see
-        `stagger_velocity`.
+        As in `integrate.euler_cromer`. Velocities of all states, also those that `watch` receives,
+        belong to the time of their positions. For a staggered integrator they are shifted by half a
+        step at the start, and back for every state that is returned.
     integrator
         One of `integrators.INTEGRATORS`.
     watch
         Called after every step with its number and the state.
     warn
         Whether to warn, before the first step, that steps are beyond the stability limit at the
-        reference positions (`StabilityWarning`).
+        reference positions (`dynamics.divergence.StabilityWarning`).
     ground
         Ground springs of an obstacle, by schemes with one velocity a step; their friction
         remembers, so that each motion begins with its own.
@@ -124,9 +126,11 @@ def motion(
         if breakage is not None:
             breakage.look(x)
             acceleration.network = breakage.whole(network)
-        now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
+        start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
         reach = largest_reach(run, start)
-        at_rest = is_at_rest(network, now)
+        at_rest = is_at_rest(network, start)
+        half = 0.5 * dt if integrator.staggered and not at_rest else 0.0
+        now = stagger(start, half, rate[:, None])
         for step in range(1, steps + 1):
             if breakage is not None and breakage.look(now.x):
                 acceleration.network = breakage.whole(network)
@@ -138,26 +142,13 @@ def motion(
                 raise
             refuse_diverged(run, start, now, reach)
             if watch is not None:
-                watch(step, State(network.points + now.x, now.v))
+                v = synchronise(now, half, rate[:, None]).v
+                watch(step, State(network.points + now.x, v))
+    now = synchronise(now, half, rate[:, None])
     if steps and not at_rest:
         refuse_lost_digits(network, integrator.name, start, now, 0.0)
     end = network.points + now.x
     return State(end, now.v, count_folded(network.simplices, end))
-
-
-def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
-    """The state with its velocity half a step earlier: how leapfrog starts.
-
-    v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
-
-    Source: the Stoermer-Verlet scheme in its leapfrog form, [HairerLubichWanner2006], section
-    I.1.4.
-    """
-    rate = _check_arguments(network, state, dt, 0, damping)[:, None]
-    u = np.asarray(state.position, dtype=float) - network.points
-    a = NetworkAcceleration(network)(u)
-    v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
-    return State(state.position, np.where(network.held, 0.0, v))
 
 
 def recommended_time_step(
@@ -167,9 +158,10 @@ def recommended_time_step(
     damping: ArrayLike = 0.0,
     ground: Ground | None = None,
 ) -> float:
-    """Time step (s): `SAFETY` times the stability limit of a network at its reference positions.
+    """Stable time step (s) of a network at its reference positions.
 
-    Source: `stability_limit` at the highest frequency; with ground springs at their bound.
+    It is `step_limits.SAFETY` times the `step_limits.stability_limit` at the highest frequency,
+    with ground springs at their bound.
 
     Raises
     ------

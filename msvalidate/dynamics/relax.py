@@ -74,7 +74,7 @@ def relax(
 
     It starts at rest, with the prescribed displacements imposed at once: on what is held alone
     where it moves little beside the springs there, else on all points, in between by the mean of
-    neighbours (`imposing`). Newton's method imposes them with its first steps.
+    neighbours (`statics.imposing`). Newton's method imposes them with its first steps.
 
     Parameters
     ----------

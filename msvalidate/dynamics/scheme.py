@@ -31,6 +31,22 @@ Factors = Callable[[float, Array], tuple[Array, Array]]
 """(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
 
 
+def stagger(now: MotionState, half: float, c: Array | float) -> MotionState:
+    """State with its velocity `half` (s) earlier: v - half·(a - c·v).
+
+    Source: the Störmer-Verlet scheme in its leapfrog form, [HairerLubichWanner2006], section I.1.4.
+    """
+    return now._replace(v=now.v - half * (now.a - c * now.v))
+
+
+def synchronise(now: MotionState, half: float, c: Array | float) -> MotionState:
+    """State with the velocity of its position's time: the inverse of `stagger`.
+
+    Of leapfrog it is the mean of the velocities before and after that time.
+    """
+    return now._replace(v=(now.v + half * now.a) / (1 + half * c))
+
+
 class LeadingError(NamedTuple):
     """First term of the error of an undamped oscillator at an angle ω·t (rad), from rest at 1.
 
@@ -76,7 +92,7 @@ class Integrator:
     implicit
         Whether a step solves for the new position (`dynamics.implicit`).
     staggered
-        Whether the velocity belongs to half a step before the position.
+        Whether its step takes the velocity of half a step before the position (`stagger`).
     variant
         Whether it is kept for comparison: a scheme as it was misprinted or is mistaken.
     share

@@ -196,7 +196,7 @@ def gather_evidence(
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:
-    """Verdict: one row per tolerance; see `judge_one`.
+    """Verdict: one row per tolerance; see `judging.evidence.judge_one`.
 
     Raises
     ------

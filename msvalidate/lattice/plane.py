@@ -54,9 +54,9 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
 def triangular(outline: Polygon, spacing: float) -> Lattice:
     """Triangular lattice with six neighbours, all springs alike (kind 0), of some spacing (m).
 
-    The outline is a union of whole equilateral triangles, such as `zigzag_block` or `trapezium`
-    give. Its first vertex is a point of the lattice, its first edge one of the lattice's
-    directions.
+    The outline is a union of whole equilateral triangles, such as `lattice.plane.zigzag_block` or
+    `lattice.plane.trapezium` give. Its first vertex is a point of the lattice, its first edge one
+    of the lattice's directions.
 
     Raises `ProblemError` if whole triangles of that side don't make up the outline, or are too
     many.

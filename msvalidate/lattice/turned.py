@@ -42,12 +42,12 @@ below 1/2, so that neighbours on either side of it do not meet."""
 def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> Lattice:
     """A lattice turned in a box: inside as it is, at the boundary made to fit.
 
-    Points within `REACH` of a side, inside or beyond, are moved onto it, and the nearest one into
-    every corner, of those as near the first along x, then y, then z; what lies further out is left
-    out with its springs. A point that its nearest neighbours no longer hold in every direction gets
-    more springs of the first kind. Springs in a side count half, in two sides a quarter. So loads
-    and supports meet the sides whatever the angle, but uniform strain is not exact: the boundary's
-    error is of first order in the spacing.
+    Points within `lattice.turned.REACH` of a side, inside or beyond, are moved onto it, and the
+    nearest one into every corner, of those as near the first along x, then y, then z; what lies
+    further out is left out with its springs. A point that its nearest neighbours no longer hold in
+    every direction gets more springs of the first kind. Springs in a side count half, in two sides
+    a quarter. So loads and supports meet the sides whatever the angle, but uniform strain is not
+    exact: the boundary's error is of first order in the spacing.
 
     Parameters
     ----------

@@ -49,8 +49,8 @@ def voronoi(
     """Random periodic lattice: a cell of `count` points, one in a unit of volume on average.
 
     Points are of a kind of `point_sets.POINT_SETS`, by random numbers of some seed, in 2 or 3
-    dimensions. By the stiffness, one of `STIFFNESS_RULES`, each spring of the constant k has k, k/L
-    or k·A/L, in spacings.
+    dimensions. By the stiffness, one of `lattice.voronoi.STIFFNESS_RULES`, each spring of the
+    constant k has k, k/L or k·A/L, in spacings.
 
     Raises `ProblemError` if a value is out of its range.
     """

@@ -291,8 +291,8 @@ def spring_network(
     Parameters
     ----------
     points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells, law
-        As in `Network`. One number serves for all springs or points. Rest lengths default to the
-        distances in `points`, an unstressed network; the rest defaults to none.
+        As in `network.Network`. One number serves for all springs or points. Rest lengths default
+        to the distances in `points`, an unstressed network; the rest defaults to none.
 
     Raises
     ------

@@ -61,7 +61,7 @@ def plot(network: Network, displacement: Any = None, magnification: float | None
     network
         In the plane or in space.
     displacement
-        (n, d) in m, or an `Equilibrium`; none draws the network as it is given.
+        (n, d) in m, or a `statics.equilibrium.Equilibrium`; none draws the network as it is given.
     magnification
         Of the displacements, as the title states it. By default 1, 2 or 5 times a power of ten, so
         that the largest shows as at most a tenth of the body; 1 if it is from there to all of it.

@@ -84,7 +84,7 @@ class Box:
         return PLACEMENT * max(self.size)
 
     def side(self, name: str) -> Region:
-        """Return a whole side; names in `SIDES`. Raises `ProblemError` for any other."""
+        """Return a whole side; names in `problem.SIDES`. Raises `ProblemError` for any other."""
         axis, end = SIDES.get(name, (self.dim, 0)) if isinstance(name, str) else (self.dim, 0)
         if axis >= self.dim:
             names = ", ".join(side for side, (a, _) in SIDES.items() if a < self.dim)

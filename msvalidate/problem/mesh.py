@@ -49,8 +49,8 @@ class Mesh:
         (c, k) nodes of each cell, numbered as in VTK: corners counter-clockwise (in space those of
         the first face as seen from the rest), mid-sides, middles of faces, the middle.
     shape
-        A name in `SHAPES`: "triangle", "quad9" and so on in the plane, "tetra10", "hexahedron" in
-        space. Mid-sides may lie off the straight line: the side is then bent.
+        A name in `problem.SHAPES`: "triangle", "quad9" and so on in the plane, "tetra10",
+        "hexahedron" in space. Mid-sides may lie off the straight line: the side is then bent.
     boundaries
         Name -> nodes (f, k) of facets, corners first, that belong to one cell alone.
     zones

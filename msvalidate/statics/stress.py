@@ -197,13 +197,13 @@ def fitted_stress(
     """Stress (p, 3) or (p, 6) in Pa at places (p, d): tensor times the strain of a polynomial.
 
     The polynomial is the best, in least squares, for the displacements of the points nearest to a
-    place; of points equally far (to `TIE`) either all are taken or none, so that neither rounding
-    nor the order of the points decides. Where displacements are exact its strain errs by r^degree,
-    r the distance of the furthest point taken. Where they are those of a cut lattice, whose
-    boundary leaves errors of the order of the strain in cells that it cuts, they are to be of
-    `interior_points`, and r is to grow beside the spacing h as that shrinks: by default as √h. A
-    place
-    on the outline then lies a cell or two outside the points that are fitted.
+    place; of points equally far (to `lattice.ties.TIE`) either all are taken or none, so that
+    neither rounding nor the order of the points decides. Where displacements are exact its strain
+    errs by r^degree, r the distance of the furthest point taken. Where they are those of a cut
+    lattice, whose boundary leaves errors of the order of the strain in cells that it cuts, they are
+    to be of `statics.stress.interior_points`, and r is to grow beside the spacing h as that
+    shrinks: by default as √h. A place on the outline then lies a cell or two outside the points
+    that are fitted.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ class Charged:
 
     @property
     def forces(self) -> Array:
-        """Maxwell's forces (m, 2) on the slab, per depth (N/m): those on all nodes, `carried`.
+        """Maxwell's forces (m, 2) on the slab, per depth (N/m), by `SlabMesh.carried`.
 
         On a moved mesh, they are the energy's derivative for motions from there on; for
         displacements from another mesh, let that one carry `solution.forces`.

@@ -40,7 +40,7 @@ def box_discretisation(
         Number of quadrilaterals or hexahedra along each axis (one number serves all); triangles
         cut each in two, tetrahedra in six.
     element
-        A name in `ELEMENTS` of the box's dimension: "Q2", "P1", "H1" and so on.
+        A name in `mesh.ELEMENTS` of the box's dimension: "Q2", "P1", "H1" and so on.
     grading
         1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
         corners, where clamped bodies have singular stress.

@@ -120,7 +120,7 @@ class Discretisation(ReadOnly):
 
     @cached_property
     def gradients(self) -> Array:
-        """∫ ∂φi/∂xc ∂φj/∂xd (d, d, e), an entry for each pair of nodes of the `sparsity_pattern`.
+        """∫ ∂φi/∂xc ∂φj/∂xd (d, d, e), an entry for each pair of nodes of `Discretisation.pattern`.
 
         Every constant tensor's stiffness is a combination of these: made once, on a scalar basis,
         they cost a fraction of a vector form.

@@ -114,9 +114,10 @@ class Solver:
         of them agree to 1e-9, and in bodies whose condition allows no factor more than 1e-8, such
         as beams of 100:1, to that.
     tensor
-        C (d, d, d, d) in Pa that the stiffness was made with, thickness included, as `measured`
-        gives it. With it residuals are summed cell by cell, which slender bodies need; without it,
-        by the entries of the stiffness, whose rounding is then a part of the error.
+        C (d, d, d, d) in Pa that the stiffness was made with, thickness included, as
+        `elasticity.thickness_tensor` gives it. With it residuals are summed cell by cell, which
+        slender bodies need; without it, by the entries of the stiffness, whose rounding is then a
+        part of the error.
     number
         (c,) which of several such tensors (m, d, d, d, d) is a cell's; None of one for all.
 
@@ -165,7 +166,7 @@ class Solver:
             If an argument is of another shape.
         SolverError
             If part of the body can move without strain, memory does not suffice, the solution
-            fails its residual check, or its error may be above `ACCEPTED`.
+            fails its residual check, or its error may be above `systems.solver.ACCEPTED`.
         """
         refuse_shapes(self.body, displacement=displacement, force=force)
         began = perf_counter()

@@ -19,7 +19,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.integrate import State, stagger_velocity
+from msvalidate.dynamics.implicit import NetworkAcceleration
+from msvalidate.dynamics.integrate import State
 from msvalidate.network import internal_force
 
 from . import direction, figure2
@@ -62,8 +63,8 @@ def first_kick(
     """The part `size` of the first kick of a run from rest is lost."""
     if state.velocity.any():
         return MOTION(network, state, dt, steps, damping)
-    behind = stagger_velocity(network, state, 2 * size * dt, damping)
-    return MOTION(network, behind, dt, steps, damping)
+    kick = dt * NetworkAcceleration(network)(state.position - network.points)
+    return MOTION(network, State(state.position, -size * kick), dt, steps, damping)
 
 
 def new_velocity(

@@ -50,7 +50,7 @@ def problem(material: kit.Material = MATERIAL) -> kit.Problem:
 class Squares:
     """Springs on the block's squares."""
 
-    constants: tuple[float, float] | Calibration
+    constants: tuple[float, ...] | Calibration
     weights: str = "shared"
 
     def network(self, across: int, _draw: int = 0) -> kit.Network:

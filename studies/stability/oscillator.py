@@ -25,8 +25,8 @@ class Oscillator:
 def states(scheme: Integrator, h: float, damping: float = 0.0) -> Iterator[tuple[float, float]]:
     """Position and velocity at the same moment, step by step, from rest at 1; steps of `h` (s).
 
-    A staggered scheme starts half a step earlier, as `integrate.stagger_velocity` does, and its
-    velocity is the mean of the two around the moment.
+    The velocity of a staggered scheme starts half a step earlier, and is shown as the mean of the
+    two around the moment.
     """
     acceleration = Oscillator()
     now = MotionState(1.0, 0.5 * h if scheme.staggered else 0.0, -1.0)  # type: ignore[arg-type]

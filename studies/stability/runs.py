@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.dynamics.integrate import State, motion, stagger_velocity
+from msvalidate.dynamics.integrate import State, motion
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.lattice import Lattice
 
@@ -44,8 +44,6 @@ def release_network(
             raise LeftError
         seen.append(now.position)
 
-    if scheme.staggered:
-        start = stagger_velocity(network, start, dt, damping)
     try:
         motion(network, start, scheme, dt, steps, damping, watch, warn=False)
     except (
