@@ -69,6 +69,24 @@ def test_readme_and_pages_describe_one_reference():
     assert sentences.endswith(f"equal to scikit-fem's to {EQUAL:g} and {stated}.")
 
 
+def test_pages_count_the_sentences_that_are_judged():
+    entries = pd.read_csv(FULL / "claims" / "ledger.csv")
+    background = entries["sentence"][entries["verdict"] == "background"]
+    judged = len(entries) - len(background)
+    for page in ("README.md", "docs/README.md", "docs/report.md", "docs/findings.md"):
+        assert f"{judged} of its {len(entries)} sentences" in TEXTS[page], page
+    others = TEXTS["docs/report.md"].partition("others are\nbackground: ")[2].partition(".\n")[0]
+    assert set(re.findall(r"\d+", others)) == set(background.astype(str))
+
+
+@table("study", STUDIES)
+def test_findings_name_the_size_of_the_finest(study):
+    findings = TEXTS[f"docs/studies/{study}.md"].partition("## Findings")[2].partition("\n## ")[0]
+    for finding in findings.split("\n- "):
+        if re.search("finest|coarsest", finding):
+            assert re.search(r"[\d,]+ (cells|nodes|segments|spacings)", finding), finding
+
+
 def test_readme_is_short():
     assert len(README.split()) <= MOST_WORDS
 

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from msvalidate.dynamics.implicit import increment
-from msvalidate.dynamics.scheme import Acceleration, Factors, Integrator, LeadingError, MotionState
+from msvalidate.dynamics.scheme import Acceleration, Factors, Integrator, MotionState, States
 from msvalidate.dynamics.variants import OLD, VARIANTS, explicit_euler_limit
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_entry
@@ -35,12 +35,13 @@ def _explicit_euler(
     return MotionState(x, now.v + h * (now.a - c * now.v), acceleration(x))
 
 
-def _explicit_euler_error(angle: float) -> float:
-    return 0.5 * angle * abs(math.cos(angle))
+def _spiral(growth: float, turn: float, steps: Array) -> States:
+    """States of a step that multiplies them by one number, given by the parts of its logarithm."""
+    return np.asarray(np.exp(steps * (growth - 1j * turn)))
 
 
-def _explicit_euler_next(h: float, angle: float) -> float:
-    return h * angle / 4 + 2 / 3 * h * abs(math.tan(angle))
+def _explicit_euler_motion(h: float, steps: Array) -> States:
+    return _spiral(0.5 * math.log1p(h * h), math.atan(h), steps)
 
 
 EXPLICIT_EULER = Integrator(
@@ -52,12 +53,7 @@ EXPLICIT_EULER = Integrator(
     damping=OLD,
     limit=explicit_euler_limit,
     swelling=1.0,
-    leading=LeadingError(
-        _explicit_euler_error,
-        _explicit_euler_next,
-        "the amplitude's growth compounds, by h·ω·{angle:g}/4 of the first term, and the phase lags"
-        " by (h·ω)²/3, which adds 2/3·h·ω·tan {angle:g}",
-    ),
+    undamped_motion=_explicit_euler_motion,
 )
 
 
@@ -69,12 +65,11 @@ def _euler_cromer_limit(zeta: float) -> float:
     return 2 / (math.hypot(1, zeta) + zeta)  # 2(√(1 + ζ²) - ζ), without cancellation
 
 
-def _euler_cromer_error(angle: float) -> float:
-    return 0.5 * abs(math.sin(angle))
-
-
-def _euler_cromer_next(h: float, angle: float) -> float:
-    return h * angle / 12 + h / 4 / abs(math.tan(angle))
+def _euler_cromer_motion(h: float, steps: Array) -> States:
+    # Its frequency is that of Verlet; positions are half a step ahead of velocities.
+    half = math.asin(0.5 * h)
+    x, v = np.cos((2 * steps + 1) * half), np.sin(2 * steps * half)
+    return (x - 1j * v) / math.cos(half)
 
 
 EULER_CROMER = Integrator(
@@ -85,30 +80,15 @@ EULER_CROMER = Integrator(
     step=partial(_with_one_velocity, _euler_cromer),
     damping=OLD,
     limit=_euler_cromer_limit,
-    leading=LeadingError(
-        _euler_cromer_error,
-        _euler_cromer_next,
-        "its frequency is Verlet's, (h·ω)²/24 too high: {angle:g}/12·h·ω of the first term; and "
-        "half a step ahead, squared over 2, turned by 90°",
-    ),
+    undamped_motion=_euler_cromer_motion,
     factors=_euler_cromer,
 )
 
 
-def _verlet_error(angle: float) -> float:
-    return angle / 24 * abs(math.sin(angle))
-
-
-def _verlet_next(h: float, angle: float) -> float:
-    return h**2 * (9 / 80 + angle / 48 / abs(math.tan(angle)))
-
-
-VERLET_ERROR = LeadingError(
-    _verlet_error,
-    _verlet_next,
-    "the frequency, 2/h·asin(h·ω/2), has the next term 3/640·(h·ω)⁴, 9/80·(h·ω)² of the first; the "
-    "phase's own square adds {angle:g}/48·(h·ω)²·cot {angle:g}",
-)
+def _verlet_motion(h: float, steps: Array) -> States:
+    # Each position is twice the last less the one before, less h²ω² of the last: 2 sin(ωʹh/2) = hω.
+    half = math.asin(0.5 * h)
+    return np.cos(2 * steps * half) - 1j * math.cos(half) * np.sin(2 * steps * half)
 
 
 def _leapfrog(h: float, c: Array) -> tuple[Array, Array]:
@@ -130,7 +110,7 @@ LEAPFROG = Integrator(
     limit=_leapfrog_limit,
     damped_order=2,
     staggered=True,
-    leading=VERLET_ERROR,
+    undamped_motion=_verlet_motion,
     factors=_leapfrog,
 )
 """Source: [Verlet1967]. Its undamped positions are velocity Verlet's."""
@@ -168,7 +148,7 @@ VELOCITY_VERLET = Integrator(
     step=_velocity_verlet,
     damping="in each half kick from the velocity before it",
     limit=_velocity_verlet_limit,
-    leading=VERLET_ERROR,
+    undamped_motion=_verlet_motion,
 )
 """Source: [Swope1982]."""
 
@@ -208,12 +188,10 @@ def _runge_kutta_limit(zeta: float) -> float:
     return float(min(roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 1)]))
 
 
-def _runge_kutta_error(angle: float) -> float:
-    return angle / 120 * abs(math.sin(angle))
-
-
-def _runge_kutta_next(h: float, angle: float) -> float:
-    return (5 / 6 * h + angle * h**4 / 240) / abs(math.tan(angle)) + 5 / 14 * h**2
+def _runge_kutta_motion(h: float, steps: Array) -> States:
+    # The exponential's series to h⁴, whose square is 1 - h⁶/72 + h⁸/576.
+    growth = 0.5 * math.log1p(h**6 * (h * h - 8) / 576)
+    return _spiral(growth, math.atan2(h - h**3 / 6, 1 - h**2 / 2 + h**4 / 24), steps)
 
 
 RUNGE_KUTTA = Integrator(
@@ -226,13 +204,7 @@ RUNGE_KUTTA = Integrator(
     limit=_runge_kutta_limit,
     damped_order=4,
     evaluations=4,
-    leading=LeadingError(
-        _runge_kutta_error,
-        _runge_kutta_next,
-        "the amplitude decays by (h·ω)⁵/144 a radian, 5/6·h·ω·cot {angle:g} of the first; the "
-        "phase's own next term is 5/14·(h·ω)² of it, its square adds {angle:g}/240·(h·ω)⁴·cot "
-        "{angle:g}",
-    ),
+    undamped_motion=_runge_kutta_motion,
 )
 """Source: [Kutta1901]."""
 
@@ -251,12 +223,8 @@ def _no_limit(_: float) -> float:
     return math.inf
 
 
-def _average_acceleration_error(angle: float) -> float:
-    return angle / 12 * abs(math.sin(angle))
-
-
-def _average_acceleration_next(h: float, angle: float) -> float:
-    return h**2 * (3 / 20 + angle / 24 / abs(math.tan(angle)))
+def _average_acceleration_motion(h: float, steps: Array) -> States:
+    return _spiral(0.0, 2 * math.atan(0.5 * h), steps)
 
 
 AVERAGE_ACCELERATION = Integrator(
@@ -270,12 +238,7 @@ AVERAGE_ACCELERATION = Integrator(
     damped_order=2,
     implicit=True,
     keeps_energy=True,
-    leading=LeadingError(
-        _average_acceleration_error,
-        _average_acceleration_next,
-        "the frequency, 2/h·atan(h·ω/2), has the next term (h·ω)⁴/80, 3/20·(h·ω)² of the first; "
-        "the phase's own square adds {angle:g}/24·(h·ω)²·cot {angle:g}",
-    ),
+    undamped_motion=_average_acceleration_motion,
 )
 """Newmark's method with β = 1/4 and γ = 1/2, the trapezoidal rule. Of large rotations it keeps the
 angular momentum to its order only.

@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 
@@ -47,22 +50,10 @@ def synchronise(now: MotionState, half: float, c: Array | float) -> MotionState:
     return now._replace(v=(now.v + half * now.a) / (1 + half * c))
 
 
-class LeadingError(NamedTuple):
-    """First term of the error of an undamped oscillator at an angle ω·t (rad), from rest at 1.
-
-    Parameters
-    ----------
-    coefficient
-        Angle -> what (h·ω)^order enters it with, over the amplitude (1).
-    next_term
-        (h·ω, angle) -> bound of the next term over the first (1).
-    because
-        What that term is; ``{angle}`` stands for the angle.
-    """
-
-    coefficient: Callable[[float], float]
-    next_term: Callable[[float, float], float]
-    because: str
+States = NDArray[np.complex128]
+"""States x + i·v/ω (n,) of an oscillator, both of the same time, over the amplitude (1)."""
+UndampedMotion = Callable[[float, Array], States]
+"""States from rest at 1 by h·ω (rad) and numbers of steps (n,)."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +91,8 @@ class Integrator:
     swelling
         What (h·ω)² times it is added to an area of phase space in an undamped step, of a scheme
         that no step makes stable (1).
-    leading
-        First term of its error, where it is told.
+    undamped_motion
+        Closed form of its undamped motion, where there is one.
     factors
         Of a scheme that moves with one new velocity: what `kernels.Motion.advance` needs of it.
     """
@@ -121,5 +112,5 @@ class Integrator:
     share: float = 1.0
     swelling: float = 0.0
     keeps_energy: bool = False
-    leading: LeadingError | None = None
+    undamped_motion: UndampedMotion | None = None
     factors: Factors | None = None

@@ -10,6 +10,7 @@ import pandas as pd
 
 from msvalidate.judging.summary import TOLERANCE
 from msvalidate.output.baseline import baseline_folder
+from msvalidate.output.results import FULL
 from msvalidate.output.stored import Stored, read_csv
 from msvalidate_check.text import percent as text_of_part
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
@@ -17,7 +18,7 @@ from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
 OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "displacement/emblem.svg"
 LEDGER, SENTENCES = "claims", "ledger"
-COMMITTED = "the committed baseline"
+COMMITTED = "the committed baseline of full mode"
 SHORTER = {
     "true where the source says": "true only where stated",
     "false as said, true if": "false as worded, true if read otherwise",
@@ -173,17 +174,21 @@ def _advice(lines: Sequence[Line]) -> str:
 def _table(
     studies: Sequence[Stored], study: str, name: str, needed: set[str]
 ) -> tuple[pd.DataFrame, str]:
-    """A table as text, and in words where it comes from: of the baseline where ours is damaged."""
+    """Return a table of full mode as text, and its source in words.
+
+    A headline reads the same after a quick run as after a full one: the table of a quick run, or
+    one that is damaged, is replaced by that of the baseline.
+    """
     why = ""
     for stored in studies:
-        if stored.name != study:
+        if stored.name != study or stored.origin.get("form", FULL) != FULL:
             continue
         table = stored.tables.get(name, pd.DataFrame())
         if not stored.error and len(table) and needed <= set(table):
             time = stored.origin.get("time", "unknown time").partition(",")[0]
-            return table, f"the run of {time}"
+            return table, f"the full run of {time}"
         why = f", as what {study} left is not whole"
-    path = baseline_folder("full") / study / f"{name}.csv"
+    path = baseline_folder(FULL) / study / f"{name}.csv"
     return (read_csv(path) if path.is_file() else pd.DataFrame()), COMMITTED + why
 
 

@@ -23,6 +23,7 @@ from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, field
 
 THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
+FULL = "full"
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,10 @@ class Results:
         if text is None:
             raise ProblemError(f"{source}: no table {study}/{name}; run {study} again")
         return read_numbers(text)
+
+    def in_full_mode(self) -> Results:
+        """Results that a headline quotes: these if of full mode, else the committed baseline."""
+        return self if self.form == FULL else Results(FULL)
 
     def source(self, study: str) -> str:
         """Where the tables of a study come from: `THIS_RUN`, `STORED` or `BASELINE`."""

@@ -160,15 +160,16 @@ def summary(tables: kit.Tables) -> pd.DataFrame:
 def describe(table: pd.DataFrame) -> str:
     """Words for a finding: each method's difference to the accepted value on its finest mesh."""
     seen = finest(table)
-    many = len(set(seen["quantity"])) > 1, len(set(seen["nu"])) > 1
+    many = [seen[column].nunique() > 1 for column in ("quantity", "nu", "cells")]
     words = []
     for row in seen.to_dict("records"):
         about = [row["method"]]
         about += [row["quantity"]] if many[0] else []
         about += [f"nu = {row['nu']:.3g}"] if many[1] else []
+        about += [f"{row['cells']:g} cells"] if many[2] else []
         percent = 100 * row["against_accepted"]
         words.append(f"{percent:+.{FINDING_DIGITS - 1}g} % ({', '.join(about)})")
-    return "; ".join(words)
+    return "; ".join(words) + ("" if many[2] else f", at {seen['cells'].iloc[0]:g} cells")
 
 
 def convergence(name: str, body: str, xlabel: str, tables: kit.Tables) -> Figure:

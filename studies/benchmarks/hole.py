@@ -98,7 +98,7 @@ def run(
             ),
             **curved.pictures("hole_field", "Plate with a hole"),
         },
-        findings=(f"Plate with a hole, finest meshes: {cases.describe(table)}.",),
+        findings=(f"Plate with a hole: {cases.describe(table)}.",),
     )
 
 

@@ -1,8 +1,8 @@
 """Which sentences of the source report hold?
 
-The report that started this project has some sixty sentences that can be checked. Which are true,
-which only where the source says so, which are false as said and true on another condition, and
-which has nothing judged yet?
+The ledger lists 64 sentences of the report that started this project. Which are true, which only
+where the source says so, which are false as said and true on another condition? Those that quote
+the work of others, draw an analogy or choose a definition are background and have no verdict.
 
 Each is held to bounds with a reason; and, so that a result that moves is noticed, to the verdict
 that theory lets expect. Every verdict is computed from what the other studies found, and changes
@@ -15,7 +15,7 @@ Candidate: the results of the other studies. Reference: the bounds. Source of th
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from functools import partial
 from typing import Any
 
@@ -24,8 +24,8 @@ import pandas as pd
 from msvalidate import kit
 
 from .controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
-from .reading import read
-from .record import IF, NONE, SENTENCES, TOPICS, VERDICTS, Sentence
+from .reading import last_sizes, read
+from .record import BACKGROUND, IF, NONE, SENTENCES, TOPICS, VERDICTS, Sentence
 
 __all__ = ["FAULTS", "READS_RESULTS", "SENTENCES", "run"]
 READS_RESULTS = True
@@ -83,24 +83,29 @@ def judge_sentences(results: kit.Results, sentences: Sequence[Sentence]) -> kit.
             observed=kit.Observed(float(len(wrong))),
         ),
     )  # fmt: skip
-    topics = [topic_row(topic, results, found, wrong) for topic in TOPICS]
+    expected, quoted = set(verdicts) - set(wrong), results.in_full_mode()
+    topics = [topic_row(topic, quoted, expected) for topic in TOPICS]
     return kit.Evidence(
         tables={
             "topics": pd.DataFrame(topics),
             "ledger": pd.DataFrame(
                 [ledger_row(each, results, found, verdicts[each.number]) for each in sentences]
             ),
-            "numbers": pd.DataFrame([row for s in sentences for row in number_rows(s, found)]),
+            "numbers": pd.DataFrame(
+                [row for s in sentences for row in number_rows(s, results, found)]
+            ),
             "verdicts": pd.DataFrame({"verdict": VERDICTS, "sentences": counts}),
             "controls": controls,
         },
         tolerances=(*counted, FLIPS),
         columns=kit.columns(__file__),
-        findings=findings(counts, topics),
+        findings=findings(counts, verdicts, topics),
     )
 
 
-def number_rows(sentence: Sentence, found: Numbers) -> list[dict[str, object]]:
+def number_rows(
+    sentence: Sentence, results: kit.Results, found: Numbers
+) -> list[dict[str, object]]:
     """Every number of a sentence beside its bound, those as said first."""
     kinds = zip(("as said", "under"), (sentence.said, sentence.under), strict=True)
     return [
@@ -112,7 +117,7 @@ def number_rows(sentence: Sentence, found: Numbers) -> list[dict[str, object]]:
             "side": check.side,
             "bound": check.bound,
             "holds": "yes" if check.holds(number) else "no",
-            "measure": check.measure,
+            "measure": check.measure.format(last=last_sizes(results, check.query)),
             "study": check.table.partition("/")[0],
             "table": check.table.partition("/")[2],
             "because": check.because,
@@ -129,7 +134,7 @@ def ledger_row(
 
     That is the first as said that does not keep to its bound; else the first.
     """
-    numbers = number_rows(sentence, found)
+    numbers = number_rows(sentence, results, found)
     missed = [row for row in numbers if row["holds"] == "no" and row["part"] == "as said"]
     names = ("number", "unit", "side", "bound", "measure", "study", "table", "because")
     decides = next(iter([*missed, *numbers]), dict.fromkeys(names, NONE))
@@ -144,38 +149,35 @@ def ledger_row(
     }
 
 
-def topic_row(
-    topic: Mapping[str, Any], results: kit.Results, found: Numbers, wrong: Sequence[int]
-) -> dict[str, str]:
-    """A topic of the report in a row; words only where its verdicts are the expected ones."""
-    asked = [number for number in topic["sentences"] if number in wrong or number not in found]
-    words = f"Not as theory lets expect: sentences {asked} of the ledger."
-    if not asked:
-        words = (
-            topic["found"]
-            .format(
-                **{name: topic_number(of, results, found) for name, of in topic["numbers"].items()}
-            )
-            .replace("e-0", "e-")
-            .replace("%", " %")
-        )
+def topic_row(topic: Mapping[str, Any], quoted: kit.Results, expected: Set[int]) -> dict[str, str]:
+    """A topic in a row: numbers of full mode, if its verdicts in this run are the expected ones."""
+    moved = [number for number in topic["sentences"] if number not in expected]
+    words = f"Not as theory lets expect: sentences {moved} of the ledger."
+    if not moved:
+        numbers = {name: topic_number(of, quoted) for name, of in topic["numbers"].items()}
+        words = topic["found"].format(**numbers).replace("e-0", "e-").replace("%", " %")
     row = {name: topic[name] for name in ("topic", "says")}
     return {**row, "found": words, "studies": topic["studies"]}
 
 
-def topic_number(of: Any, results: kit.Results, found: Numbers) -> float:
+def topic_number(of: Any, quoted: kit.Results) -> float:
     """A number of a topic with four digits, as its entry in the ledger names it."""
-    if not isinstance(of, str):
-        return float(f"{read(results, of):.4g}")
-    number, part, *bound = of.split()
-    if bound:
-        return float(next(getattr(s, part)[0].bound for s in SENTENCES if s.number == int(number)))
-    return float(f"{found[int(number)][part == 'under'][0]:.4g}")
+    query = of
+    if isinstance(of, str):
+        number, part, *bound = of.split()
+        check = next(getattr(s, part)[0] for s in SENTENCES if s.number == int(number))
+        if bound:
+            return float(check.bound)
+        query = check.query
+    return float(f"{read(quoted, query):.4g}")
 
 
-def findings(counts: Sequence[int], topics: Sequence[Mapping[str, str]]) -> tuple[str, ...]:
-    """Counts, and what a reader of the report should know first."""
+def findings(
+    counts: Sequence[int], verdicts: Mapping[int, str], topics: Sequence[Mapping[str, str]]
+) -> tuple[str, ...]:
+    """Counts, the sentences without a verdict, and what a reader should know first."""
+    background = [str(number) for number, verdict in verdicts.items() if verdict == BACKGROUND]
     told = ", ".join(f"{n} {verdict}" for n, verdict in zip(counts, VERDICTS, strict=True))
     told = told.replace(IF, f"{IF} something else is meant")
-    whole = f"Of the report's {sum(counts)} sentences: {told}."
+    whole = f"Of the report's {sum(counts)} sentences: {told} ({', '.join(background)})."
     return (whole, *(f"{row['topic']}: {row['found']}" for row in topics))

@@ -69,6 +69,13 @@ def select(results: kit.Results, query: Query, where: Mapping[str, Any]) -> pd.D
     return table
 
 
+def last_sizes(results: kit.Results, query: Query) -> str:
+    """The sizes to which a query is limited, in words."""
+    table = select(results, query, query.get("where", {}))
+    sizes = (f"{name} = {table[name].iloc[0]:g}" for name in np.atleast_1d(query.get("last", [])))
+    return ", ".join(sizes)
+
+
 def require(table: pd.DataFrame, column: str, query: Query) -> None:
     """Raise ProblemError if a table lacks a column."""
     if column not in table:

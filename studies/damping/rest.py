@@ -247,11 +247,13 @@ def finding(best: pd.DataFrame) -> str:
     hidden = best[best["mode"] > 1]
     away = (hidden["omega_rad_s"] / hidden["omega_min_rad_s"]).max()
     extra = (best["steps_at_critical"] / best["fewest_steps"]).max()
+    errors = " and ".join(f"{error:g}" for error in ERRORS)
     return (
-        f"The fewest steps to rest are taken at {best['best'].min():.2g} to "
-        f"{best['best'].max():.2g} of critical damping, c = 2ω of the slowest mode that the load "
-        f"excites; at 2ω itself up to {extra:.2g} times as many. Under a symmetric load that mode "
-        f"is up to {away:.2g} times the body's lowest, and so is the best damping."
+        f"On {best['body'].nunique()} bodies, to errors of {errors}, the fewest steps are taken at "
+        f"{best['best'].min():.2g} to {best['best'].max():.2g} of critical damping, c = 2ω of the "
+        f"slowest mode that the load excites; at 2ω itself up to {extra:.2g} times as many. Under "
+        f"{hidden['body'].nunique()} symmetric loads that mode is up to {away:.2g} times the "
+        "lowest of the body, and so is the best damping."
     )
 
 

@@ -232,8 +232,9 @@ def finding(table: pd.DataFrame) -> str:
         f"after a step first, it stops with more than {WRONG:g} times the error asked for in "
         f"{bad.sum()} of {len(table)} runs"
         + (f", {at_once} of them after that step" if at_once else "")
-        + f": up to {swinging['error_over_asked'].max():.2g} times when underdamped, "
-        f"{overdamped['error_over_asked'].max():.2g} times when overdamped. The "
+        + f": up to {swinging['error_over_asked'].max():.2g} times in {len(swinging)} underdamped "
+        f"runs, {overdamped['error_over_asked'].max():.2g} times in {len(overdamped)} overdamped "
+        f"ones. The "
         f"rule on residual force and kinetic energy stops {wrong or 'no'} "
         f"run{'' if wrong == 1 else 's'} with more than the error asked for, at most "
         f"{table['residual_error_over_asked'].max():.4g} times it."

@@ -164,15 +164,15 @@ def _of_crossing(table: pd.DataFrame, orders: pd.DataFrame, mended: pd.DataFrame
     cut = orders[(orders["springs_cross"] == "yes") & (orders["test"] == "pull")].merge(lost)
     if not len(cut):
         return []
-    coarsest = table.merge(cut[["lattice", "rule"]]).groupby(["lattice", "rule"])
-    softest = coarsest["E_over"].first().min()
+    bodies = table.merge(cut[["lattice", "rule"]])
+    softest = bodies.nsmallest(1, "E_over").iloc[0]
     said = []
     said.append(
         f"{_names(cut)}: springs that run from cell to cell are cut off at a side, and bodies are "
-        f"too soft by an error of first order ({_orders(cut)}): {softest:.2f} of the solid's "
-        "modulus at the coarsest. While springs inside keep their constants no weights of those at "
-        "the boundary mend it: some strain loads a row of such springs and none beside it, and the "
-        "last of the row pulls on a point that nothing else holds."
+        f"too soft by an error of first order ({_orders(cut)}): {softest['E_over']:.2f} of the "
+        f"solid's modulus at {softest['cells']:g} cells. While springs inside keep their constants "
+        "no weights of those at the boundary mend it: some strain loads a row of such springs and "
+        "none beside it, and the last of the row pulls on a point that nothing else holds."
     )
     error = pd.to_numeric(mended["pull_error_rewired"], errors="coerce").abs()
     exact = mended[error <= EXACT]

@@ -372,10 +372,17 @@ def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
     """Where springs may be used, and where not."""
     good, other = (table[table["material"] == word] for word in ("yes", "no"))
-    finest, most = good["error_fine"].max(), good["error_coarse"].max()
+    fine, most = good["error_fine"].max(), good["error_coarse"].max()
     still = " to ".join(dict.fromkeys(f"{other['error_fine'].agg(f):.0%}" for f in ("min", "max")))
-    near = f"come within {finest:.1%} of elasticity on the finest lattice of every body"
+    near = f"come within {fine:.1%} of elasticity at {across(good, 'fine')} cells across"
+    far = f"at {across(good, 'coarse')} cells they are off by up to {most:.0%}"
     return (
-        f"Springs whose solid is the material {near}; the coarsest are off by up to {most:.0%}.",
-        f"Springs whose solid is another are off by {still} on the finest.",
+        f"Springs whose solid is the material {near} on {len(good)} bodies; {far}.",
+        f"Springs whose solid is another are off by {still} at {across(other, 'fine')} cells.",
     )
+
+
+def across(rows: pd.DataFrame, end: str) -> str:
+    """Fewest and most cells across at the coarse or the fine end of rows."""
+    cells = rows[f"across_{end}"]
+    return " to ".join(dict.fromkeys(f"{cells.agg(f):g}" for f in ("min", "max")))

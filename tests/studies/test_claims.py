@@ -1,5 +1,6 @@
 """The study `claims`: verdicts follow numbers, every link is there, forms agree."""
 
+import re
 from io import StringIO
 
 import pandas as pd
@@ -134,7 +135,7 @@ def test_small_and_full_form_come_to_the_same_verdicts():
 def test_numbers_of_this_run_come_before_those_of_the_baseline():
     advice = pd.read_csv(baseline_folder("quick") / "damping/advice.csv")
     ours = row(claims.run(setting=QUICK), 27)
-    assert ours["number"] == pytest.approx(1326 / 594)  # of the plate, as printed by `damping`
+    assert ours["number"] == pytest.approx(1313 / 588)  # of the plate to 1e-6, as in `damping`
     theirs = row(claims.run(results("damping", advice=advice.assign(steps=7.0)), setting=QUICK), 27)
     assert (theirs["number"], theirs["verdict"]) == (1, record.TRUE)
     assert theirs["taken_from_here"] == THIS_RUN
@@ -145,6 +146,48 @@ def test_a_topic_says_nothing_where_a_verdict_of_its_sentences_moved():
     told = moved.tables["topics"].set_index("topic")["found"]
     assert told["O(n) against O(n⁹)"].startswith("Not as theory lets expect: sentences [2]")
     assert "6.348 V" in told["the actuator"]
+
+
+# --- headlines: the report's topics on README and on the first screen of the page -----------------
+
+TOPICS = pd.read_csv(baseline_folder("full") / "claims/topics.csv")
+STOPS = baseline_folder("quick") / "damping/stop_rule.csv"
+QUALIFIED = {
+    "k2/(2k1 + k2)": "in a single square element",
+    "four integrators": "In the testing spring-mass system",
+    "damping": "In our spring-mass system",
+    "load cases": "under the spring-mass assumption",
+    "O(n) against O(n⁹)": "In the optimal situation",
+    "the actuator": "when voltage has a higher value",
+}
+"""Topic -> the condition that the report itself states in the sentence quoted."""
+
+
+def test_a_headline_reads_the_same_in_both_forms():
+    quick = claims.run(setting=QUICK).tables["topics"]
+    pd.testing.assert_frame_equal(quick, TOPICS)
+    moved = results("damping", stop_rule=pd.read_csv(STOPS).assign(error_over_asked=7.0))
+    told = claims.run(moved, setting=QUICK).tables["topics"]
+    pd.testing.assert_frame_equal(told, quick)
+    told = claims.run(Results("full", run=moved.run)).tables["topics"]
+    assert "up to 7 times" in told["found"][0]
+
+
+@table("found", list(TOPICS["found"]))
+def test_a_headline_names_the_sample_of_an_extreme_and_the_error_of_a_price(found):
+    assert not re.search("finest|coarsest|largest of all", found)
+    if re.search(r"up to [\d.]+ (times|%)", found):
+        assert re.search(r"\d+ (runs|cases|bodies)", found)
+    if "times the steps" in found or "critical's steps" in found:
+        assert re.search(r"to an error of 1e-3, [\d.]+ to 1e-6", found)
+
+
+@table("topic", record.TOPICS)
+def test_a_quotation_is_of_a_sentence_of_the_ledger_and_keeps_its_qualifier(topic):
+    phrases = [each.phrase for each in claims.SENTENCES if each.number in topic["sentences"]]
+    parts = topic["says"].split(" … ")
+    assert any(all(part in phrase for part in parts) for phrase in phrases)
+    assert QUALIFIED.get(topic["topic"], "") in topic["says"]
 
 
 def factors(exponent):

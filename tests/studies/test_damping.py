@@ -250,7 +250,8 @@ def test_stated_resolution_is_the_real_one(kind):
     [([1.0, 1.5], "too little"), ([3.0, 4.0], "too much"), ([1.0, 3.0], "depends on the body")],
 )
 def test_advice_follows_the_prices(under, said):
-    assert said in advice.finding(pd.Series(under), pd.Series([2.0, 2.0]))
+    on = pd.MultiIndex.from_product([["plate"], rest.ERRORS], names=advice.ON)
+    assert said in advice.finding(pd.Series(under, on), pd.Series([2.0, 2.0], on))
 
 
 def test_free_pair_moves_as_one():

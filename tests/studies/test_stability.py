@@ -148,14 +148,51 @@ def test_oscillator_is_the_network_in_its_mode():
         )
 
 
-@pytest.mark.parametrize("name", cost.TOLD)
-def test_leading_terms_are_leading(name):
-    """What is left beside the leading term falls with the step."""
-    left = []
-    for evaluations in (2000, 8000):
-        error, leading = cost.errors(INTEGRATORS[name], evaluations)
-        left.append(abs(error / leading - 1))
-    assert left[1] < 0.3 * left[0]
+# --- work for an accuracy -------------------------------------------------------------------------
+
+QUARTER = 0.5 * np.pi
+WORK = 0.05
+"""Largest part by which work may depend on when errors are sampled: a quarter of a period more is
+1/40 of ten periods, and the ellipse of Verlet's states is an eighth of its error there."""
+
+
+def work():
+    """Force evaluations for an error of 1e-3, by scheme."""
+    needed = cost.run(INTEGRATORS, QUICK).tables["cost_needed"]
+    return needed[needed["wanted"] == 1e-3].set_index("scheme")["evaluations_needed"].astype(float)
+
+
+@pytest.mark.parametrize("later", [-QUARTER, QUARTER])
+def test_a_motion_that_ends_a_quarter_of_a_period_later_takes_the_same_work(monkeypatch, later):
+    before = work()
+    assert set(before.index) == set(common.TRUE)
+    monkeypatch.setattr(cost, "ANGLE", cost.ANGLE + later)
+    np.testing.assert_allclose(work(), before, rtol=WORK)
+
+
+LEADING = {
+    "explicit_euler": cost.ANGLE / 2,
+    "euler_cromer": 1 / 2,
+    "leapfrog": cost.ANGLE / 24,
+    "velocity_verlet": cost.ANGLE / 24,
+    "runge_kutta": cost.ANGLE / 120,
+    "average_acceleration": cost.ANGLE / 12,
+}
+"""Scheme -> error over (h·ω)^order, by growth, ellipse and phase on paper."""
+
+
+@pytest.mark.parametrize("name", common.TRUE)
+def test_work_is_that_of_the_leading_term(name):
+    """The ellipse of Verlet's states adds 1.3 % to the error of their phase."""
+    scheme = INTEGRATORS[name]
+    h = cost.step_size(scheme, cost.needed_for(scheme, 1e-5))
+    assert LEADING[name] * h**scheme.order == pytest.approx(1e-5, rel=0.02)
+
+
+def test_a_scheme_without_a_closed_form_is_refused():
+    silent = replace(INTEGRATORS["leapfrog"], undamped_motion=None)
+    with pytest.raises(ProblemError, match="leapfrog: no closed form"):
+        stability.run(INTEGRATORS | {"leapfrog": silent}, QUICK, ("cost",))
 
 
 def forest_ruth(acceleration, now, h, c):

@@ -17,9 +17,9 @@ ROW = {
 }  # fmt: skip
 
 
-def stored(name, table, content, error=""):
-    time = {"time": "2026-01-01 00:00 UTC"}
-    return Stored(name, "?", (), {}, time, nothing_judged(), {table: content}, {}, error)
+def stored(name, table, content, error="", form="full"):
+    origin = {"time": "2026-01-01 00:00 UTC", "form": form}
+    return Stored(name, "?", (), {}, origin, nothing_judged(), {table: content}, {}, error)
 
 
 def rows(*each):
@@ -30,7 +30,7 @@ def test_stored_rows_are_told_in_per_cent():
     found = front.first_screen([stored("overview", "good_for", rows(ROW))])
     (line,) = found.lines
     assert (line.coarse, line.fine, line.cost) == ("7.8 % at 5", "0.17 % at 80", "0.92 times")
-    assert found.source == "the run of 2026-01-01 00:00 UTC"
+    assert found.source == "the full run of 2026-01-01 00:00 UTC"
 
 
 def test_advice_is_the_first_row_and_those_that_differ():
@@ -55,6 +55,7 @@ def test_advice_is_the_first_row_and_those_that_differ():
         None,
         stored("overview", "good_for", rows(ROW), error="no pivot"),
         stored("overview", "other", rows(ROW)),
+        stored("overview", "good_for", rows(ROW), form="quick"),
     ],
 )
 def test_what_is_not_there_comes_from_the_committed_baseline(study):
@@ -66,7 +67,7 @@ def test_what_is_not_there_comes_from_the_committed_baseline(study):
 def test_damaged_rows_are_not_shown():
     damaged = rows(ROW).drop(columns="condition")
     found = front.first_screen([stored("overview", "good_for", damaged)])
-    assert found.source == "the committed baseline, as what overview left is not whole"
+    assert found.source == f"{front.COMMITTED}, as what overview left is not whole"
     words = ROW | {"error_coarse": "none", "cells_over_linear": "not asked"}
     (line,) = front.first_screen([stored("overview", "good_for", rows(words))]).lines
     assert (line.coarse, line.cost) == ("none at 5", "not asked")
@@ -80,7 +81,9 @@ def test_the_reports_topics_and_verdicts_come_from_the_stored_ledger():
     found = front.first_screen([ours])
     assert found.topics == (front.Topic("a", "b", "c", "poisson"),)
     assert found.sentences == "2 true; 1 false as worded, true if read otherwise; 1 false"
-    committed = front.first_screen([])
+    quick = stored("claims", "topics", topics, form="quick")
+    committed = front.first_screen([quick])
+    assert committed == front.first_screen([]), "headlines are of full mode"
     assert len(committed.topics) == 8
     assert all(words in committed.sentences for words in front.SHORTER.values())
 
