@@ -204,12 +204,13 @@ def judge(evidence: Evidence) -> pd.DataFrame:
         If it is no evidence.
     """
     require_type("evidence", evidence, Evidence)
-    return pd.DataFrame(
-        [
-            judge_one(tolerance, evidence.observed[tolerance.quantity])
-            for tolerance in evidence.tolerances
-        ]
-    )
+    rows = [judge_one(each, evidence.observed[each.quantity]) for each in evidence.tolerances]
+    return pd.DataFrame(rows) if rows else nothing_judged()
+
+
+def nothing_judged() -> pd.DataFrame:
+    """Verdict without rows."""
+    return pd.DataFrame([judge_one(Tolerance("", 0.0, "1", "none"), Observed(0.0))]).iloc[:0]
 
 
 def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
