@@ -79,11 +79,6 @@ class Estimate(ReadOnly):
         """What the values close in on by the order seen; the last one where none is."""
         return self.value + self.added
 
-    @property
-    def extrapolated_uncertainty(self) -> float:
-        """Of every component of an extrapolated field: all that was added, or as of the last."""
-        return float(np.abs(self.added).max(initial=0.0)) or float(np.max(self.uncertainty))
-
 
 def close_in(values: Sequence[Array], most: float = TRUSTED_ORDER) -> Estimate:
     """The last of some fields on meshes each twice as fine as the one before, and its error.

@@ -52,6 +52,11 @@ CELLS = {2: (4, 8, 16), 3: (1, 2, 3)}
 """In a half-width, by the number of axes: in space 4 would be 30,000 nodes."""
 NEAR = 1e-4
 """Part of its depth that a round obstacle may go deeper from where its normals were taken."""
+EXACT, ACCEPTED = 1e-10, 1e-6
+"""Part of a force that the depth may leave, and where rounding of a much larger depth does; then
+pressures are scaled to the force."""
+BEARING = 1e-3
+"""Of the largest weight, from which a node can bear an obstacle alone: corners of P2 cannot."""
 CLOSE = 0.1
 """Change of the half-width at which its mesh is good for it."""
 
@@ -106,8 +111,22 @@ def press(
     ProblemError
         If there is not one contact, or it reaches nothing; or as `solve_problem`.
     SolverError
-        As `solve_problem`.
+        If the patch of a round obstacle is smaller than an element; or as `solve_problem`.
     """
+    result = _press(problem, body, within, solver)
+    touched = int((result.pressure > 0).sum())
+    if touched <= body.dim and problem.contacts[0].obstacle.radius is not None:
+        raise SolverError(
+            f"contact: the patch has {touched} nodes, and smaller elements are needed; take "
+            "`contact_mesh` with its half-width, or `press_closely`"
+        )
+    return result
+
+
+def _press(
+    problem: Problem, body: Discretisation, within: float | None, solver: str = "auto"
+) -> ElementContact:
+    """Contact as `press` has it, of a patch of any size."""
     contact, bare = _only_contact(problem)
     obstacle, depth = contact.obstacle, contact.depth
     held, given = prescribed_displacements(bare, body.points)
@@ -122,14 +141,19 @@ def press(
     for _ in range(TURNS):
         normal = obstacle.normal(x, depth)
         gap = obstacle.gap(x, depth) + (normal * begun[nodes]).sum(axis=1)
-        if contact.force is None and (gap >= 0).all():
-            raise ProblemError("contact: no point of the region can be reached; lower the obstacle")
-        loads = mass[may][:, :, None] * normal[may][:, None, :]
+        along = normal @ obstacle.axis
+        if not (along > 0).any() or (contact.force is None and (gap >= 0).all()):
+            raise ProblemError(
+                f"contact: no point of the region can be reached, the nearest is {gap.min():.4g} m "
+                "away; place the obstacle above the region, or lower it by more than that"
+            )
+        # Gaps, forces and their total have the same weights and each node's own normal.
+        loads = mass[may][:, :, None] * normal
         follows = _followed(ready, body, nodes, loads)
         D = np.einsum("cnd,knd->ck", loads, follows)
         q = np.einsum("cnd,nd->c", loads, begun[nodes]) + mass[may] @ obstacle.gap(x, depth)
         # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
-        w = mass[may] @ (normal @ obstacle.axis)
+        w = mass[may] @ along
         p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
         depth += deeper
         if obstacle.is_round and abs(deeper) > NEAR * abs(depth):  # its normals have turned
@@ -143,7 +167,7 @@ def press(
             break
         may[:] = True
     else:
-        raise SolverError(f"contact: no depth found for {contact.force:g} N; reduce the force")
+        raise _no_depth(contact.force)
     left = q + D @ p - deeper * w
     wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
     along = nodal @ obstacle.axis
@@ -195,25 +219,47 @@ def _mass(contact: Contact, problem: Problem, body: Discretisation) -> tuple[Ind
 
 def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Array, float]:
     """Pressures (c,) in Pa, and by how much (m) an obstacle pressed by a force goes deeper."""
-    L = cholesky(D, lower=True)
-    size = float(L.max())
-
-    def at(deeper: float) -> Array:
-        right = solve_triangular(L, q - deeper * w, lower=True)
-        times = float(np.abs(right).max())  # nnls takes small numbers for none
-        return np.asarray(nnls(L.T / size, -right / times)[0] * (times / size))
-
     if total is None:
-        return at(0.0), 0.0
-    on = q / w == (q / w).min()
+        return _pressures(D, q), 0.0
+    bearing = np.flatnonzero(w > BEARING * w.max())
+    on = bearing[[np.argmin(q[bearing] / w[bearing])]]
+    before = np.inf
     for _ in range(TURNS):  # of the nodes that touch, as if they were all: Newton's method
         alone = np.linalg.solve(D[np.ix_(on, on)], np.column_stack([-q[on], w[on]]))
         deeper = float((total - w[on] @ alone[:, 0]) / (w[on] @ alone[:, 1]))
-        p = at(deeper)
-        if abs(w @ p - total) <= 1e-10 * total:
-            return p, deeper
-        on = p > 0
-    raise SolverError(f"contact: no depth found for {total:g} N after {TURNS} turns")
+        p = _pressures(D, q - deeper * w)
+        off = float(abs(w @ p / total - 1))
+        if off <= EXACT or before <= off <= ACCEPTED:  # rounding of gaps allows no less
+            return p * (total / (w @ p)), deeper
+        before = off
+        on = np.flatnonzero(p)
+    raise _no_depth(total)
+
+
+def _no_depth(force: float | None) -> SolverError:
+    return SolverError(
+        f"contact: no depth for {force:g} N after {TURNS} turns; take smaller elements at the "
+        "obstacle, or another force"
+    )
+
+
+def _pressures(D: Array, gap: Array) -> Array:
+    """Pressures (c,) in Pa that close gaps (c,): of the nodes that the obstacle enters.
+
+    Gaps far from the patch are many times the depth, and would hide it in the rounding of `nnls`.
+    So nodes are taken only if they are entered by the body as it was, or as it bulges.
+    """
+    p, on = np.zeros_like(gap), gap < 0
+    entered = on
+    while entered.any():
+        on = on | entered
+        L = cholesky(D[np.ix_(on, on)], lower=True)
+        right = solve_triangular(L, gap[on], lower=True)
+        # nnls takes small numbers for none.
+        size, times = float(L.max()), float(np.abs(right).max())
+        p[on] = nnls(L.T / size, -right / times)[0] * (times / size)
+        entered = ~on & (gap + D @ p < 0)
+    return p
 
 
 def contact_mesh(problem: Problem, half_width: float, cells: int) -> Discretisation:
@@ -255,7 +301,7 @@ def press_closely(
     if isinstance(problem.domain, Box) and problem.contacts[0].obstacle.radius is not None:
         a = min(problem.domain.size) / 4
         for _ in range(TURNS):
-            before, a = a, press(problem, contact_mesh(problem, a, cells[0])).half_width
+            before, a = a, _press(problem, contact_mesh(problem, a, cells[0]), None).half_width
             if abs(a / before - 1) < CLOSE:
                 break
             a = min(max(a, before / 8), max(problem.domain.size))  # a node alone has no width
@@ -263,7 +309,7 @@ def press_closely(
     else:
         body = first_mesh(problem)
         bodies = [subdivide(body, times) if times else body for times in range(len(cells))]
-    found = tuple(press(problem, body, within=within) for body in bodies)
+    found = tuple(_press(problem, body, within) for body in bodies)
     values = [
         np.array([one.half_width, one.pressure.max(), one.depth, one.total]) for one in found[-2:]
     ]

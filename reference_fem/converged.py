@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -31,7 +31,14 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
-from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Estimate, close_in, unlimited
+from reference_fem.closing_in import (
+    ROUNDING,
+    TRUSTED_ORDER,
+    TWO_MESHES,
+    Estimate,
+    close_in,
+    unlimited,
+)
 from reference_fem.effort import MEMORY, More, fits_within, one_more_mesh
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.first_mesh import MOST_MIXED, MOST_NODES, first_mesh
@@ -54,6 +61,22 @@ NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
 
 
+class LargeChange(NamedTuple):
+    """Change of displacements by large displacements: equilibrium in full less first order.
+
+    Parameters
+    ----------
+    displacement, uncertainty
+        (p, d) in m at the points of a reference, and how far (m) it may be off.
+    no_finer
+        Error of a finer mesh that has no equilibrium; None if no such mesh was tried.
+    """
+
+    displacement: Array
+    uncertainty: float
+    no_finer: SolverError | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Reference:
     """What elasticity says of a problem, each value with its own error.
@@ -69,7 +92,7 @@ class Reference:
     seconds
         That each mesh took.
     large
-        What large displacements change (p, d) in m, and how far (m) that may be off, if sought.
+        Change by large displacements, if it was requested.
     contact
         `contact.ElementContact` of an obstacle on the finest mesh, and its relative error, or None.
     following
@@ -81,7 +104,7 @@ class Reference:
     solutions: tuple[Solution, ...]
     accuracy: float
     seconds: tuple[float, ...]
-    large: tuple[Array, float] | None = None
+    large: LargeChange | None = None
     contact: Any = None
     following: More | None = None
 
@@ -138,20 +161,25 @@ class Reference:
 
     @cached_property
     def mean_stress(self) -> Estimate:
-        """Mean stress (3,) or (6,) in Pa: the outer forces' virial over the volume."""
-        return self._close_in(
-            [self._mean_stress(solution, force) for solution, force in self._internal]
-        )
+        """Mean stress (3,) or (6,) in Pa: the outer forces' virial over the volume.
+
+        Few values may change little by chance: a third of the change before the last counts too.
+        """
+        values = [self._mean_stress(solution, force) for solution, force in self._internal]
+        found = self._close_in(values)
+        before = np.abs(np.diff(values[-3:-1], axis=0)).max(initial=0.0) / 3
+        return replace(found, uncertainty=np.maximum(found.uncertainty, before))
 
     def stress(self, points: Array) -> tuple[Array, Array]:
         """Stress (q, 3) or (q, 6) in Pa at points (q, d), and how far each of them may be off (q,).
 
-        The last change, as orders of stresses differ from place to place: infinite next to corners.
+        Twice the last change, as orders of stresses differ from place to place and changes vanish
+        where they cross. Next to corners stresses have no limit.
         """
         found = [solution.stress(points) for solution in self.solutions[-2:]]
         if len(found) < 2:
             return found[-1], np.full(len(points), np.inf)
-        return found[-1], np.asarray(np.abs(found[-1] - found[-2]).max(axis=1))
+        return found[-1], np.asarray(TWO_MESHES * np.abs(found[-1] - found[-2]).max(axis=1))
 
     @cached_property
     def no_limit(self) -> tuple[str, ...]:

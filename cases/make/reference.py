@@ -150,6 +150,11 @@ def with_ratio(problem: Problem, nu: float) -> Problem:
     return replace(problem, material=changed(problem.material), zones=zones)
 
 
+def largest_added(each: Estimate) -> float:
+    """Largest part that extrapolation added; the last mesh's uncertainty if it added none."""
+    return float(np.abs(each.added).max(initial=0.0)) or float(np.max(each.uncertainty))
+
+
 def answer_of(statement: Statement, nu: float) -> Answer:
     """What the elements say of a statement at one ratio."""
     reference, _ = solve(statement, nu)
@@ -162,10 +167,10 @@ def answer_of(statement: Statement, nu: float) -> Answer:
     found = np.array(u.extrapolated)
     floors = _floors(reference)
     uncertainty = {
-        name: max(each.extrapolated_uncertainty, floors.get(name.split()[0], 0.0))
+        name: max(largest_added(each), floors.get(name.split()[0], 0.0))
         for name, each in values.items()
     }
-    uncertainty["displacement"] = u.extrapolated_uncertainty
+    uncertainty["displacement"] = largest_added(u)
     if statement.sides is not None:
         values["displacement"] = u
         for name in uncertainty:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -12,11 +12,45 @@ import numpy as np
 Array = np.ndarray
 Driven = Literal["loads", "weight", "supports", "both"]
 """What moves a body: loads, its own weight alone, its supports, or supports and something else."""
+Factor = Callable[[float], float]
+"""Factor of a stiffness by a parameter, such as a spacing (m)."""
 AXES = "xyz"
 ROUNDING = 1e-12
 """Of the sizes of a sum's parts: no more than this is left of parts that cancel."""
 MOST_RATIO = 0.495
 """Ratio up to which elements without a pressure of their own are asked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mistake:
+    """A known mistake and the displacements that it gives, computed when first needed.
+
+    Parameters
+    ----------
+    kind
+        Of the cause; key of its sentence in `causes.PHRASES`, if there is no other `key`.
+    path
+        Returns pairs of a parameter, such as a spacing (m), and the field (n, d) in m that the
+        mistake gives there, in the order of the parameter; none if there is no answer. A candidate
+        between two neighbours fits too, by linear interpolation.
+    scaled
+        Whether the mistake fixes the fields only up to a factor, such as a ratio of constants.
+    named
+        Kinds of phrases, and the factors of the stiffness, by the parameter, at which they replace
+        the general one.
+    beside
+        Kind of a second mistake that is made with it; "" if there is none.
+    simpler
+        Kind of a mistake that it contains: it must fit better than that one to be reported.
+    """
+
+    kind: str
+    path: Callable[[], Sequence[tuple[float, Array]]]
+    scaled: bool = False
+    named: Mapping[str, Factor] = field(default_factory=dict)
+    beside: str = ""
+    simpler: str = ""
+    key: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +63,7 @@ class Field:
     if of no other; `elsewhere` gives it at other places (n, d) in m, None where one lies
     outside the body; `known` are fields (n, d), by ratio, of solvers that are known not to be
     converged, by what they are of; `other_state` gives it in the other plane state, with that
-    state's name.
+    state's name; `mistakes` are known mistakes, solved on this body.
     """
 
     places: Array
@@ -44,6 +78,7 @@ class Field:
     elsewhere: Callable[[Array], Array | None] | None = None
     known: Mapping[str, Callable[[float], Array]] = field(default_factory=dict)
     other_state: Callable[[], tuple[str, Array] | None] = lambda: None
+    mistakes: Sequence[Mistake] = ()
 
     @property
     def size(self) -> float:

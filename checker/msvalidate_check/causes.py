@@ -20,6 +20,8 @@ PHRASES = {
     "unit besides": "{unit}, and {times:.4g} times as large besides",
     "unit": "{scale:.4g} times elasticity: {unit}?",
     "modulus": "{scale:.4g} times elasticity: a modulus E {part:.4g} times as large?",
+    "unit of k": "{scale:.4g} times elasticity: spring constants or a modulus {part:.4g} times as "
+    "large, from a confusion of {units}?",
     "loads": "{scale:.4g} times elasticity: loads {scale:.4g} times as large?",
     "weight": "{scale:.4g} times elasticity: gravity or masses {scale:.4g} times as large?",
     "thickness": "{scale:.4g} times elasticity: a thickness {part:.4g} times as large?",
@@ -28,6 +30,29 @@ PHRASES = {
     "scale": "{scale:.4g} times elasticity",
     "scale and": "{scale:.4g} times {image}: modulus or loads besides?",
     "unit and": "{scale:.4g} times {image}: {unit}?",
+    # Known mistakes, solved on the body.
+    "coarse mesh": "linear elements of about {value:.3g} m: take a finer mesh, or quadratic"
+    " elements",
+    "coarse springs": "the right springs at a spacing of about {value:.3g} m: take a smaller one",
+    "whole boundary springs": "springs on the boundary count whole: give those in a side half their"
+    " constant, in an edge of a solid a quarter",
+    "and whole boundary springs": "springs on the boundary count whole",
+    "k2 = 2 k1": "k2 = 2 k1, k1 {value:.4g} times the right one: each kind of spring has its own "
+    "constant",
+    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): each kind has its "
+    "own constant",
+    "k = E h": "k = E·h (in 2D E·t) on every spring: each kind has its own constant",
+    "k = E": "k = E, a number of Pa taken as N/m, on every spring: each kind has its own constant",
+    "axes alone": "springs along the axes alone, {value:.4g} times E·h (in 2D E·t): no diagonals "
+    "resist shear",
+    "equal masses": "equal masses at all points: give each the share of the cells around it",
+    "doubled mass": "masses twice as large: do cells and springs both bring them?",
+    "thickness beside weight": "forces {value:.4g} times as large, the weight not: another "
+    "thickness?",
+    "rest length": "rest lengths {value:.4g} times the springs' lengths",
+    "not converged": "not converged: {value:.2g} of the displacement is missing; take more "
+    "iterations or steps",
+    "mistake and": "{one}; {other}",
     # Images of elasticity, and components.
     "elasticity": "elasticity",
     "component": "elasticity with no displacement along {axis}: is that component written",
@@ -37,7 +62,7 @@ PHRASES = {
     "places": "elasticity at places mirrored along {axes}",
     "named": "{name}",
     "image": "{image}?",
-    "coarse mesh": "as {image} give it: take a finer mesh",
+    "as image": "as {image} give it: take a finer mesh",
     "axes": "components in the order {order}",
     "sign": "the other sign",
     "signs": "the other sign of {axes}",

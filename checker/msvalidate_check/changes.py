@@ -127,7 +127,7 @@ def explain_one_change(field: Field, every: list[Image]) -> Iterator[Cause]:
     """Other axes, other signs, or another of all `images`, and nothing besides."""
     itself, *others = every
     for image in others:
-        of = phrase("coarse mesh" if image.kind == "coarse mesh" else "image", image=image.of)
+        of = phrase("as image" if image.kind == "coarse mesh" else "image", image=image.of)
         yield Cause(image.kind, of=of, left=field.left(field.found, image.wanted))
     seen: list[tuple[str, Array]] = []
     for frame in frames(field.found.shape[1])[1:]:

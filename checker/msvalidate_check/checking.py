@@ -316,7 +316,8 @@ def _lines(v: FieldVerdict) -> list[str]:
         f"  parts: {parts}",
     ]
     if own.error > NOTICED * own.uncertainty:
-        found += [f"  cause: {each.said}" for each in v.causes] or ["  cause: none of those known"]
+        found += [f"  cause (leaves {_percent(each.left)}): {each.said}" for each in v.causes]
+        found += [] if v.causes else ["  cause: none of those known"]
         found += _effective(v.material)
     found += [
         f"  {e.quantity}: {e.word}, {_percent(e.error)} off, known to {_percent(e.uncertainty)}"

@@ -25,6 +25,7 @@ from msvalidate_check.beside import (
 )
 from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.changes import Image, explain_one_change, explain_two_changes, images
+from msvalidate_check.mistakes import explain_mistakes
 from msvalidate_check.ratios import explain_ratio, explain_ratio_besides
 from msvalidate_check.scales import AS_GOOD, AS_WELL, NOTICED, UNITS, explain_scale, read_scale
 
@@ -41,6 +42,12 @@ RIGHT = 0.02
 much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
 WHOLE = {"unit", "sign", "axes", "mirrored", "places", "component", "positions", "node order"}
 """Faults without a number to fit: a solver that errs besides has them too."""
+OF_SIZE = {"scale", "unit", "unit of k", "modulus", "load", "thickness"}
+"""Kinds of causes that change the size of a field alone."""
+OF_UNKNOWN = {"coarse mesh", "coarse springs", "not converged"}
+"""Kinds of causes whose fields are those of a mesh or a relaxation that is not known."""
+NEAR = 0.25
+"""Of the difference, what such a cause may leave where nothing fits: meshes of one size differ."""
 MOST_NODES = 1000
 """Up to which an order of nodes is looked for: each is held to every other one."""
 
@@ -54,8 +61,10 @@ def explain(field: Field) -> tuple[Cause, ...]:
     before = min(1.0, field.difference)
     every = images(field)
     alone = list(_one_fault(field, every))
-    one = [each for each in alone if _is_little(each, FITS * before, field.uncertainty)]
-    one = _best(one, before, field.uncertainty)
+    most = max(FITS * before, field.uncertainty)
+    little = [each for each in alone if _is_little(each, most, field.uncertainty)]
+    one = _best(little, before, field.uncertainty)
+    one = _with_rivals(one, little, {each.kind for each in field.mistakes})
     left = min(before, *(each.left for each in alone))
     if left <= AS_GOOD * before:
         return tuple(one)
@@ -64,6 +73,9 @@ def explain(field: Field) -> tuple[Cause, ...]:
     two = _plainest([each for each in pairs if _is_little(each, most, field.uncertainty)])
     if two and left > NOTICED * field.uncertainty:
         one = []
+    if not (one or two):
+        near = [each for each in alone if each.kind in OF_UNKNOWN and each.left <= NEAR * before]
+        one = sorted(near, key=lambda each: each.left)
     return (*two, *one)
 
 
@@ -77,6 +89,7 @@ def _is_little(found: Cause, most: float, uncertainty: float) -> bool:
 def _one_fault(field: Field, every: list[Image]) -> Iterator[Cause]:
     yield from explain_scale(field)
     yield from explain_one_change(field, every)
+    yield from explain_mistakes(field)
     for ways in (_positions, _points, _rigid, explain_ratio):
         yield from ways(field)
     yield from _node_order(field, field.found, 1.0, "")
@@ -98,6 +111,17 @@ def _best(good: list[Cause], before: float, uncertainty: float) -> list[Cause]:
     least = min(each.left for each in good)
     room = max(AS_WELL * least, NOTICED * uncertainty, AS_GOOD * before)
     return sorted((each for each in good if each.left <= room), key=lambda each: each.left)
+
+
+def _with_rivals(best: list[Cause], little: list[Cause], mistakes: set[str]) -> list[Cause]:
+    """The best explanations; after those of size alone, the known mistakes that leave little too.
+
+    In bending a coarse mesh or other springs change a field by almost a uniform factor.
+    """
+    if not best or any(each.kind not in OF_SIZE for each in best):
+        return best
+    rivals = [each for each in little if each.kind in mistakes and each not in best]
+    return [*best, *sorted(rivals, key=lambda each: each.left)]
 
 
 def _plainest(found: list[Cause]) -> list[Cause]:

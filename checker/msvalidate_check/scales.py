@@ -28,6 +28,13 @@ UNITS = {
     "millimetres for inches": 1 / 25.4,
 }
 """Phrase of what displacements may be in instead of m, and how many of these a metre has."""
+STIFFNESS_UNITS = {
+    1e3: "N/m and N/mm, or Pa and kPa",
+    1e-3: "N/m and N/mm, or Pa and kPa",
+    1e6: "Pa and MPa",
+    1e-6: "Pa and MPa",
+}
+"""Factor of a stiffness by which units are confused, and these units."""
 NEAR_UNIT = 1.05
 """Times by which a scale may differ from a unit's: a modulus or a load a little off besides."""
 FAR_UNIT = 3.0
@@ -96,5 +103,9 @@ def explain_scale(field: Field) -> Iterator[Cause]:
     }[field.driven]
     if field.driven == "loads" and len(field.span) == 2:
         kinds["thickness"] = "thickness"
+    for factor, units in STIFFNESS_UNITS.items():
+        if "modulus" in kinds and abs(math.log(scale * factor)) <= math.log(NEAR_UNIT):
+            of = phrase("unit of k", scale=scale, part=1 / scale, units=units)
+            yield Cause("unit of k", scale, of, left)
     for kind, key in kinds.items():
         yield Cause(kind, scale, phrase(key, scale=scale, part=1 / scale), left)

@@ -68,6 +68,8 @@ class Difference:
         How much the candidate may still change, on the same scale; NaN if nobody says.
     of
         Which of the quantities asked for it is one of, where it has a name of its own.
+    out_of_range
+        True outside the range of the theory that the reference follows: no number decides there.
     """
 
     quantity: str
@@ -79,12 +81,15 @@ class Difference:
     band: float = math.nan
     residual_motion: float = math.nan
     of: str = ""
+    out_of_range: bool = False
 
     @property
     def word(self) -> str:
-        """`agreement`, or `NOT_ASKED`."""
+        """`agreement`, `NOT_ASKED`, or `NOT_RESOLVED` out of the range."""
         if math.isnan(self.error):
             return NOT_ASKED
+        if self.out_of_range:
+            return NOT_RESOLVED
         rest = 0.0 if math.isnan(self.residual_motion) else self.residual_motion
         return agreement(self.error, self.uncertainty, self.band, rest)
 
@@ -118,6 +123,13 @@ class Verdict:
     def displacement(self) -> Difference:
         """The displacements' difference."""
         return self.differences[0]
+
+    @property
+    def indistinguishable(self) -> int:
+        """Number of causes that leave as little as the best to within the uncertainty."""
+        fitted = [each.left for each in self.causes if each.kind != "rest"]
+        least = min(fitted, default=0.0)
+        return sum(left - least <= self.displacement.uncertainty for left in fitted)
 
 
 def judge_field(

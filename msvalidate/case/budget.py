@@ -12,12 +12,11 @@ import pandas as pd
 from msvalidate.case.case import LAWS
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import break_table
-from msvalidate.case.large import BY_NAME, Change, change_in_full, springs_law
 from msvalidate.case.quantities import difference_row
 from msvalidate.case.springs import SpringAnswer
 from msvalidate.constants.stiffness import UNIT
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import AXES, Array, ProblemError, SolverError
+from msvalidate.problem import AXES, Array
 from reference_fem.converged import Reference
 
 PARTS = {
@@ -46,8 +45,11 @@ def budget(found: Comparison) -> pd.DataFrame:
     def part(field: Array) -> float:
         return float(field[at] @ along) / size + 0.0
 
-    limit, large = found.limit.displacement, find_large(found)
-    (change, springs, _), (linear_reference, law) = large, _large_rows(found, large, part)
+    limit, large = found.limit.displacement, found.nonlinear
+    (change, springs), (linear_reference, law) = (
+        (large.target, large.springs),
+        _large_rows(found, part),
+    )
     target, own = found.first_order, found.own_material
     error, known = found.limit.uncertainty / size, found.reference.error
     nonlinear = found.case.geometry == "nonlinear"
@@ -61,7 +63,7 @@ def budget(found: Comparison) -> pd.DataFrame:
         if found.support.any():
             values["spacing"] = (part(found.displacement - limit - found.support), error + known)
             values["support"] = (part(found.support), known)
-        if math.isfinite(material_off(found)) or math.isinf(known):
+        if math.isfinite(found.material_off) or math.isinf(known):
             values[stays] = (part(limit - full), error + known)
             values["material"] = (part(own - target), known)
         else:
@@ -79,39 +81,15 @@ def budget(found: Comparison) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])
 
 
-def material_off(found: Comparison) -> float:
-    """How far the springs' material may take a displacement off, over the largest; or infinite."""
-    case = found.case
-    if case.at_rest_on_edges or (case.constants is not None and found.homogenised is None):
-        return math.inf
-    off = max_length(found.own_material - found.first_order)
-    return off / found.size + found.reference.error
-
-
-def find_large(found: Comparison) -> tuple[Change | None, Change | None, str]:
-    """What large displacements change of the target's law and of the springs'; why one is None."""
-    target = found.reference.large
-    try:
-        if target is None:
-            target = change_in_full(found.reference, BY_NAME[found.case.law])
-        if math.isinf(material_off(found)):
-            return target, None, "; not found: what material the springs are is not known"
-        own = springs_law(found.case, found.springs[0])
-        return target, change_in_full(found.homogenised or found.reference, own), ""
-    except (ProblemError, SolverError) as error:
-        return target, None, f"; not found: {error}"
-
-
 def _large_rows(
-    found: Comparison,
-    large: tuple[Change | None, Change | None, str],
-    part: Callable[[Array], float],
+    found: Comparison, part: Callable[[Array], float]
 ) -> list[tuple[str, float, float, str]]:
     """Rows "linear reference" and "law"."""
-    size, (*changes, why), law = found.size, large, LAWS[found.case.law]
+    size, large, law = found.size, found.nonlinear, LAWS[found.case.law]
+    why = f"; none: {large.why}" if large.why else ""
     (target, off), (own, own_off) = (
         (math.nan, math.nan) if each is None else (part(each[0]), each[1] / size)
-        for each in changes
+        for each in (large.target, large.springs)
     )
     said = f"elements in full - to first order, of {law} law: what linear elasticity leaves out"
     beside = f"springs' law at finite strain, homogenised, beside {law}, beyond the linear part"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterable, Mapping
 from itertools import chain
@@ -11,7 +12,7 @@ from typing import Any
 from msgspec.structs import asdict
 
 from msvalidate.bodies.mesh_file import read_mesh
-from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
+from msvalidate.case.case import EDGE_ROUTES, GEOMETRIES, MESH_EDGES, Case
 from msvalidate.case.fracture import Fracture
 from msvalidate.case.places import (
     named_part,
@@ -51,6 +52,7 @@ from msvalidate.problem.checks import (
     require_one_of,
 )
 from msvalidate.problem.normals import pressure
+from msvalidate.problem.records import replace
 
 STATES = ("plane_stress", "plane_strain")
 SPRINGS_ON = ("lattice", "mesh")
@@ -65,7 +67,17 @@ def read_case(path: str | Path) -> Case:
     ProblemError
         If the file is no case; the message names file, line, key, value and remedy.
     """
-    return build_case(read_source(path))
+    case = build_case(read_source(path))
+    return replace(case, linear_theory="frozen") if _is_frozen(Path(path)) else case
+
+
+def _is_frozen(path: Path) -> bool:
+    """True for an unchanged file of a frozen set, whose checksums lie beside the case's folder."""
+    sums = path.resolve().parent.parent / "SHA256SUMS"
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest() in sums.read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return False
 
 
 def build_case(source: Source) -> Case:
@@ -351,7 +363,8 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
             "quantities": tuple(compare.quantities),
             "band": compare.band,
             "memory": compare.memory,
-            "geometry": compare.geometry,
+            "geometry": GEOMETRIES[0] if compare.geometry is None else compare.geometry,
+            "linear_theory": "requested" if compare.geometry == GEOMETRIES[0] else "",
         },
     }
     notes, values = {"file": source.name, "unit of length": f"{data.body.unit}"}, dict[str, Any]()

@@ -57,6 +57,9 @@ FITS = 4e-10
 LAWS = {"st-venant-kirchhoff": "St Venant and Kirchhoff's", "neo-hookean": "the neo-Hookean"}
 """Laws of elements at large strain; all are the material's own at small strain."""
 GEOMETRIES = ("linear", "nonlinear")
+LINEAR_THEORY = ("", "requested", "frozen")
+"""Who requests that a case is judged by linear theory, also out of its range: nobody, the case
+itself, or the frozen set that it is of."""
 BAND = 0.05
 ACCURACY = 1e-3
 
@@ -97,6 +100,8 @@ class Case:
     geometry
         "linear": springs and elements to first order in the displacement; "nonlinear": both at
         equilibrium however large it is. Then displacements alone are compared.
+    linear_theory
+        One of `LINEAR_THEORY`; of a file, "requested" if it writes geometry = "linear".
     fracture
         When springs break as the loads are raised, if they do.
 
@@ -120,6 +125,7 @@ class Case:
     memory: float = MEMORY
     law: str = "st-venant-kirchhoff"
     geometry: Literal["linear", "nonlinear"] = "linear"
+    linear_theory: str = ""
     fracture: Fracture | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
     """What the page tells of the case beside: file, unit of length."""
@@ -192,6 +198,7 @@ class Case:
         positive_number("band", self.band)
         require_one_of("law", self.law, LAWS)
         require_one_of("geometry", self.geometry, GEOMETRIES)
+        require_one_of("linear theory", self.linear_theory, LINEAR_THEORY)
         if self.problem.contacts and self.geometry == "nonlinear":
             raise ProblemError(
                 "geometry 'nonlinear': elements meet obstacles to first order; take 'linear', or "

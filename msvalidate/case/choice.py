@@ -11,7 +11,6 @@ machine.
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -100,6 +99,8 @@ class Choice:
         At how many unknowns elements are how many times nearer than springs; NaN if not known.
     reasons
         Why they are, as far as the case shows it.
+    no_coarser
+        Reason why a coarser lattice has no answer; empty if none is missing.
     """
 
     springs: tuple[Need, ...] = ()
@@ -107,26 +108,31 @@ class Choice:
     unknowns: int = 0
     times: float = math.nan
     reasons: tuple[str, ...] = ()
+    no_coarser: str = ""
 
 
 def choose(found: Comparison) -> Choice:
     """What targets take in a case, from what was solved and lattices that are coarser."""
     if not math.isfinite(found.reference.error):
         return Choice()
-    rows, meshes = _lattices(found), mesh_rows(found)
+    (rows, no_coarser), meshes = _lattices(found), mesh_rows(found)
     return Choice(
         tuple(_springs(found, rows, t) for t in TARGETS if found.case.lattice != MESH_EDGES),
         tuple(_elements(meshes, found.reference.error, t) for t in TARGETS),
         *_equal_cost(found, rows, meshes),
         _reasons(found),
+        no_coarser,
     )
 
 
-def _lattices(found: Comparison) -> list[dict[str, Any]]:
-    """Lattices from coarse to fine, two at least, with coarser ones beyond the largest target."""
+def _lattices(found: Comparison) -> tuple[list[dict[str, Any]], str]:
+    """Lattices from coarse to fine, two at least, with coarser ones beyond the largest target.
+
+    The text is the reason why a coarser one has no answer; empty if none is missing.
+    """
     wanted, at = found.reference.displacement.value, found.reference.finest.at
     rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
-    with suppress(ProblemError, SolverError):  # coarser ones are then fewer
+    try:
         while found.case.lattice != MESH_EDGES and (
             len(rows) < 2 or _column(rows, "difference").max() < max(TARGETS)
         ):
@@ -136,7 +142,9 @@ def _lattices(found: Comparison) -> list[dict[str, Any]]:
             answer = solve_springs(laid, spacing_of(laid))
             points = compared_points(laid, answer.lattice)
             rows.insert(0, lattice_row(found, answer, points, at(points)))
-    return rows
+    except (ProblemError, SolverError) as error:  # coarser ones are then fewer
+        return rows, str(error)
+    return rows, ""
 
 
 def _column(rows: list[dict[str, Any]], name: str) -> Array:
@@ -268,6 +276,8 @@ def choice_sentences(chosen: Choice) -> tuple[str, ...]:
             for need in needs
         ]
         said += [f"{kind} {'; '.join(each)}."] if each else []
+    if chosen.no_coarser:
+        said.append(f"Coarser lattices are left out of this choice: {chosen.no_coarser}.")
     if chosen.times >= BETTER:
         why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
         said.append(

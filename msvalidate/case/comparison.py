@@ -15,7 +15,13 @@ from msvalidate.case.advice import Advice
 from msvalidate.case.body_advice import advise_body
 from msvalidate.case.case import Case
 from msvalidate.case.fracture import MOST_BREAKS, Fracture
-from msvalidate.case.large import converge_case
+from msvalidate.case.large import (
+    NonlinearAnswer,
+    answer_in_full,
+    change_in_full,
+    converge_case,
+    springs_law,
+)
 from msvalidate.case.mesh_springs import MeshSprings, compare_on_mesh
 from msvalidate.case.quantities import NotCompared, compare_quantities
 from msvalidate.case.springs import (
@@ -27,6 +33,7 @@ from msvalidate.case.springs import (
     limit_of,
     solve_finer,
 )
+from msvalidate.case.validity import Limitation, limit_rows, limitations
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.cut import bridged_gaps
@@ -48,7 +55,7 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.breaking import Growth, grow
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate_check.verdict import AGREES, DIFFERS, Difference, agreement
-from reference_fem.converged import Reference, converge
+from reference_fem.converged import LargeChange, Reference, converge
 
 COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
 """Why springs differ: their spacing, or what they are at any spacing, or either."""
@@ -78,14 +85,16 @@ class Comparison:
         Elasticity at the points.
     homogenised
         The same of the material that the springs are, where constants were given; else None.
-    rows
-        A row a quantity.
+    differences
+        A row a quantity, by its numbers alone.
     kind
         Why springs differ, "" where they do not.
     notes
         What was not found, and why.
     on_mesh
         Springs on the body's own mesh, where it has one.
+    missing
+        Parts of the answer that an exception removed.
     """
 
     case: Case
@@ -95,10 +104,43 @@ class Comparison:
     limit: SpringLimit
     reference: Reference
     homogenised: Reference | None
-    rows: tuple[Difference, ...]
+    differences: tuple[Difference, ...]
     kind: str
     notes: tuple[str | NotCompared, ...]
     on_mesh: MeshSprings | None = None
+    missing: tuple[Limitation, ...] = ()
+
+    @cached_property
+    def rows(self) -> tuple[Difference, ...]:
+        """Differences whose words hold in the range of the theory."""
+        return limit_rows(self.differences, self.limitations)
+
+    @cached_property
+    def limitations(self) -> tuple[Limitation, ...]:
+        """Limitations of the verdict."""
+        growth = self.springs[0].growth
+        return limitations(self.case, self.reference, lambda: self.nonlinear, growth, self.missing)
+
+    @cached_property
+    def nonlinear(self) -> NonlinearAnswer:
+        """Changes by large displacements of the target's law and of the springs'."""
+
+        def springs_change() -> LargeChange:
+            if math.isinf(self.material_off):
+                raise ProblemError("what material the springs are is not known")
+            law = springs_law(self.case, self.springs[0])
+            return change_in_full(self.homogenised or self.reference, law)
+
+        return answer_in_full(self.case, self.reference, springs_change)
+
+    @property
+    def material_off(self) -> float:
+        """Largest difference by the springs' material, over the largest displacement; or inf."""
+        case = self.case
+        if case.at_rest_on_edges or (case.constants is not None and self.homogenised is None):
+            return math.inf
+        off = max_length(self.own_material - self.first_order)
+        return off / self.size + self.reference.error
 
     @property
     def displacement(self) -> Array:
@@ -152,16 +194,19 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
         growth = break_springs(case.fracture, case, answers[0])
         answers = (replace(answers[0], growth=growth), *answers[1:])
     points = compared_points(case, answers[0].lattice)
-    values = displacements_at(answers, points)
+    missing = [Limitation("lattice", at, detail=why) for at, why in _without_answer(answers)]
+    values, not_compared = displacements_at(answers, points)
     answers = answers[: len(values)]
     progress("elements")
     reference = converge_case(case, points)
     if not max_length(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
-    homogenised, notes = _homogenised(case, answers[0], points)
+    homogenised, notes, no_material = _homogenised(case, answers[0], points)
+    notes += [f"finer lattices: not compared: {not_compared}"] if not_compared else []
     support = _support(case, answers, homogenised or reference)
     limit = limit_of(answers, [u - part for u, part in zip(values, support, strict=True)])
     rows, more = compare_quantities(case, answers[0], reference, progress)
+    missing += [*no_material, *(Limitation("quantity", detail=str(e)) for e in more if e.failed)]
     if isinstance(case.problem.domain, Mesh):
         progress("springs on the mesh")
     on_mesh, why = compare_on_mesh(case, reference, len(answers[0].lattice.points))
@@ -169,7 +214,12 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     bridged = say_bridged(answers[0].lattice)
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
     given = (answers, support[0], limit, reference, homogenised, rows, kind, remarks)
-    return Comparison(case, points, *given, on_mesh)
+    return Comparison(case, points, *given, on_mesh, tuple(missing))
+
+
+def _without_answer(answers: tuple[SpringAnswer, ...]) -> list[tuple[float, str]]:
+    """Spacings (m) of finer lattices without an answer, and why."""
+    return [each.no_finer for each in answers if each.no_finer]
 
 
 def break_springs(asked: Fracture, case: Case, springs: SpringAnswer) -> Growth:
@@ -251,15 +301,15 @@ def _held_as(
 
 def _homogenised(
     case: Case, springs: SpringAnswer, points: Array
-) -> tuple[Reference | None, list[str]]:
-    """Elasticity of the material that given constants make, and why there is none."""
+) -> tuple[Reference | None, list[str], list[Limitation]]:
+    """Elasticity of the material that given constants make; notes and limitations if none."""
     if case.constants is None:
-        return None, []
+        return None, [], []
     if case.problem.contacts:
-        return None, ["material of the springs: not sought beside an obstacle"]
+        return None, ["material of the springs: not sought beside an obstacle"], []
     lattice, law = springs.lattice, case.problem.material
     if not isinstance(lattice, PatternLattice):
-        return None, ["material of the springs: not known for this lattice"]
+        return None, ["material of the springs: not known for this lattice"], []
     try:
         tensor = homogenise(lattice.pattern, case.constants, springs.spacing).tensor.copy()
         d = case.problem.domain.dim
@@ -269,9 +319,9 @@ def _homogenised(
         problem = Problem(
             case.problem.domain, other, case.problem.supports, case.problem.loads, case.name
         )
-        return converge(problem, points, case.accuracy, memory=case.memory), []
+        return converge(problem, points, case.accuracy, memory=case.memory), [], []
     except (ProblemError, SolverError) as error:
-        return None, [f"material of the springs: not found: {error}"]
+        return None, [], [Limitation("material", detail=str(error))]
 
 
 def say_bridged(lattice: Lattice) -> str:

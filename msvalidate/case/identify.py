@@ -1,4 +1,4 @@
-"""Which solid springs are: of a lattice with given constants, and of what people do."""
+"""Which solid the springs of a lattice with given constants are."""
 
 from __future__ import annotations
 
@@ -28,20 +28,6 @@ from msvalidate.problem.records import dataclass, replace
 STABLE = "stable"
 ROUNDING = 1e-13
 """Of a tensor's largest entry, shown as 0."""
-HABITS = {
-    2: (
-        "k = E t on every spring of square: 1.5 times E, nu = 0.5 along the axes, Zener ratio 2",
-        "k2 = 2 k1 of square: nu = 0.6667 along the axes, not incompressible (1), Zener ratio 4",
-        "whole springs in the sides, not half: 10² cells of square resist as 1.08 times E",
-    ),
-    3: (
-        "k = E h on the axes alone (cubic6): nu = 0, 1 times E along the axes, no shear stiffness",
-        "k = E h on every spring of cubic18: 2.5 times E, nu = 0.25",
-        "k2 = 2 k1 of cubic18: nu = 0.2857 along the axes, not incompressible, Zener ratio 1.333",
-        "whole springs in the sides, not half: 10³ cells of cubic18 resist as 1.15 times E",
-    ),
-}
-"""What people do, by axes, and which solid that is."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,12 @@ import pandas as pd
 
 from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
-from msvalidate.case.large import converge_case
+from msvalidate.case.large import answer_in_full, converge_case
 from msvalidate.case.matching import Matched, match
+from msvalidate.case.mistake_fields import known_mistakes
 from msvalidate.case.quantities import difference_row
 from msvalidate.case.results import Result, refuse_extreme
+from msvalidate.case.validity import Limitation, limit_verdict, limitations
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.checks import require_type
@@ -48,7 +50,11 @@ class Judged:
     case, result, matched, reference
         What was asked, what was given, its points in the body, and elasticity there.
     verdict
-        On the displacements.
+        On the displacements, in the range of the theory.
+    limitations
+        Of the verdict.
+    omitted
+        Sentences on known mistakes that were not tried, and why.
     """
 
     case: Case
@@ -56,6 +62,8 @@ class Judged:
     matched: Matched
     reference: Reference
     verdict: Verdict
+    limitations: tuple[Limitation, ...] = ()
+    omitted: tuple[str, ...] = ()
 
     @property
     def displacement(self) -> Difference:
@@ -117,17 +125,27 @@ def judge_result(
     rest = result.rest if residual_motion is None else residual_motion
     uncertainty = reference.error + result.accuracy + matched.contradiction / size
     progress("causes")
+    catalogue = known_mistakes(case, matched.places, reference)
     field = _field(case.problem, matched, reference, uncertainty, result.known)
+    # Elements on the result's own mesh, where they are known, leave nothing to be tried.
+    meshes = {"coarse mesh"} if result.known else set()
+    mistakes = tuple(each for each in catalogue.mistakes if each.kind not in meshes)
+    field = replace(field, mistakes=mistakes)
     verdict = judge_field(field, case.band, rest, _explained)
-    return Judged(case, result, matched, reference, verdict)
+    progress("large displacements")
+    alone = replace(case, quantities=("displacement",))
+    limits = limitations(alone, reference, lambda: answer_in_full(case, reference))
+    verdict, omitted = limit_verdict(verdict, limits), tuple(catalogue.omitted)
+    return Judged(case, result, matched, reference, verdict, limits, omitted)
 
 
 def _explained(field: Field) -> tuple[Cause, ...]:
     """All causes; without what is tried beside where that has no answer, as it explains nothing."""
     try:
         return explain(field)
-    except (ProblemError, SolverError):
-        return explain(replace(field, by_ratio=None, known={}, other_state=lambda: None))
+    except (ProblemError, SolverError, RuntimeError):  # the last of a plain factor
+        plain = replace(field, by_ratio=None, known={}, other_state=lambda: None, mistakes=())
+        return explain(plain)
 
 
 def _field(

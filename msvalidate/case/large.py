@@ -22,10 +22,10 @@ from msvalidate.problem import (
     SolverError,
     prescribed_displacements,
 )
-from msvalidate.problem.records import replace
+from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Solution, nodal_forces
 from reference_fem.contact import converge_contact
-from reference_fem.converged import Reference, converge
+from reference_fem.converged import LargeChange, Reference, converge
 from reference_fem.large_strain.by_cell import laws_of, neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform
 from reference_fem.large_strain.hyperelastic import Fibres, Law, NeoHookean
@@ -33,8 +33,6 @@ from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.discretisation import Discretisation
 
 LawOf = Callable[[Material], Law]
-Change = tuple[Array, float]
-"""What large displacements change (p, d) in m, and how far (m) that may be off."""
 BY_NAME: dict[str, LawOf] = {
     "st-venant-kirchhoff": st_venant_kirchhoff,
     "neo-hookean": neo_hookean,
@@ -57,8 +55,44 @@ def converge_case(case: Case, points: Array, first: Discretisation | None = None
     return replace(found, large=change_in_full(found, BY_NAME[case.law]))
 
 
-def change_in_full(reference: Reference, law: LawOf) -> Change:
-    """What displacements (p, d) in m at a reference's points change by, and how far it may be off.
+@dataclass(frozen=True, eq=False)
+class NonlinearAnswer:
+    """Change by large displacements of the target's law and of the springs', as far as they exist.
+
+    Parameters
+    ----------
+    target, springs
+        None if there is none, or if the springs' was not requested.
+    why
+        Reason why the first of them is None.
+    failure
+        The error of an equilibrium that was sought and is missing; None if none is missing.
+    """
+
+    target: LargeChange | None = None
+    springs: LargeChange | None = None
+    why: str = ""
+    failure: SolverError | None = None
+
+
+def answer_in_full(
+    case: Case, reference: Reference, springs_change: Callable[[], LargeChange] | None = None
+) -> NonlinearAnswer:
+    """Equilibria in full that a reference to first order is compared with; none is raised."""
+    target, own = reference.large, None
+    try:
+        if target is None:
+            target = change_in_full(reference, BY_NAME[case.law])
+        own = springs_change() if springs_change else None
+    except ProblemError as error:
+        return NonlinearAnswer(target, why=str(error))
+    except SolverError as error:
+        return NonlinearAnswer(target, why=str(error), failure=error)
+    return NonlinearAnswer(target, own)
+
+
+def change_in_full(reference: Reference, law: LawOf) -> LargeChange:
+    """Compute the change by large displacements at a reference's points.
 
     On the finest of its meshes, up to `LARGE_NODES`, that has an equilibrium: at corners that are
     pressed a finer one may have none. It may be off by what the next coarser one has other. Raises
@@ -66,16 +100,18 @@ def change_in_full(reference: Reference, law: LawOf) -> Change:
     """
     meshes = [each for each in reference.solutions if len(each.body.points) <= LARGE_NODES]
     found: list[Array] = []
+    no_finer: SolverError | None = None
     for solution in reversed(meshes or reference.solutions[:1]):
         try:
             found.append(elements_in_full(reference.problem, solution, reference.points, law))
-        except SolverError:
+        except SolverError as error:
             if solution is reference.solutions[0] and not found:
                 raise
+            no_finer = no_finer or error
             continue
         if len(found) == 2:
-            return found[0], max_length(found[0] - found[1])
-    return found[0], math.inf
+            return LargeChange(found[0], max_length(found[0] - found[1]), no_finer)
+    return LargeChange(found[0], math.inf, no_finer)
 
 
 def elements_in_full(problem: Problem, linear: Solution, points: Array, law: LawOf) -> Array:
@@ -94,10 +130,13 @@ def elements_in_full(problem: Problem, linear: Solution, points: Array, law: Law
     Raises
     ------
     ProblemError
-        If the law is none for the material, or displacement and pressure were sought together.
+        If the law is none for the material, there is an obstacle, or displacement and pressure were
+        sought together.
     SolverError
         If no equilibrium is found.
     """
+    if problem.contacts:
+        raise ProblemError("large displacements: against obstacles none are sought")
     if linear.pressure is not None:
         raise ProblemError(
             "large displacements: of nearly incompressible bodies none are sought; take nu below "

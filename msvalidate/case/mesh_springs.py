@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.case.case import EDGE_ROUTES, MESH_EDGES, Case
-from msvalidate.case.part_mesh import spacing_of_points
+from msvalidate.case.part_mesh import count_one_cell_thick, spacing_of_points
 from msvalidate.case.springs import SpringAnswer, displacements_at, limit_of, solve_finer
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Mesh, Problem, ProblemError, SolverError
+from msvalidate.problem import Isotropic, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.converged import Reference, is_nearly_incompressible
 
@@ -59,17 +59,43 @@ class MeshSprings:
     @cached_property
     def order(self) -> float:
         """Of the difference in the spacing, as three meshes show it; NaN where they do not."""
-        values = displacements_at(self.answers, self.reference.points)
+        values, _ = displacements_at(self.answers, self.reference.points)
         return limit_of(self.answers, values).order
 
 
-def locking(problem: Problem) -> str:
-    """What makes linear elements of a problem's mesh too stiff, in words; "" where nothing does."""
-    if not (isinstance(problem.domain, Mesh) and problem.domain.kind.simplex):
-        return ""
-    if is_nearly_incompressible(problem):
-        return "Linear triangles and tetrahedra lock near ratio 1/2"
-    return "Linear tetrahedra are too stiff in bending" if problem.domain.dim == 3 else ""
+def one_cell_deflection(law: Isotropic) -> float:
+    """Deflection of a beam of square or cubic cells, one thick, relative to elasticity's.
+
+    One such cell is bent by its hourglass mode, u = -xz, whose mean J is constant: the mode has
+    the energy of shear alone, 2μ in place of the modulus. So a beam in 2D bends E'/(2μ) times as
+    far, E' = E in plane stress and E/(1 - nu²) in plane strain. A second hourglass mode, v = yz/2,
+    makes a 3D beam as wide as thick softer, E/(1.5 μ). A wide plate has 1/(1 - nu), which is less.
+    """
+    if law.state == "solid":
+        return 4 / 3 * (1 + law.nu)
+    return 1 + law.nu if law.state == "plane_stress" else 1 / (1 - law.nu)
+
+
+def mesh_warning(problem: Problem) -> tuple[str, str]:
+    """Fault of the linear elements of a problem's mesh, and its remedy; "" if none is known."""
+    mesh = problem.domain
+    if not isinstance(mesh, Mesh):
+        return "", ""
+    remedy = 'take cells with four or eight corners, or [springs] on = "lattice"'
+    if mesh.kind.simplex and is_nearly_incompressible(problem):
+        return "Linear triangles and tetrahedra lock near ratio 1/2", remedy
+    if mesh.kind.simplex and mesh.dim == 3:
+        return "Linear tetrahedra are too stiff in bending", remedy
+    thin = count_one_cell_thick(mesh)
+    times = [one_cell_deflection(law) for law in problem.materials if isinstance(law, Isotropic)]
+    if not times or not thin:
+        return "", ""
+    cause = (
+        f"{thin:,} of {len(mesh.cells):,} cells are the only one through their wall: its bending "
+        f"is their hourglass mode, up to {max(times):.2f} times too soft if "
+        "they are squares or cubes, too stiff if they are several times as long as thick"
+    )
+    return cause, "take a mesh with two cells or more through each wall"
 
 
 def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshSprings | None, str]:

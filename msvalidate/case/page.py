@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.budget import material_off
 from msvalidate.case.case import MESH_EDGES, Case, spacing_of
 from msvalidate.case.comparison import (
     COARSE,
@@ -20,16 +19,30 @@ from msvalidate.case.comparison import (
 )
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judged
-from msvalidate.case.mesh_springs import locking
+from msvalidate.case.mesh_springs import mesh_warning
+from msvalidate.case.mistakes import name_constants
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
+from msvalidate.case.validity import geometric_limitations
+from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.judging.columns import column_key, read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.problem import Load, Material, Mesh, PointForce, Support, Traction, Weight
+from msvalidate.problem import (
+    Isotropic,
+    Load,
+    Material,
+    Mesh,
+    PointForce,
+    ProblemError,
+    Support,
+    Traction,
+    Weight,
+)
 from msvalidate.problem.normals import is_faceted
+from msvalidate_check.causes import PHRASES, say
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.verdict import (
     AGREES,
@@ -96,7 +109,9 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         )
         head = f"{springs} are compared in nothing that was asked: {why}."
     reasons = (
+        *_limit_sentences(found),
         _kind_sentence(found),
+        _constants_sentence(found),
         reference_sentence(found.reference),
         _hole_sentence(found),
         _mesh_sentence(found),
@@ -112,6 +127,29 @@ def _describe_spacing(case: Case) -> str:
         under = ", of no rest length" if case.are_elements else ""
         return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
     return f"{case.lattice}, {spacing_of(case):.6g} m"
+
+
+def _limit_sentences(found: Comparison) -> list[str]:
+    """Limitations of a verdict; after linear theory that is requested, what it leaves out."""
+    said = [each.sentence for each in found.limitations]
+    if found.case.linear_theory:
+        large = geometric_limitations(found.case, found.reference, found.nonlinear)
+        said[1:1] = [each.fact for each in large]
+    return said
+
+
+def _constants_sentence(found: Comparison) -> str:
+    """Which known mistake the case's own constants are."""
+    case, springs = found.case, found.springs[0]
+    law, lattice = case.problem.material, springs.lattice
+    if case.constants is None or not isinstance(law, Isotropic) or case.problem.zones:
+        return ""
+    try:
+        own = calibrate_by_route(law, lattice, None, None).constants
+    except ProblemError:  # no constants are right on this lattice
+        return ""
+    mistake = name_constants(law, own, case.constants, springs.spacing)
+    return "" if mistake is None else f"The constants are a known mistake: {say(mistake, PHRASES)}."
 
 
 def _hole_sentence(found: Comparison) -> str:
@@ -131,10 +169,10 @@ def _hole_sentence(found: Comparison) -> str:
 def _mesh_sentence(found: Comparison) -> str:
     """How far off springs on the part's own mesh are, and what an engine must have for them."""
     own, case = found.on_mesh, found.case
-    stiff = locking(case.problem)
+    answer = found.springs[0] if own is None else own.answers[0]
+    fault = ": ".join(filter(None, mesh_warning(answer.problem)))
     if own is None:
-        said = f'{stiff}: take cells with four or eight corners, or [springs] on = "lattice".'
-        return said if stiff and case.are_elements else ""
+        return f"{fault}." if fault and case.are_elements else ""
     first = own.table.iloc[0]
     order = f", order {own.order:.1f} on finer ones" if math.isfinite(own.order) else ""
     push = f", {first['pushing']:,.0f} of which push" if first["pushing"] else ""
@@ -145,8 +183,8 @@ def _mesh_sentence(found: Comparison) -> str:
         'which an engine must have; take them by [springs] on = "mesh".'
     )
     off = [row.error for row in found.rows if row.quantity == "displacement"]
-    nearer = ": the lattice is nearer" if off and off[0] < first["difference"] else ""
-    return f"{said} {stiff}{nearer}." if stiff else said
+    nearer = "; here the lattice is nearer" if off and off[0] < first["difference"] else ""
+    return f"{said} {fault}{nearer}." if fault else said
 
 
 def _contact_sentence(found: Comparison) -> str:
@@ -225,22 +263,31 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
         f"{len(found.matched.places)} points, ± {percent(row.uncertainty)}; the band is "
         f"{percent(case.band)}."
     )
-    said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
-    if not said and row.error > NOTICED * row.uncertainty:
-        said.append("No single cause that is known here explains the difference.")
+    limits = [each.sentence for each in found.limitations]
     if math.isnan(row.residual_motion):
-        said.append("Rest unknown: nobody says how much the displacements would still change.")
+        said = ["Rest unknown: nobody says how much the displacements would still change."]
     else:
-        said.append(f"Rest: they may still change by {percent(row.residual_motion)}, as stated.")
+        said = [f"Rest: they may still change by {percent(row.residual_motion)}, as stated."]
+    said += [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
+    alike = found.verdict.indistinguishable
+    if alike > 1:
+        said.append(
+            f"What the first {alike} causes leave differs by less than {percent(row.uncertainty)}, "
+            "the uncertainty: this field does not tell them apart."
+        )
+    if row.error > NOTICED * row.uncertainty:
+        if not found.verdict.causes:
+            said.append("No single cause that is known here explains the difference.")
+        said += found.omitted
     if found.reference.no_limit:
-        return head, (*said, reference_sentence(found.reference))
+        return head, (*limits, *said, reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     known = (
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
         f"{percent(found.result.accuracy)}."
     )
     said.append(known + _more_sentence(found.reference) + _body_sentences(found.reference))
-    return head, tuple(said)
+    return head, (*limits, *said)
 
 
 def _kind_sentence(found: Comparison) -> str:
@@ -255,7 +302,7 @@ def _kind_sentence(found: Comparison) -> str:
     rest = percent(away)
     uncertainty = percent(limit.uncertainty / size)
     closing = f"On finer lattices{order} they close in on {rest} ± {uncertainty}"
-    off = material_off(found)
+    off = found.material_off
     right = off <= found.case.band
     if found.kind == COARSE:
         left = away <= float(found.relative.max()) + limit.uncertainty / size

@@ -7,6 +7,7 @@ cut; facets and cells keep the names that supports, loads and zones have them by
 from __future__ import annotations
 
 import math
+from itertools import combinations
 
 import numpy as np
 
@@ -39,6 +40,19 @@ def spacing_of_points(mesh: Mesh, count: int) -> float:
     corners = len(np.unique(mesh.cells[:, : mesh.kind.corners]))
     cuts = max(int(mesh.kind.degree > 1), round(math.log2(count / corners) / mesh.dim))
     return float(mean_edge(mesh) / 2**cuts)
+
+
+def count_one_cell_thick(mesh: Mesh) -> int:
+    """Number of quadrilaterals or hexahedra with opposite facets on the surface."""
+    rings = mesh.kind.rings
+    facets = np.sort(mesh.cells[:, np.array(rings)], axis=2).reshape(-1, len(rings[0]))
+    _, which, count = np.unique(facets, axis=0, return_inverse=True, return_counts=True)
+    outer = (count[which] == 1).reshape(-1, len(rings))
+    thin = np.zeros(len(mesh.cells), dtype=bool)
+    for a, b in combinations(range(len(rings)), 2):
+        if not set(rings[a]) & set(rings[b]):  # of triangles and tetrahedra all facets meet
+            thin |= outer[:, a] & outer[:, b]
+    return int(thin.sum())
 
 
 def straighten(problem: Problem, cuts: int) -> Problem:

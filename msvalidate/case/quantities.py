@@ -42,10 +42,14 @@ more than 0.079 from ratio 0.45 on, where it was off by 0.09 to 20."""
 
 @dataclass(frozen=True)
 class NotCompared:
-    """A quantity that was asked for and not compared, and why."""
+    """A quantity that was requested and not compared, and why.
+
+    `failed` if an answer was sought and is missing; else the case has no such quantity.
+    """
 
     quantity: str
     why: str
+    failed: bool = False
 
     def __str__(self) -> str:
         return f"{self.quantity}: not compared: {self.why}"
@@ -73,7 +77,7 @@ def compare_quantities(
                 _refuse_unknown(case, reference)
                 rows += make(case, springs, reference)
             except (ProblemError, SolverError) as error:
-                notes.append(NotCompared(name, str(error)))
+                notes.append(NotCompared(name, str(error), isinstance(error, SolverError)))
                 rows.append(Difference(name))
     return tuple(rows), notes
 

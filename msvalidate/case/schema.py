@@ -141,7 +141,7 @@ class Compare(Struct, forbid_unknown_fields=True):
     points: str | list[Numbers] = "lattice"
     quantities: list[str] = msgspec.field(default_factory=lambda: list(QUANTITIES))
     band: float = 0.05
-    geometry: str = "linear"
+    geometry: str | None = None
     memory: float = 4.0
 
 

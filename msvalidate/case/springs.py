@@ -56,6 +56,8 @@ LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 """Orders that are believed: corners bring them below 1, what is smooth to 2."""
 UNEVEN = 1.5
 """Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
+LEAST_BEARING = 2
+"""Points under an obstacle that show its patch: one alone goes by the logarithm of the spacing."""
 TRIED, MOST_OFFERED = 30, 1000
 """Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10
@@ -84,6 +86,8 @@ class SpringAnswer:
         With an obstacle, if there is one; its forces are among the network's loads.
     growth
         What breaks as the loads are raised, if that is asked.
+    no_finer
+        Spacing (m) of the next finer lattice and its error, if that lattice has no answer.
     """
 
     problem: Problem
@@ -96,6 +100,7 @@ class SpringAnswer:
     geometry: str = "linear"
     contact: ContactEquilibrium | None = None
     growth: Growth | None = None
+    no_finer: tuple[float, str] | None = None
 
     def at(self, places: Array) -> Array:
         """Displacement (p, d) in m at places (p, d): at its own points exactly, else interpolated.
@@ -177,7 +182,7 @@ class SpringLimit:
     uncertainty
         How far (m) any of them may be from there.
     order
-        Of the spacing, as three lattices show it; NaN where they show none.
+        Of the spacing, as three lattices show it; NaN where they show none, as against obstacles.
     """
 
     displacement: Array
@@ -267,8 +272,9 @@ def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
             break
         try:
             found.append(solve_springs(case, asked / times))
-        except (ProblemError, SolverError):
-            break  # the answer asked for stands; the limit has fewer lattices to be read from
+        except (ProblemError, SolverError) as error:  # the limit is read from fewer lattices
+            found[-1] = replace(found[-1], no_finer=(asked / times, str(error)))
+            break
     return tuple(found)
 
 
@@ -307,13 +313,18 @@ def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
     return np.asarray(laid.points)
 
 
-def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> list[Array]:
-    """Displacement (p, d) in m at places of each lattice, up to a finer one that has none there."""
+def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> tuple[list[Array], str]:
+    """Displacement (p, d) in m at places of each lattice, up to a finer one that has none there.
+
+    The text is the reason why a finer one has none; empty if all have them.
+    """
     found = [answers[0].at(places)]
-    with suppress(ProblemError):  # of cells that are no squares or cubes: no point there
+    try:
         for answer in answers[1:]:
             found.append(answer.at(places))
-    return found
+    except ProblemError as error:  # of cells that are no squares or cubes: no point there
+        return found, str(error)
+    return found, ""
 
 
 def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLimit:
@@ -325,6 +336,11 @@ def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLi
     size, change = float(np.abs(fine).max()), float(np.abs(last).max())
     if change <= ROUNDING * size:
         return SpringLimit(fine, max(change, ROUNDING * size))
+    if contact := answers[-1].contact:
+        # A patch ends between two points, elsewhere on each lattice: changes show no order.
+        before = float(np.abs(values[1] - values[0]).max()) / 2
+        bears = all((one.force > 0).sum() >= LEAST_BEARING for one in contact.contacts)
+        return SpringLimit(fine, CAUTION * max(change, before) if bears else max(size, change))
     if len(values) == 2:  # as if the order were 1
         return SpringLimit(fine + last, CAUTION * change)
     first = values[1] - values[0]

@@ -151,7 +151,8 @@ def solve(asked: Combination) -> Row:
     except Exception as error:  # noqa: BLE001  a row, whatever it was
         return _row(began, DIED, f"{type(error).__name__}: {error}")
     first = found.rows[0]
-    return _row(began, SOLVED, "", overall(found.rows), first.error, first.uncertainty)
+    limits = " ".join(each.sentence for each in found.limitations[:1])
+    return _row(began, SOLVED, limits, overall(found.rows), first.error, first.uncertainty)
 
 
 def _row(

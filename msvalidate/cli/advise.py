@@ -9,7 +9,8 @@ from pathlib import Path
 
 from msvalidate import case
 from msvalidate.case.advice import Advice, advice_lines, advice_record, advise
-from msvalidate.case.identify import HABITS, identified_lines, identify_lattice
+from msvalidate.case.identify import identified_lines, identify_lattice
+from msvalidate.case.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
 from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame
@@ -68,7 +69,9 @@ def _advise(args: argparse.Namespace) -> list[str]:
     lines += [line for advice in found for line in advice_lines(advice)]
     lines += [f"not {name}: {why.split(' lattice: ')[-1]}" for name, why in cannot.items()]
     if not args.lattice:
-        lines += ["what people do:", *(f"  {line}" for line in HABITS[material.dim])]
+        plain = {2: "square", 3: "cubic18"}[material.dim]
+        known = mistake_lines(material, plain, args.spacing)
+        lines += ["known mistakes:", *(f"  {line}" for line in known)]
     return lines + _engines(args.engine, found[0])
 
 

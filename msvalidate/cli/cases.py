@@ -183,15 +183,19 @@ def judge_and_tell(
     args: argparse.Namespace,
     show: Progress,
     notes: Sequence[str] = (),
+    first: Sequence[str] = (),
     **options: Any,
 ) -> int:
-    """Judge displacements with options of `run.judged_files`, write what they are, and say it."""
+    """Judge displacements with options of `run.judged_files`, write the files and the verdict.
+
+    The sentences `first` stand before those of the verdict.
+    """
     found, content = run.judged_files(case, result, plots=args.plots, progress=show, **options)
     files.publish(folder, content, whose)
     show.clear()
     head, reasons = page.judged_sentences(found)
     notes = (*notes, *found.matched.notes, str(folder / PAGE))
-    return _tell(result.name, found.verdict.word, (head, *reasons), notes, args)
+    return _tell(result.name, found.verdict.word, (*first, head, *reasons), notes, args)
 
 
 def _sweep(args: argparse.Namespace) -> int:

@@ -38,6 +38,8 @@ from msvalidate.simulators.exchange.protocol import (
     SimulatorError,
     stated_residual_motion,
 )
+from msvalidate.simulators.gate.gate import convergence_tests
+from msvalidate.simulators.verdict.causes import convergence_causes
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
@@ -73,14 +75,16 @@ def simulate(args: argparse.Namespace) -> int:
             error.args = (f"{error} ({kept / OUT / LOG})",)
             raise
         show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
+        first = _convergence(args, request, answer)
         show("judging")
         result, motion = _result(request, answer), stated_residual_motion(request, answer)
         more: dict[str, Any] = {
             "notes": (str(kept / OUT),),
+            "first": first,
             "residual_motion": None if math.isnan(motion) else motion,
             "command": ("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
         }
-        case = _described(case, request, answer)
+        case = _described(case, request, answer, first)
         return judge_and_tell(case, result, folder, whose, args, show, **more)
 
 
@@ -104,9 +108,20 @@ def _result(request: Request, answer: Answer) -> Result:
     return Result(name, move, points, None, math.nan, accuracy or ACCURACY, known)
 
 
-def _described(case: Case, request: Request, answer: Answer) -> Case:
+def _convergence(args: argparse.Namespace, request: Request, answer: Answer) -> tuple[str, ...]:
+    """Sentences on a displacement that depends on the time step.
+
+    Explicit programs come to a rest that depends on neither, so that they are not asked again.
+    """
+    if answer.about.get("forces_at") != "end":
+        return ()
+    tests = convergence_tests(Program(args.adapter, args.limit), request, answer)
+    return tuple(map(str, convergence_causes(tests)))
+
+
+def _described(case: Case, request: Request, answer: Answer, first: tuple[str, ...]) -> Case:
     """The case with what its page tells of the simulator."""
-    told = dict(answer.about)
+    told = {"convergence": " ".join(first), **answer.about}
     for name, (value, unit) in told.pop("settings", {}).items():
         told[f"setting {_line(name)}"] = f"{value} {unit}".strip()
     told["nodes"] = f"{len(request.mesh.points)} of {len(request.mesh.cells)} {request.mesh.shape}"

@@ -44,8 +44,6 @@ COLUMNS = {
 }
 AXIS, TICKS = (1e-4, 1.0), ("0.0001", "0.001", "0.01", "0.1", "1")
 """Ends of the chart's logarithmic axis of relative errors, and its ticks."""
-COARSE = "too coarse"
-"""In the column `material`: springs may be the material, but elements are better."""
 TIMES = "time_over_linear_here"
 """A column that the committed baseline does not have."""
 
@@ -154,17 +152,14 @@ def _measured(number: str, unit: str, side: str, bound: str, measure: str) -> st
 
 
 def _advice(lines: Sequence[Line]) -> str:
-    """The first row, those that differ, and bodies for elements, in a few words."""
+    """The first row, and those that differ, in a few words."""
     if not lines or lines[0].verdict != AGREES:
         return ""
     best = lines[0]
-    differing = [line for line in lines if line.verdict == DIFFERS]
-    elements = [line.body for line in differing if line.material == COARSE]
-    avoided = dict.fromkeys(line.springs for line in differing if line.body not in elements)
+    avoided = dict.fromkeys(line.springs for line in lines if line.verdict == DIFFERS)
     cells = f"{times(best.cells)} the cells of linear elements (Q1){best.beside}"
     cost = f" For 1 % they take {cells}." if _is_number(best.cells) else ""
     never = f" Do not use: {'; '.join(avoided)}." if avoided else ""
-    never += f" Use elements for a {'; a '.join(elements)}." if elements else ""
     return (
         f"For the {best.body}: {best.springs} ({best.condition}), {best.middle} off at 20 cells "
         f"across.{cost}{never}"

@@ -18,7 +18,7 @@ from msvalidate.problem.domain import (
     corners_of,
     measure_of,
 )
-from msvalidate.problem.errors import ProblemError, SolverError
+from msvalidate.problem.errors import ProblemError, SolverError, UnstableError
 from msvalidate.problem.loads import BodyForce, Load, PointForce, Traction, Weight
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
@@ -72,6 +72,7 @@ __all__ = [
     "SolverError",
     "Support",
     "Traction",
+    "UnstableError",
     "Weight",
     "Zone",
     "corners_of",

@@ -315,6 +315,12 @@ class _Way:
             wanted=wanted,
         )
         self.force, raised = small.solve(0.0 if exact else IN_A_ROUND)
+        if small.depth <= 0:
+            x = self._places()[self.force.argmax()].tolist()
+            raise ProblemError(
+                f"contact: the obstacle rests on the point at {x} m, which is held, and presses "
+                "nothing; move it, or give a part of the surface that may move"
+            )
         self.depths = self.depths + raised
         self.load = self._spread(self.force, normal)
         self.rounds += 1

@@ -19,6 +19,8 @@ CLOSED = 1e-10
 """Of the depth: gap or penetration that counts as none."""
 EXACT, MORE = 1e-14, 6
 """Of the depth, where an exact C lets it stop, or how many steps after a tenth of `CLOSED`."""
+ROUNDING = float(np.finfo(float).eps)
+"""Of the largest gap, beside which a small depth has no more digits."""
 APPLICATIONS = 2000
 """Of C; 30 to 60 are usual."""
 
@@ -66,7 +68,8 @@ class Unilateral:
             gap = full - self._deeper(raised)
             self.depth = float((self._deeper(raised) - free).max())
             left = max(float(-gap.min()), float(gap[on].max(initial=0.0)))
-            enough = within * left if enough is None else enough
+            if enough is None:
+                enough = max(within * left, ROUNDING * float(np.abs(self.gap).max()))
             closed += left <= CLOSED / 10 * self.depth
             if left <= max(EXACT * self.depth, enough) or closed > MORE:
                 return force, raised
@@ -74,9 +77,11 @@ class Unilateral:
             t = gap + new / square * t if keep else gap
             t = np.where(on, t - self._deeper(self._mean(t, on)), 0.0)  # what is pressed stays so
             square = new
-            follows = self.follow(t)
-            step = float(gap @ t) / float(t @ follows)
-            moved = force - step * t
+            # Points that bear an obstacle's force alone have no gap: those inside set the step.
+            way = t if np.abs(t).max() > EXACT * left else np.minimum(gap, 0.0)
+            follows = self.follow(way)
+            step = float(gap @ way) / float(way @ follows)
+            moved = np.where(on, force - step * way, 0.0)
             out, entering = moved < 0, (moved <= 0) & (gap < 0)
             moved[out] = 0.0
             moved[entering] = -step * gap[entering]

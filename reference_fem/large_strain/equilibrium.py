@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem import Array, ProblemError, SolverError, UnstableError
 from msvalidate.problem.checks import positive_number, require_type, whole_number
 from msvalidate.problem.records import ReadOnly, dataclass
 from reference_fem.effort import fits_in_memory
@@ -128,9 +128,11 @@ def deform(
     ------
     ProblemError
         If an argument is of another shape, or `start` turns a cell inside out.
-    SolverError
+    UnstableError
         If there is no stable equilibrium to be found; the message says up to which part of the load
-        there was, and what stopped it. If the elements lock, or rounding takes too many digits.
+        there was, and what stopped it.
+    SolverError
+        If the elements lock, or rounding takes too many digits.
     """
     require_type("solid", solid, Solid)
     whole_number("parts of the load", parts, 1)
@@ -187,10 +189,11 @@ def _follow_load(
         if found is None:
             part = (target - reached) / 2
             if part < how.least:
-                raise SolverError(
+                raise UnstableError(
                     f"finite strain: no stable equilibrium found beyond {reached:.4g} of the load: "
                     f"{why}; reduce the load, or take another mesh: a finer one reaches less far "
-                    "at corners pressed against a clamp, where elements have no limit"
+                    "at corners pressed against a clamp, where elements have no limit",
+                    reached,
                 )
             continue
         u, reached, parts = found, target, parts + 1

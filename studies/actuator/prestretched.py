@@ -7,7 +7,7 @@ Candidate  The actuator at rest: a slab six times as long as high, stretched by 
            and its ends held by a frame; beside them films never stretched, but as slender.
 Reference  Closed form of a film that strains as a whole; finite elements at large strain, whose law
            is that of the stretched fibres.
-Expected   Edges disturb about a height on either side, whatever the stretch; a stretch makes a film
+Expected   Edges disturb about a height on either side at each stretch; a stretch makes a film
            longer and thinner, so less of it is margin. The compression is uniform because the film
            is slender, not because it is stretched.
 """
@@ -232,7 +232,7 @@ def finding(table: pd.DataFrame) -> str:
     never = table[table["film"] != "stretched"].iloc[-1]
     return (
         f"A fully covered film is compressed alike over {parts} of its length; one as slender that "
-        f"was never stretched over {100 * never['alike']:.0f} %. The margin is "
+        f"was not stretched over {100 * never['alike']:.0f} %. The margin is "
         f"{table['margin_heights'].min():.1f} to {table['margin_heights'].max():.1f} heights wide "
         "on either side: what makes the compression nearly uniform is that a stretched film is "
         "slender."

@@ -8,7 +8,7 @@ Reference  Finite elements: Maxwell's stress of the field in the same medium as 
 Expected   Order 1 away from the edges: even charges on even springs place each edge to a part of a
            spring. At an edge the field pulls with a finite force on a single point, along the
            electrode, F = dW/dx of the edge. Under it the displacement grows without end, by
-           F·c·ln 2 with every halving of the lattice, c of a straight face or of a square corner:
+           F·c·ln 2 with each halving of the lattice, c of a straight face or of a square corner:
            what a mesh shows *at* the edge is the mesh's own.
 """
 
@@ -242,7 +242,7 @@ def findings(profile: pd.DataFrame, edge: pd.DataFrame) -> tuple[str, ...]:
         return (agree,)
     per = float(down["growth_exact"].iloc[0])
     tip = (
-        "At the edges there is no limit: with every halving of the lattice the corner of the fully "
+        "At the edges there is no limit: with each halving of the lattice the corner of the fully "
         f"covered slab sinks by another {-per:.2f} of the middle's deflection (springs "
         f"{-float(down['growth'].iloc[-1]):.2f} in the last halving), as under the finite force "
         "that the field's edge puts on a single point."

@@ -9,8 +9,8 @@ Reference  23.967 for E = 1, nu = 1/3, F = 1 ([Cook1974] posed it; the
            value is that of fine meshes, 23.96 in most of the literature), and our own limit by
            quadratic elements graded to the corners.
 Expected   The clamped upper corner measures 108 degrees: its exponent λ makes order 2λ on even
-           meshes, whatever the element. The cut lattice has no better corner, but an error of its
-           own of order 2 in bending that is larger on all meshes here, and of the other sign in
+           meshes, for each element. The cut lattice has no better corner, but an error of its
+           own of order 2 in bending that is larger on the meshes here, and of the other sign in
            part. Springs on edges of a mesh that is not regular are another material: they converge
            elsewhere. On equilateral triangles, equal springs and those by area are the material.
 """

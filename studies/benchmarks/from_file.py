@@ -4,9 +4,9 @@ Question   Area of MacNeal and Harder's patch, read from a Gmsh file in mm, and 
            gets under a uniform tension.
 Candidate  Linear equilibrium of a square lattice cut to the outline of what was read.
 Reference  On paper: 0.24 m x 0.12 m, and σ·L/E. Elements on the mesh of the file.
-Expected   Exact: the stress is uniform, which elements hold on any mesh and the lattice at any
-           size. Coordinates taken for metres would make the elongation 1000 times as large, which
-           no ratio of lengths shows.
+Expected   Exact: the stress is uniform, which elements hold on the file's mesh and the lattice at
+           its sizes. Coordinates taken for metres would make the elongation 1000 times as large,
+           which no ratio of lengths shows.
 """
 
 from __future__ import annotations

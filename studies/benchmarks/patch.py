@@ -8,7 +8,7 @@ Candidate  Linear equilibrium of springs: regular lattices in the patch's outlin
 Reference  The field itself [MacNealHarder1985].
 Expected   Elements are exact, for they hold every linear field. Regular lattices are, for the
            springs at an inner point balance by symmetry. At an irregular point they do not: no
-           constants make springs on edges of any triangles an element [vanGelder1998],
+           constants make springs on edges of irregular triangles an element [vanGelder1998],
            whose E·area/length² is used here.
 """
 

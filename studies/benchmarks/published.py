@@ -13,7 +13,7 @@ Reference  S. Brisard, "What is homogenization? Part 5", "Symbolic analysis of a
            `published_sources` says which, and what is used of each: of one its abstract's moduli,
            see `published_membranes`.
 Expected   The printed numbers to rounding. Elasticity at χ = 2 is 8/3, and with springs on edges
-           shared between cells so is every mesh. A whole spring on an edge has half its constant
+           shared between cells so are the meshes. A whole spring on an edge has half its constant
            too much: a bar of EA = χ/2 N m/m. To first order bars take the strain of the plate, 1 of
            two and -nu of two, and the stiffness is E + χ(1 + nu²)/N, 8/3 + (20/9)/N. The framed
            plate has the rest, but for the lattice's own error of order 2.
@@ -151,7 +151,7 @@ def reason(table: pd.DataFrame) -> str:
     return (
         "The slow approach to elasticity is no property of the lattice but of springs on edges "
         f"that keep their whole constant: {100 * rows['from_fem'][8]:.1f} % too stiff at 8 cells, "
-        f"{effect:.3f}/N N/m at many. With these springs shared every mesh is exact, to "
+        f"{effect:.3f}/N N/m at many. With these springs shared the meshes tried are exact, to "
         f"{table['from_elastic'].abs().max():.0e}. Finite elements of a plate framed by such bars "
         f"are met to {last['from_framed']:.0e} at {rows.index[-1]} cells, with order 2."
     )

@@ -6,8 +6,8 @@ Reference  J. C. Hansen and others, Biophysical Journal 70, from page 146 (1996)
            0.90 of the spring constant for moderate randomness. The measure of randomness and the
            size of the patch, whose outer points were moved as prescribed, could not be had.
 Expected   √3/4 and √3/2 of the regular lattice. With all points held to the uniform strain,
-           C_iijj = C_ijij (Cauchy), so that the area modulus is twice the shear modulus whatever
-           the network. Points that come to rest only soften it.
+           C_iijj = C_ijij (Cauchy), so that the area modulus is twice the shear modulus in
+           each network. Points that come to rest only soften it.
 """
 
 from __future__ import annotations

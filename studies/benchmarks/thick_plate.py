@@ -8,7 +8,7 @@ Reference  -5.38 MPa ([NAFEMS1990], LE10). Quadratic hexahedra.
 Expected   A line in a solid has no capacity: a line load of q per length sinks in by
            q (3 - 4 nu)/(4 pi G (1 - nu)) ln(1/h) on a side that is held across (Kelvin's line
            force, doubled by the mirror), for ever deeper with the cells' size h. So the plate sinks
-           by the same amount every time that the cells along the line are halved, the support
+           by the same amount each time that the cells along the line are halved, the support
            gets softer, its reaction more uniform, and the stress creeps from about -5.4 MPa towards
            that of a uniform reaction, which it would take some hundred halvings to reach. A rim
            that is held upwards all over, or pushed upwards uniformly, has a limit.
@@ -225,7 +225,7 @@ def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:
     )
     creeping = (
         f"NAFEMS LE10 holds a line: halving the cells along it sinks the plate by {sunk:.2e} m "
-        f"every time ({sunk_by_theory():.2e} m by Kelvin's line force) and moves the stress by "
+        f"each ({sunk_by_theory():.2e} m by Kelvin's line force) and moves the stress by "
         f"{creep:.3f} MPa, towards {stress[SPREAD][-1]:.2f} MPa of a uniform reaction, some "
         f"{left:.0f} halvings away. With the rim held all over it is {stress[FACE][-1]:.2f} MPa."
     )

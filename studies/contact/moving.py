@@ -164,7 +164,7 @@ def run(setting: kit.Setting, ground: type[Pulled]) -> kit.Evidence:
         f"{walls_of['one spring', 16]:.3f} and {walls_of['one spring', 64]:.3f} of its speed, and "
         "elasticity says 1: impulse and duration are the body's, the rebound closes in by cells, "
         "peak force and the number of touching points are the mesh's. Friction by a slider leaves "
-        "what theory says at any rate; made from a speed of slip it leaves "
+        "what theory says at the rates tried; made from a speed of slip it leaves "
         f"{100 * (creeping.min() - 1):.0f} to {100 * (creeping.max() - 1):.0f} % too much."
     )
     return kit.Evidence(

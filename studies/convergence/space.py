@@ -11,7 +11,7 @@ Expected   The lowest frequency falls as 1/L, the highest is fixed by the spacin
            cells along an edge, nodes^(1/3), and work as nodes^(4/3). A factor by nested dissection
            has unknowns^(4/3) entries and takes unknowns^2 products ([George1973]; in space
            [LiptonRoseTarjan1979]): n^6 along an edge. A full matrix takes n^9. Multigrid takes as
-           many steps at any size: n^3.
+           many steps at each size: n^3.
 """
 
 from __future__ import annotations

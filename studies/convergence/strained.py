@@ -6,7 +6,7 @@ Question   Order of Newton's method, and the rest that it finds, at strains of 5
 Candidate  The table of relaxations: its Newton's method.
 Reference  Its own last position, to which distances are taken; nonlinear conjugate gradients, which
            ask for no tangent.
-Expected   Order 2 with the tangent that is the force's derivative (Kantorovich); 1 with any other,
+Expected   Order 2 with the tangent that is the force's derivative (Kantorovich); 1 with another,
            however near, at a rate of about the strain.
 """
 

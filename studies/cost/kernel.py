@@ -5,7 +5,7 @@ Question   Nanoseconds a spring and step, against the number of points: by the c
 Candidate  The package's `kernels.Motion`, made ready before it is timed.
 Reference  Other programs in the same process and in turn: NumPy's `bincount`, a matrix of SciPy,
            and LAMMPS, where it is installed.
-Expected   The same per spring at any size until a network no longer fits into the caches, and no
+Expected   The same per spring at the sizes until a network no longer fits into the caches, and no
            less than memory allows beyond.
 
 One thread is timed by the clock of the process, two by the clock on the wall. A round is as many

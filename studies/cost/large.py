@@ -4,7 +4,7 @@ Question   How long does Newton's method with multigrid take to bring a large ne
            beside one linear solution by elements of as many nodes? How many bytes a point?
 Candidate  The relaxation `newton_multigrid`, and `reference_fem` as it chooses.
 Reference  Each the other's.
-Expected   A few iterations of Newton's method, each no more than a linear solution, as many at any
+Expected   A few iterations of Newton's method, each no more than a linear solution, as many at each
            size: cost as the points.
 
 Memory is what NumPy holds at most while something is made or solved, by `tracemalloc`; factors that

@@ -7,7 +7,7 @@ Reference  The bandwidth of y = a x + y over arrays of several sizes, and the mu
            product of matrices, both by BLAS on one core, in the same process. Bytes of a step are
            those of the tables that a path reads and writes, each once. Paths take several steps in
            a pass over memory; one that takes a step a pass is timed beside them.
-Expected   In the caches springs cost the same at any size: instructions. A network that the caches
+Expected   In the caches springs cost the same at each size: instructions. A network that the caches
            do not hold costs no less than its bytes over the bandwidth, and more where neighbours
            are far apart in memory, as in space: springs wait for places.
 

@@ -7,7 +7,7 @@ Reference  The direct solution of the same network. Steps by prediction: the slo
            critically damped, is left with (1 + s) exp(-s) after s/omega_min, in steps of 0.9 of
            the limit 2/omega_max.
 Expected   Explicit methods step as nodes^0.5 in the plane, as the root of the condition number
-           does. Newton's method takes the same few iterations at any size. What an explicit
+           does. Newton's method takes the same few iterations at each size. What an explicit
            method does beside its steps is a small part of it.
 
 Steps are judged, seconds are told. Seconds are of the steps and the looks in between, without the

@@ -6,8 +6,8 @@ Question   Seconds of one linear equilibrium as the package solves it, by a fact
 Candidate  `equilibrium` with the solver that it chooses.
 Reference  The other solver on the same network, in turn. Where a factor cannot be afforded,
            multigrid on the same points in random order: other aggregates, other sums.
-Expected   Work and memory of multigrid in proportion to the points, its steps the same at any size.
-           Two answers are no further apart than their stated errors together.
+Expected   Work and memory of multigrid in proportion to the points, its steps the same at each
+           size. Two answers are no further apart than their stated errors together.
 
 A factor's work grows as the square of the points in space, so it is asked only up to `FACTORED`.
 Seconds are told and not judged. `solver_peers` has NGSolve and SciPy on the same cubes.

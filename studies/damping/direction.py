@@ -117,7 +117,7 @@ def finding(table: pd.DataFrame) -> str:
     plate = table[table["moving"] != "free pair"]
     turning, growing = free[free["turned"] == 1], free[free["factor"] > 1]
     return (
-        f"A free velocity turns round at every step from hc = {turning['h_c'].min():g} tried "
+        f"A free velocity turns round at the steps from hc = {turning['h_c'].min():g} tried "
         f"(1 predicted) and grows from {growing['h_c'].min():g} (2 predicted), on a plate from "
         f"{plate[plate['factor'] > 1]['h_c'].min():g} ({plate['limit'].iloc[0]:.4g} "
         "predicted): points move in the false direction only where the time step is too long "

@@ -5,8 +5,8 @@ Question   Whether triangular springs are linear finite elements, how stiff a be
 Candidate  Linear equilibrium of the spring network.
 Reference  P1 finite elements on the lattice's own triangles; a closed form.
 Expected   Equilateral triangles with springs of √3/4·E·t per triangle are P1 elements at nu = 1/3
-           in plane stress: the same displacement to rounding, on any load. Square cells with halved
-           edges, N through the height: EI_eff/EI = 1 + ((2 - nu)/(1 + nu))/N², and nu = 1/3.
+           in plane stress: the same displacement to rounding, on each load. Square cells with
+           halved edges, N through the height: EI_eff/EI = 1 + ((2 - nu)/(1 + nu))/N², and nu = 1/3.
 """
 
 from __future__ import annotations

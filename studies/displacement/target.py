@@ -5,7 +5,7 @@ Question   Tip of a clamped unit square under end shear, k2 = 2 k1, against seve
 Candidate  Linear equilibrium of the spring network, shared springs.
 Reference  Finite elements: the lattice's own cubic body, and isotropic targets.
 Expected   Against its own cubic body the lattice converges; against the isotropic body with its
-           axial modulus it never does, whatever the size: the model's form is wrong, not its
+           axial modulus it does not, at each size: the model's form is wrong, not its
            resolution. A modulus of 8/3 k1 happens to fit this load.
 """
 

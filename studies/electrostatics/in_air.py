@@ -13,7 +13,7 @@ Expected   Capacitances within 0.2 %. Elements spread the force on an electrode'
            as r^(λ-1), tan²(λπ/2) = (1+3ε_r)/(3+ε_r), more slowly where the ratio is above 1: no
            force is left on the edge itself, and what lies within some radius goes with its power
            2λ-1. All that stretches half a slab is Maxwell's stress across its middle, ½ε(V/d)²·d
-           whatever the ratio, but for what the field outside adds: air moves the margin's force
+           at each ratio, but for what the field outside adds: air moves the margin's force
            from the edge to the face, and takes little of it away.
 """
 

@@ -9,7 +9,7 @@ Reference  The closed form of facing strips, central differences of each one's o
 Expected   Both err with order 1 on even springs. Springs spread the charge of the edge too far
            inwards and take too little; a node at the edge has its potential asked for at the very
            edge, where its own charge makes the least, and takes too much. Sums over points are no
-           derivative of any energy.
+           derivative of an energy.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ Reference  Central differences of the energy W = ½ΣQV at fixed voltages, F = +
 Expected   Galerkin's charges make W stationary, so forces are its derivatives, and as W does not
            change when all moves together, forces and moments add up to nothing, and as it does not
            when all grows together, pull times gap is stretch. Collocation's charges leave W
-           sloping: its forces are no derivative. At an edge, which looks the same at every
+           sloping: its forces are no derivative. At an edge, which looks the same at each
            fineness, they stay wrong by a part; their sums err with order 2 as its charges do.
 """
 

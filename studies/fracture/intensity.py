@@ -6,7 +6,7 @@ Candidate  Half of the body as a lattice, held on its line of symmetry from one 
 Reference  Elements on the same plate or beam, by energies and by the J integral; values of an
            independent program.
 Expected   A lattice has K of a crack that ends somewhere before its first held point: at one and
-           the same part of a spacing in every body. At the point itself K is low, to first order.
+           the same part of a spacing in each body. At the point itself K is low, to first order.
 """
 
 from __future__ import annotations
@@ -216,7 +216,7 @@ def run_tips(setting: kit.Setting, moved: float = 0.0) -> kit.Evidence:
     worst = tips.query("cells == 6")["at_point"].min()
     finding = (
         f"A crack in a lattice ends {square:.3f} (square-8) and {other:.3f} (triangular) spacings "
-        "before its first held point, in every plate: with that K is right from 6 cells on; with "
+        "before its first held point in each plate: with that K is right from 6 cells on; with "
         f"the tip at the point it is up to {-100 * worst:.1f} % low there."
     )
     rules = RULES[2:] if setting.quick else (*RULES[2:], NOTCH)

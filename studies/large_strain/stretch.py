@@ -4,10 +4,10 @@ Question   Stress of lattices of linear springs, pulled, pressed and sheared, be
            St. Venant-Kirchhoff bodies of the same moduli, and beside linear elasticity.
 Candidate  Equilibrium of a block of square-8 cells, pulled with free sides.
 Reference  The lattice under a homogeneous strain, in closed form; laws of the materials.
-Expected   Equal at small strain. Linear springs are never nearer to neo-Hookean than linear
+Expected   Equal at small strain. Linear springs are not nearer to neo-Hookean than linear
            elasticity is farther from it in equibiaxial strain, where all isotropic lattices are
-           linear elasticity; Green's springs are St. Venant-Kirchhoff at any strain, and springs of
-           no rest length beside cells under pressure neo-Hookean.
+           linear elasticity; Green's springs are St. Venant-Kirchhoff at these strains, and springs
+           of no rest length beside cells under pressure neo-Hookean.
 """
 
 from __future__ import annotations

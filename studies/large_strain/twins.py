@@ -6,8 +6,8 @@ Candidate  Equilibrium of the network, springs of no rest length beside cells un
            "neo-Hookean"), or Green's springs.
 Reference  Linear triangles and tetrahedra of the neo-Hookean law and of St. Venant-Kirchhoff's, and
            quadrilaterals and hexahedra with one mean J a cell.
-Expected   On any mesh, at any ratio and strain, the same to rounding; not so with other constants,
-           and not Green's springs on squares.
+Expected   On these meshes, at these ratios and strains, the same to rounding; not so with other
+           constants, and not Green's springs on squares.
 """
 
 from __future__ import annotations

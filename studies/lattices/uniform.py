@@ -7,7 +7,7 @@ Reference  The solid's tensor. Strains are those on which the tractions' stress 
            need no gauge; which sizes are exact, and at what order the others converge, is read off
            the pattern: `edges`.
 Expected   Where every spring runs inside a cell or along its sides, cells are alike and a pull is
-           exact at any size. Springs across a side are cut there: the points just inside have lost
+           exact at each size. Springs across a side are cut there: the points just inside have lost
            a neighbour and nothing on the side can replace it, an error of first order. Springs
            along the cube's diagonals leave a force normal to a shear at the body's eight corners,
            which no traction balances: third order, since its reach is a cell along each axis.
@@ -143,7 +143,7 @@ def findings(table: pd.DataFrame, orders: pd.DataFrame, mended: pd.DataFrame) ->
     """Which bodies are exact, which are not, and why."""
     by = orders.groupby(["lattice", "rule"], sort=False)
     exact = [", ".join(map(str, key)) for key, rows in by if (rows["order"] == "exact").all()]
-    said = [f"Uniform stress is exact at every size in: {'; '.join(exact)}."]
+    said = [f"Uniform stress is exact at the sizes tried in: {'; '.join(exact)}."]
     corners = orders[(orders["unbalanced"] == "corners") & (orders["springs_cross"] == "no")]
     if len(corners):
         said.append(

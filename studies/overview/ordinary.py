@@ -110,7 +110,7 @@ BRACKET = Part(
     lambda: pulled_down(bracket(), METAL),
 )
 PARTS, ADVISED = (CLAMPED, BOLTED, BRACKET), (BOLTED, BRACKET)
-"""All, and those that elements are advised for."""
+"""All, and those for which cut lattices are not advised."""
 
 
 def run() -> kit.Evidence:
@@ -178,8 +178,8 @@ def judge(table: pd.DataFrame) -> tuple[kit.Tolerance, ...]:
             observed=kit.Observed(float(coarse["difference"][CLAMPED.body])),
         ),
         kit.Tolerance(
-            "parts that elements are advised for: those that agree at half of the spacing", 0, "1",
-            "what springs do well is no case for elements",
+            "parts for which cut lattices are not advised: those that agree at half of the spacing",
+            0, "1", "what a cut lattice does well is no case for the part's own mesh",
             observed=kit.Observed(float((advised["difference"] <= BAND).sum())),
         ),
         kit.Tolerance(

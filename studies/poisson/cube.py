@@ -6,7 +6,7 @@ Candidate  Static equilibrium of the spring network (linear geometry).
 Reference  C12/(C11 + C12) of the homogenised tensor; closed forms for equal springs; for clamped
            ends finite elements on an eighth of the cubic body, sampled at the network's points.
 Expected   Where all springs lie in cells, shared ones (half in a face, a quarter on an edge) make
-           every cell alike, and the tensor's ratio is exact at every size. Equal springs are N + 1
+           every cell alike, and the tensor's ratio is exact at each size. Equal springs are N + 1
            layers where N belong: C11 = k1 m² + 2 k2 m + 4/3 k3, C12 = k2 m + 4/3 k3, m = (N + 1)/N.
            Uniform strain would then show C12/(C11 + C12), in one cell of cubic 18 k2/(2 k1 + 3 k2),
            where the plane has k2/(2 k1 + k2). It does so in one cell. In more the edges, too stiff
@@ -225,9 +225,9 @@ def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:
         f"{cell['nu_cell_formula']:.4f}, and the bulk k2/(k1+3k2), {cell['nu_tensor']:.4f}."
     )
     rule = (
-        "Shared springs, half in a face and a quarter on an edge, show the bulk's ratio in a cube "
-        f"of any size; equal ones {equal[1]:.4f} in one cell and {equal[5]:.4f} in 5 x 5 x 5. "
-        f"Lattices that lose springs at the boundary are off at any size, in 5 cells: "
+        "Shared springs, half in a face and a quarter on an edge, show the bulk's ratio in the "
+        f"cubes tried; equal ones {equal[1]:.4f} in one cell and {equal[5]:.4f} in 5 x 5 x 5. "
+        f"Lattices that lose springs at the boundary are off, in 5 cells: "
         f"{', '.join(lost)}, bulk 1/4."
     )
     return formula, rule

@@ -4,7 +4,7 @@ Question   Poisson's ratio every 5 degrees for the four constants.
 Candidate  The homogenised tensor of the lattice, contracted with the direction.
 Reference  Finite elements on the turned tensor: a block under uniform traction on statically
            determinate supports.
-Expected   Equal, since the strain is uniform; k2/(k1 + k2) along the axes; the same in every
+Expected   Equal, since the strain is uniform; k2/(k1 + k2) along the axes; the same in each
            direction at k2 = k1/2 only; k1/(k1 + 4 k2) along the diagonals.
 """
 
@@ -72,7 +72,7 @@ def run(
     finding = (
         f"With the report's k2 = 2k1 the ratio is {seen[0]:.4f} along the axial springs and "
         f"{seen[45]:.4f} along the diagonals: one constant cannot name it. Only k2 = k1/2 gives "
-        f"the same ratio, 1/3, in every direction."
+        f"a ratio, 1/3, that is independent of direction."
     )
     return kit.Evidence(
         tables={"direction": table},

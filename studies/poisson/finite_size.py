@@ -5,7 +5,7 @@ Question   Lateral over axial strain of a pulled block of square-8 cells, for ev
 Candidate  Static equilibrium of the spring network (linear geometry).
 Reference  Finite elements on a body with the tensor of the lattice's interior, loaded in the same
            way and sampled at the network's points, refined until its own error is below 1e-4.
-Expected   Springs shared between cells make every cell alike, so uniform strain is exact at every
+Expected   Springs shared between cells make every cell alike, so uniform strain is exact at each
            size: `shared` gives k2/(k1 + k2), `per_cell` the report's k2/(2 k1 + k2). With `equal`
            springs the boundary is too stiff, an effect of the edge, hence of first order in 1/N.
 """
@@ -214,9 +214,9 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     seen = ", ".join(f"{nu:.4f} ({loading})" for loading, nu in report["nu_springs"].items())
     cell, bulk = report["nu_cell_formula"].iloc[0], report["nu_bulk_formula"].iloc[0]
     whose = (
-        "The report's k2/(2k1+k2) holds for one isolated cell, and at every size where shared "
+        "The report's k2/(2k1+k2) holds for one isolated cell, and at each size where shared "
         "springs count twice (`per_cell`). A lattice of equal springs tends to k2/(k1+k2), with "
-        "an error of first order in 1/N; springs shared by cells have it at every size."
+        "an error of first order in 1/N; springs shared by cells have it at each size."
     )
     block_of_report = (
         f"On the report's own block (5 x 5 cells of equal springs, k2 = k1/2) the mean ratio over "

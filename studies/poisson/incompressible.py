@@ -141,7 +141,7 @@ def findings(readings: pd.DataFrame) -> tuple[str, ...]:
     """What k2 = 2 k1 is."""
     report = readings.iloc[2]
     finding = (
-        f"k2 = 2k1 is not incompressible in any sense: its ratio is {report['nu_springs']:.4f} "
+        f"k2 = 2k1 is not incompressible: its ratio is {report['nu_springs']:.4f} "
         f"along the axes and {report['nu_diagonal']:.4f} along the diagonals (Zener ratio "
         f"{report['zener']:.3g}). An incompressible sheet in plane stress has 1/2, which k2 = k1 "
         f"gives along the axes; plane strain asks for 1, where the axial springs would vanish."

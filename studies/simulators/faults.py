@@ -22,6 +22,7 @@ COLUMNS = {
     "fault": "what was put in",
     "state_said": "agrees, differs with cause, not at rest, not explained, or gate",
     "said": "the first cause",
+    "kinds": "of all causes, rivals among them",
     "named": "whether state and causes name the fault",
 }
 
@@ -69,5 +70,6 @@ def _row(name: str, faulty: Faulty) -> dict[str, object]:
         "fault": name,
         "state_said": found.word,
         "said": found.causes[0].said if found.causes else "",
+        "kinds": ", ".join(dict.fromkeys(each.kind for each in found.causes)),
         "named": faulty.is_named_in(found),
     }

@@ -21,7 +21,7 @@ from typing import Any
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.simulators.gate.gate import STOPPED
+from msvalidate.simulators.gate.rows import STOPPED
 from msvalidate.simulators.verdict.causes import NOT_EXPLAINED
 
 from . import judged

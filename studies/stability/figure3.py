@@ -5,7 +5,7 @@ Question   "Explicit Euler is the most likely one to be unstable. Others methods
 Candidate  Each of the four schemes, 6 x 6 particles with k2 = 2 k1, clamped on one side and pulled
            suddenly on the other, little damped.
 Reference  Velocity Verlet with small steps; the stability limits in closed form.
-Expected   Explicit Euler leaves at every step that the others bear: its limit is c/ω_max² here.
+Expected   Explicit Euler leaves at each step that the others bear: its limit is c/ω_max² here.
            The others differ by their error: the first order of Euler-Cromer is to be seen.
 """
 

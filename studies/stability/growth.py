@@ -5,7 +5,7 @@ Question   Explicit Euler without damping, and Verlet with the old force in both
 Candidate  Each scheme's own step on an oscillator; growth from the energy over many steps.
 Reference  |λ| of the step's matrix in closed form, √(1 + swelling·h²ω²): the root of its
            determinant, since its eigenvalues are a conjugate pair.
-Expected   Equal, and above 1 at every step.
+Expected   Equal, and above 1 at each step.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ Question   The report prints Euler-Cromer with x moved by the old velocity, and 
 Candidate  The two variants, run on a network of 6 x 6 points.
 Reference  Explicit Euler, step for step; the motion in closed form under the force and half of it.
 Expected   Printed Euler-Cromer is explicit Euler, to the last digit. Printed Verlet kicks with half
-           the force: its position tends to the motion at ω/√2, and never to that at ω.
+           the force: its position tends to the motion at ω/√2, and not to that at ω.
 """
 
 from __future__ import annotations

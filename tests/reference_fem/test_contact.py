@@ -15,6 +15,7 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Region,
+    SolverError,
     Support,
 )
 from reference_fem.contact import contact_mesh, press, press_closely
@@ -72,6 +73,46 @@ def test_a_flat_obstacle_presses_evenly(element):
     assert found.total == pytest.approx(1e-9 * E * 2 * 0.2)
 
 
+@pytest.mark.parametrize("size", [0.37, 370.0])
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P1", "P2", "H1", "H2"])
+def test_the_total_is_the_force(element, size):
+    plane, degree = element[0] in "QP", int(element[1])
+    box = Box((2 * size, size) if plane else (2 * size, 2 * size, size))
+    cells = np.array((16, 8) if plane else (8, 8, 4)) // degree
+    material = Isotropic(E, 0.3, thickness=0.2) if plane else Isotropic(E, 0.3, "solid")
+    shape, sides = ("disc", ("bottom", "top")) if plane else ("ball", ("back", "front"))
+    way = np.eye(box.dim)[-1]
+    obstacle = Obstacle(shape, box.size - (1 - way) * size, -way, 4 * size)
+    clamp, top = (box.side(name) for name in sides)
+    for strain in (0.05, 0.3):
+        force = strain * E * size * (0.2 if plane else size)
+        contact = Contact(top, obstacle, force=force)
+        problem = Problem(box, material, (Support(clamp, (0.0,) * box.dim),), contacts=(contact,))
+        found = press(problem, box_discretisation(box, tuple(cells.tolist()), element))
+        assert found.total == pytest.approx(force, rel=1e-9)
+        assert found.depth > 0
+
+
+@pytest.mark.parametrize("strain", 10.0 ** np.arange(-10, -1, 2))
+def test_hertz_by_force_over_eight_decades(strain):
+    """Half-width b² = 4 F R/(π E t) of a half-plane.
+
+    The patch ends between two of 8 nodes, and 0.4 W beside a block's side is a half-plane to
+    (b/0.4 W)². Smaller forces leave a patch of less than 1e-5 W.
+    """
+    W, thickness = 0.37, 0.2
+    force, b = strain * E * W * thickness, np.sqrt(4 * strain / np.pi) * W
+    box = Box((W, W))
+    contact = Contact(box.side("top"), Obstacle("disc", (0.4 * W, W), (0.0, -1.0), W), force=force)
+    clamp = Support(box.side("bottom"), (0.0, 0.0))
+    material = Isotropic(E, 1 / 3, thickness=thickness)
+    found, error = press_closely(Problem(box, material, (clamp,), contacts=(contact,)), (2, 4))
+    assert found[-1].total == pytest.approx(force, rel=1e-9)
+    values = found[-1].half_width / b, found[-1].pressure.max() / (E * b / (2 * W))
+    assert values == pytest.approx((1, 1), abs=(1 / 8) ** 2 + (b / 0.4 / W) ** 2)
+    assert np.abs(np.array(values) - 1).max() <= error + (b / 0.4 / W) ** 2
+
+
 def test_a_disc_pressed_by_a_force_is_one_lowered_by_the_depth_that_it_takes():
     disc = Obstacle("disc", (0.0, 1.0), (0.0, -1.0), 2.0)
     problem = half_block(2, 1, lambda box: Contact(box.side("top"), disc, force=0.05))
@@ -93,6 +134,13 @@ def test_contacts_that_elements_do_not_take_are_refused():
         problem = half_block(2, 1, contact)
         with pytest.raises(ProblemError, match=re.escape(message)):
             press(problem, first_mesh(problem))
+    beside = Obstacle("disc", (3.0, 1.0), (0.0, -1.0), 0.3)
+    problem = half_block(2, 1, lambda box: Contact(box.side("top"), beside, force=0.01))
+    with pytest.raises(ProblemError, match="no point of the region can be reached"):
+        press(problem, box_discretisation(problem.domain, (8, 4), "Q2"))
+    problem = half_block(2, 1, lambda box: Contact(box.side("top"), disc, force=1e-4))
+    with pytest.raises(SolverError, match="the patch has 1 nodes, and smaller elements are needed"):
+        press(problem, box_discretisation(problem.domain, (8, 4), "Q2"))
     problem = half_block(2, 1, lambda box: Contact(box.side("top"), disc, 0.1))
     bare = Problem(problem.domain, problem.material, problem.supports)
     with pytest.raises(ProblemError, match="0 contacts; elements take one"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -81,13 +82,23 @@ def test_a_smooth_field_is_known_as_well_as_stated():
 
 def test_errors_are_as_stated_on_bodies_at_random():
     """A look: `docs` have what hundreds of bodies showed."""
-    for kind, problem, points in problems(5, 1, ("box", "bent", "outline")):
+    covered = []
+    for kind, problem, points in chain(
+        *(problems(n, 1, ("box", "bent", "outline")) for n in (5, 101))
+    ):
         found = converge(problem, points, 1e-12, most_nodes=1000)
         body = found.finest.body
         finer = converge(problem, points, 1e-14, most_nodes=20 * len(body.points), first=body)
         away = np.linalg.norm(found.displacement.value - finer.displacement.value, axis=1).max()
         size = np.linalg.norm(finer.displacement.value, axis=1).max()
         assert away / size <= found.error, kind
+        for name in ("energy", "mean_stress"):
+            mine, exact = getattr(found, name), getattr(finer, name).value
+            off = np.abs(mine.value - exact).max()
+            assert off <= mine.uncertainty + 1e-11 * np.abs(exact).max(), (kind, name)
+        stress, known = found.stress(points)
+        covered.append(np.abs(stress - finer.stress(points)[0]).max(axis=1) <= known)
+    assert np.concatenate(covered).mean() >= 0.95
 
 
 def test_balance_of_what_is_stated():

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.case.mistake_fields import mistakes_on_mesh
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
@@ -31,7 +32,7 @@ from msvalidate.simulators.exchange.protocol import (
 from msvalidate.simulators.probe.block import Block
 from msvalidate.simulators.probe.masses import patterns
 from msvalidate.simulators.probe.reading import BAND, Reading
-from msvalidate_check.beside import best_scale
+from msvalidate_check.beside import Mistake, best_scale
 from msvalidate_check.causes import Cause
 from msvalidate_check.diagnosis import Field, explain
 
@@ -169,8 +170,9 @@ class BodyRow:
         Part of the displacement that may still change, as stated; NaN if nobody says.
     factors
         Causes, multiplied; None where the law is not known.
-    shape
-        What else would explain what is left: points swapped, axes, signs; None if nothing.
+    shapes
+        Rivals that would explain what is left: known mistakes, a scale, points swapped, axes,
+        signs. Without a law they explain the difference from elements as asked.
     even
         Half the sum of what it moves by loads and by their opposites, over the displacement.
     finer
@@ -190,7 +192,7 @@ class BodyRow:
     on_mesh: Effective
     rest: float
     factors: Factors | None
-    shape: Cause | None = None
+    shapes: tuple[Cause, ...] = ()
     even: float = 0.0
     finer: bool = False
     loaded_more: float = math.nan
@@ -294,13 +296,16 @@ def body_row(
     on_mesh = blocks.effective_on_mesh(found)
     row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
     if law is None:
-        return row
+        asked = request.material.E, request.material.nu
+        return replace(row, shapes=_shapes(found, asked, request.mass))
     mass = masses_of(found, law, reading, total)
     row = replace(row, factors=factors(found, law, mass, settled.get((case.name, case.mesh))))
     if row.is_explained:
         return row
     expected = found.of_elements(*law, mass)
-    return replace(row, shape=_shape(found, expected), finer=_is_finer(found, law, expected))
+    row = replace(row, shapes=_shapes(found, law, mass))
+    is_scaled = any(each.left <= BAND / 10 for each in row.shapes)
+    return replace(row, finer=not is_scaled and _is_finer(found, law, expected))
 
 
 def masses_of(
@@ -367,9 +372,24 @@ def load_more(
     return replace(row, loaded_more=each[0], far_away=each[1])
 
 
-def _shape(found: AtRest, expected: Array) -> Cause | None:
-    """What else would explain a field, held against the elements that it should be."""
-    points = found.request.mesh.points
+def _shapes(found: AtRest, law: tuple[float, float], mass: Array | None) -> tuple[Cause, ...]:
+    """Explain the difference of a field from its elements by known mistakes and other causes."""
+    asked, points = found.request, found.request.mesh.points
+    expected = found.of_elements(*law, mass)
+    even = np.full(len(points), asked.mass.mean())
+    equal = Mistake("equal masses", lambda: [(1.0, found.of_elements(*law, even))])
     span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
-    field = Field(points, found.move, expected, BAND / 10, found.case.driven, span)
-    return next(iter(explain(field)), None)
+    mistakes = mistakes_on_mesh(
+        asked.mesh, asked.material, expected, mass=asked.mass, gravity=asked.gravity,
+        force=asked.force, fixed=asked.held, value=asked.value,
+    )  # fmt: skip
+    field = Field(
+        points,
+        found.move,
+        expected,
+        BAND / 10,
+        found.case.driven,
+        span,
+        mistakes=(equal, *mistakes),
+    )
+    return explain(field)

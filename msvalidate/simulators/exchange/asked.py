@@ -17,7 +17,7 @@ from msvalidate.simulators.exchange.protocol import (
     SimulatorError,
 )
 
-USUAL = {"gate": 10, "probe": 67, "bodies": 12}
+USUAL = {"gate": 11, "probe": 67, "bodies": 12}
 """Questions of a part, where none of its answers asks for more."""
 MASSES = 34
 """Of the probe, that a program is spared which tells forces."""

@@ -6,17 +6,17 @@ from collections.abc import Collection
 from functools import reduce
 
 from msvalidate.simulators.exchange.asked import Asked
-from msvalidate.simulators.gate.gate import FREE_FALL
+from msvalidate.simulators.gate.rows import AGAIN, FREE_FALL, LENGTH, STEP
 from msvalidate.simulators.probe.reading import SHOWN
-from msvalidate.simulators.verdict.causes import CAUSE, STOPPED
+from msvalidate.simulators.verdict.causes import CAUSE, NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause
-from msvalidate_check.causes import phrase
+from msvalidate_check.causes import Phrase, phrase
 from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
-SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
-"""Rows that only what is not at rest is stopped by: to be mended first."""
-HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", "the same again")
+CONVERGED_BY = {"iterations": (LENGTH, STEP), "steps": (LENGTH,), "dt": (STEP,)}
+"""Setting -> causes that it is a remedy for."""
+HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", AGAIN)
 """Rows for which it is known what helps."""
 
 
@@ -26,14 +26,15 @@ def _advice(kind: str, **values: object) -> Cause:
 
 def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Cause:
     """What helps most, by what was found."""
-    if asked.ended:
-        return _advice("ended")
-    if asked.failures:
-        return _advice("failed")
+    kinds = [each.kind for each in found.causes]
+    if asked.ended or (asked.failures and "units" not in kinds):
+        return _advice("ended" if asked.ended else "failed")
     if found.word == STOPPED:
         return _at_gate(found, asked)
     if found.word == NOT_AT_REST:
-        return _advice("run longer")
+        return _converge(found)
+    if "units" in kinds:
+        return _advice("give units")
     if found.word == AGREES:
         rest = " --only ".join(part for part in PARTS if part not in parts)
         return _advice("ask the rest", rest=rest) if rest else _advice("own body")
@@ -41,23 +42,32 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
 
 
 def _at_gate(found: Judgement, asked: Asked) -> Cause:
-    stops = [row.name for row in found.gate.stops]
-    if not stops:
+    if not found.gate.stops:
         return _advice("answer a task")
-    own = asked.about.get("settings", {})
+    gate, own = found.gate, asked.about.get("settings", {})
     further = [
         phrase("set", name=name, value=value / 4 if name == "dt" else 8 * value)
-        for name in ("iterations", "steps", "dt")
+        for name, causes in CONVERGED_BY.items()
         if isinstance(value := (own.get(name) or [None])[0], int | float)
+        and set(causes) & set(gate.remedies)
     ]
-    few = [name for name in SETTLES if name in stops]
-    if few and further:
-        either = reduce(lambda one, other: phrase("or", one=one, other=other), further)
-        return _advice("settle", row=few[0], settings=either)
-    first = found.gate.stops[0]
-    if first.name == FREE_FALL and round(first.value, 1) == 2:  # as fast, and the other way
-        return _advice("falls up")
-    return _advice(first.name if first.name in HELPED else "mend row", row=first.name)
+    if gate.unconverged:
+        either = reduce(lambda one, other: phrase("or", one=one, other=other), further or [NOTHING])
+        settle = _advice("settle", row=gate.unconverged.name, settings=either)
+        return settle if further else _converge(found)
+    if gate.units:
+        return _advice("give units")
+    first = next((row for row in gate.stops if row.name == AGAIN), gate.stops[0])
+    key = first.name if first.name in HELPED and first.unit else "mend row"
+    if first.because == Phrase("diverges"):
+        key = "give masses and k"
+    elif first.name == FREE_FALL and round(first.value, 1) == 2:  # as fast, and the other way
+        key = "falls up"
+    return _advice(key, row=first.name)
+
+
+def _converge(found: Judgement) -> Cause:
+    return _advice(f"converge {' or '.join(found.gate.remedies)}")
 
 
 def _of_cause(found: Judgement) -> Cause:

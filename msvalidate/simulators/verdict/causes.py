@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
+
 from msvalidate.problem import Isotropic
 from msvalidate.simulators.bodies.bodies import EVEN, MORE, BodyRow
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain
 from msvalidate.simulators.bodies.laws import LAWS, nearest_law
-from msvalidate.simulators.gate.gate import GateRow
+from msvalidate.simulators.gate.rows import TIMES, UNSTATED, Gate, GateRow, size_rows
 from msvalidate.simulators.probe.reading import BAND, SHOWN, Reading
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
@@ -26,24 +29,27 @@ def rows_verdict(
     rows: tuple[BodyRow, ...] | None,
     large: AtLargeStrain | None,
     *,
+    gate: Gate,
     linear: bool = True,
-    moving: float = 0.0,
 ) -> Verdict:
     """What the simulator is, and the causes, from what differs from what was asked.
 
     `rows` are None where no body was asked for, and empty where none could be represented. Of
     elements that are not `linear` what they are off by is told: it is by design, and no mesh's.
-    `moving` is the part of the displacement of the gate's block that running longer changes: where
-    there is one, nothing of the bodies is known. Where there is none, what is left of a body is not
-    known where it is less than what the simulator says may still change.
+    If the displacement of the `gate`'s block is not converged, nothing of the bodies is known. Else
+    what is left of a body is not known where it is less than what the simulator says may still
+    change. Causes of that come first, before those of material and scale.
     """
-    missing, rows = rows == (), rows or ()
-    residual_motion = max([moving, *(row.rest for row in rows if row.rest > BAND)])
-    still = _residual_motion_causes(residual_motion)
+    missing, rows, moving = rows == (), rows or (), gate.moving
+    change = max([moving, *(row.rest for row in rows if row.rest > BAND)])
+    still = convergence_causes(gate, change)
+    pulled = law[0] if law else next((r.on_mesh.E for r in rows if r.body == "pulled"), 0.0)
+    total = law[0] / reading.E if law and reading and reading.E else 1.0
     causes = [
-        *_law_causes(material, reading, law),
         *still,
-        *_factor_causes(rows, linear=linear),
+        *_law_causes(material, reading, law),
+        *_gate_causes(gate.units or size_rows("body", pulled / material.E)),
+        *_factor_causes(rows, total, linear=linear),
         *(_rounded(row) for row in rows if row.is_rounded),
     ]
     left = [row for row in rows if not row.is_explained and not row.is_rounded]
@@ -58,25 +64,17 @@ def rows_verdict(
         of = phrase("large strain", strain=large.strain, apart=large.apart)
         other.append(Cause("large strain", large.apart, of))
     if open_rows or unread or other or missing:
-        causes += [*other, *map(_open, open_rows)]
+        causes += [*other, *_shape_causes(open_rows), *map(_open, open_rows)]
         causes += [Cause("bodies", of=phrase("no bodies"))] if missing else []
         return Verdict(NOT_EXPLAINED, tuple(dict.fromkeys(causes)))
-    if moving or left or (residual_motion and len(causes) == 1):
-        return Verdict(NOT_AT_REST, tuple(dict.fromkeys([*still, *causes])))
+    if left or still:
+        return Verdict(NOT_AT_REST, tuple(dict.fromkeys(causes)))
     return Verdict(CAUSE if causes else AGREES, tuple(dict.fromkeys(causes)))
 
 
-def stop_verdict(stops: tuple[GateRow, ...]) -> Verdict:
-    """What stopped a simulator at the gate, and by how much."""
-    found = []
-    for row in stops:
-        if row.unit:
-            said = {"value": row.value, "unit": row.unit, "limit": row.limit}
-            of = phrase("gate", row=row.name, **said, because=row.because)
-            found.append(Cause("gate", row.value, of))
-        else:
-            of = phrase("gate failed", row=row.name, because=row.because)
-            found.append(Cause("gate failed", of=of))
+def stop_verdict(gate: Gate) -> Verdict:
+    """Report what stopped a simulator, convergence first and units next."""
+    found = [*convergence_causes(gate), *_gate_causes([*gate.units, *gate.stops])]
     return Verdict(STOPPED, tuple(found) or (Cause("nothing passed", of=phrase("nothing passed")),))
 
 
@@ -89,12 +87,23 @@ def _rounded(row: BodyRow) -> Cause:
     return Cause("rounding", apart, of)
 
 
-def _residual_motion_causes(residual_motion: float) -> list[Cause]:
-    """That this part of a displacement may still change; nothing within the band."""
-    whole = residual_motion >= 1
-    part = phrase("all") if whole else phrase("percent", percent=100 * residual_motion)
-    found = Cause("rest", residual_motion, phrase("moving", part=part))
-    return [found] if residual_motion > BAND else []
+def convergence_causes(gate: Gate, change: float = 0.0) -> list[Cause]:
+    """Causes of a displacement that is not converged, by this part or by tests."""
+    change = max(change, gate.unconverged.value if gate.unconverged else 0.0)
+    if change <= UNSTATED:
+        return []
+    part = phrase("all") if change >= 1 else phrase("percent", percent=100 * change)
+    rival = " or" if len(gate.remedies) > 1 else ""
+    return [
+        Cause(each, change, phrase(f"not converged {each}{rival}", part=part))
+        for each in gate.remedies
+    ]
+
+
+def _gate_causes(rows: Iterable[GateRow]) -> list[Cause]:
+    """Rows of the gate as causes."""
+    named = [("units" if r.unit == TIMES else "gate" if r.unit else "gate failed", r) for r in rows]
+    return [Cause(kind, r.value, phrase(kind, row=r.name, **vars(r))) for kind, r in named]
 
 
 def _open(row: BodyRow) -> Cause:
@@ -104,9 +113,19 @@ def _open(row: BodyRow) -> Cause:
         return Cause("body", of=phrase("no law", **where))
     if row.even > EVEN:
         return Cause("one way", row.even, phrase("one way", **where, even=row.even))
-    shape = NOTHING if row.shape is None else phrase("shape", cause=row.shape)
-    of = phrase("unexplained", **where, apart=row.factors.apart, shape=shape)
+    of = phrase("unexplained", **where, apart=row.factors.apart)
     return Cause("body", row.factors.apart, of)
+
+
+def _shape_causes(rows: list[BodyRow]) -> list[Cause]:
+    """Rivals that explain the most bodies, then those of the other bodies."""
+    causes: list[Cause] = []
+    while rivals := [each for row in rows for each in row.shapes]:
+        counts = Counter(each.kind for each in rivals)
+        best = {e.kind: e for e in rivals if counts[e.kind] == max(counts.values())}
+        causes += [Cause(e.kind, e.value, phrase("rival", cause=e)) for e in best.values()]
+        rows = [row for row in rows if not any(each.kind in best for each in row.shapes)]
+    return causes
 
 
 def is_over_density(part: float, density: float) -> bool:
@@ -133,6 +152,7 @@ def _law_causes(
             given=material.nu,
             near=phrase("near law", name=near, key=LAWS[near].key) if near else NOTHING,
             over=OVER_DENSITY if is_over_density(times, material.density) else NOTHING,
+            rival=phrase("or loads", times=1 / times) if reading is None else NOTHING,
         )
         found.append(Cause("law", times, of))
     masses = reading.masses if reading is not None else None
@@ -142,14 +162,18 @@ def _law_causes(
     return found
 
 
-def _factor_causes(rows: tuple[BodyRow, ...], *, linear: bool) -> list[Cause]:
-    """Mass, solver, and elements by design, where they do more than the band in a body."""
+def _factor_causes(rows: tuple[BodyRow, ...], total: float = 1.0, *, linear: bool) -> list[Cause]:
+    """Mass, solver, and elements by design, where they do more than the band in a body.
+
+    `total` is the mass by steps and by forces, relative to the requested one.
+    """
     found = []
     for name in ("mass", "solver") if linear else ("mass", "solver", "resolution"):
         each = [getattr(row.factors, name) for row in rows if row.factors is not None]
+        each += [total] if name == "mass" else []
         worst = max(each, key=lambda one: abs(one - 1), default=1.0)
         if abs(worst - 1) > BAND:
-            found.append(Cause(name, worst, phrase("factor", name=name, times=worst)))
+            found.append(Cause(name, worst, phrase(f"factor {name}", times=worst)))
     return found
 
 

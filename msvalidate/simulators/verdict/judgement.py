@@ -31,7 +31,8 @@ from msvalidate.simulators.bodies.large_strain import AtLargeStrain, at_large_st
 from msvalidate.simulators.bodies.tetrahedra import linear_elements
 from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import CannotRepresent, Simulator
-from msvalidate.simulators.gate.gate import Gate, gate
+from msvalidate.simulators.gate.gate import gate
+from msvalidate.simulators.gate.rows import Gate
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
@@ -124,7 +125,7 @@ def judge_simulator(
     predicted = _first_order(law, material)
     gated = gate(simulator, material, own) if "gate" in parts else Gate(())
     if "gate" in parts and not gated.passed:
-        stopped = vars(stop_verdict(gated.stops))
+        stopped = vars(stop_verdict(gated))
         return Judgement(**stopped, asked=material, predicted=predicted, gate=gated)
     notes: list[Note] = []
     reading = None
@@ -144,7 +145,7 @@ def judge_simulator(
         ))  # fmt: skip
     verdict = rows_verdict(
         material, predicted, reading, read, rows if bodies else None, large,
-        linear=linear, moving=gated.moving,
+        linear=linear, gate=gated,
     )  # fmt: skip
     return Judgement(
         **vars(verdict), asked=material, predicted=predicted, gate=gated, reading=reading,

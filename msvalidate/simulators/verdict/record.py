@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from msvalidate.simulators.bodies.bodies import BodyRow
-from msvalidate.simulators.gate.gate import PASSED, STOPPED, GateRow
+from msvalidate.simulators.gate.rows import PASSED, STOPPED, GateRow
 from msvalidate.simulators.probe.reading import Reading
 from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sentences import text_of
@@ -67,8 +67,8 @@ def probe_record(reading: Reading) -> dict[str, Any]:
 
 def _body(row: BodyRow) -> dict[str, Any]:
     own = {name: value for name, value in vars(row).items() if name != "on_mesh"}
-    shape = "" if row.shape is None else row.shape.said
-    return dict(_plain(own | vars(row.on_mesh) | {"shape": shape}))
+    shapes = [each.said for each in row.shapes]
+    return dict(_plain(own | vars(row.on_mesh) | {"shapes": shapes}))
 
 
 def _plain(value: Any) -> Any:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
-from msvalidate.simulators.gate.gate import LEFT_OUT, PASSED, GateRow
+from msvalidate.simulators.gate.rows import LEFT_OUT, LENGTH, PASSED, STEP, GateRow
 from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
 from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
@@ -17,6 +17,8 @@ from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate_check.causes import Phrase, phrase
 from msvalidate_check.verdict import AGREES
 
+FIRST = (LENGTH, STEP, "units")
+"""Kinds of causes that the headline names."""
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
 
@@ -92,7 +94,8 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
     known = {failure.why for failure in asked.failures}
     causes = [c for c in found.causes if not (c.kind == FAILED and c.of["because"] in known)]
     failures = [phrase("note", what=each.what, why=each.why) for each in asked.failures]
-    word = _word(found, asked, parts)
+    word, first = _word(found, asked, parts), next((each.kind for each in found.causes), "")
+    word = phrase(f"first {first}", state=word) if first in FIRST else word
     return Sheet(
         word=text_of(word),
         agrees=word == phrase("state", state=AGREES, some=NOTHING),
@@ -244,9 +247,7 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
     if not parts[-1] and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
-    told = row.shape is not None and not f.is_explained and not row.may_settle
-    shape = f", {row.shape}" if told else ""
-    return (*head, *parts, f"{f.apart:.2%}{shape}")
+    return (*head, *parts, f"{f.apart:.2%}")
 
 
 def _factor(part: float) -> str:

@@ -5,7 +5,7 @@ Candidate  Static equilibrium of springs alone at Cauchy's ratio, and with the v
            ratios on both sides of Cauchy's.
 Reference  The uniform strain of the material asked for, on which the tractions do the work.
 Expected   Exact where no spring crosses a side. Where springs do, points there have lost
-           neighbours: order 1 by any route.
+           neighbours: order 1 by each route.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ Reference  Mixed finite elements (displacement of the second degree, pressure of
            displacement elements on the lattice's own cells, and conditions of volume at nu = 1/2,
            counted over the freedoms of the points.
 Expected   The order that the clamped side's end allows, or more while bending leaves more, up to 2,
-           for any nu. One volume a cell is one condition for every two (plane) or three (space)
+           for each nu. One volume a cell is one condition for every two (plane) or three (space)
            freedoms of the points, as many as the solid has: no locking. Two triangles a square, of
            a volume each, make as many conditions as freedoms: such cells lock, as linear elements
            do. So does Q1, which resists the change of volume at every point of its cell.

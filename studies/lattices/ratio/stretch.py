@@ -6,7 +6,7 @@ Candidate  Springs that carry λ = μ, and κ = λ - μ of the volume of every c
 Reference  The material that was asked for. Strains are slopes of the displacement, by least
            squares.
 Expected   Cells that share springs are all alike, and so are their volumes: a uniform strain leaves
-           no force on any point, at any size, and every ratio comes out to rounding.
+           no force on the points, at each size, and each ratio comes out to rounding.
 """
 
 from __future__ import annotations

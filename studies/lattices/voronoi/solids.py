@@ -6,12 +6,12 @@ Candidate  The tensor of the endless network, its points at rest.
 Reference  Identities of Voronoi cells and of central springs; small networks by least squares;
            six figures of single networks.
 Expected   A facet of area A across a spring of length L is the base of two pyramids, so Σ A L is d
-           times the volume. Springs of k = A/L pull with A times the strain when all lengths grow
+           times the volume. Springs of k = A/L pull with A times the strain when the lengths grow
            alike, and the facets of a closed cell have Σ A n = 0: no point moves, the bulk modulus
-           is 1/d for every seed, and E = 1 - nu in the plane and 1 - 2 nu in space. Points held to
-           the uniform strain have Cauchy's ratio, 1/3 or 1/4, by any rule. Relaxation takes a part
+           is 1/d for each seed, and E = 1 - nu in the plane and 1 - 2 nu in space. Points held to
+           the uniform strain have Cauchy's ratio, 1/3 or 1/4, by each rule. Relaxation takes a part
            b of the bulk modulus and a part g of the shear modulus, and the ratio rises above
-           Cauchy's where g > b: with A/L always, as b is none. Of an average over n points the
+           Cauchy's where g > b: with A/L too, as b is none. Of an average over n points the
            spread falls as n^(-1/2).
 """
 
@@ -210,12 +210,12 @@ def findings(solids: pd.DataFrame) -> tuple[str, ...]:
         f"{'; '.join(ratios).replace('in', 'In', 1)}."
     )
     relaxed = (
-        "With its points held a network has Cauchy's ratio by any rule. Relaxation takes of the "
+        "With its points held a network has Cauchy's ratio by each rule. Relaxation takes of the "
         f"bulk and of the shear modulus, for uniform points in the plane, {lost}. The ratio rises "
-        "where shear loses more. When all lengths grow alike, a spring of k = 1 pulls by its "
+        "where shear loses more. When the lengths grow alike, a spring of k = 1 pulls by its "
         "length, so a point is drawn to its far neighbours and much of the bulk modulus goes; one "
         "of A/L pulls by its facet, and the facets of a closed cell balance: the bulk modulus is "
-        "1/d for every seed, and all that is lost is shear."
+        "1/d for the seeds tried, and only shear is lost."
     )
     axes = (
         "Jittered points are not isotropic however many: they keep the axes of the grid that they "

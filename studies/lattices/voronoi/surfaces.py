@@ -139,7 +139,7 @@ def finding(geometry: pd.DataFrame, loaded: pd.DataFrame) -> str:
     (few, rough), *_, (many, rougher) = zip(sides.index, sides, strict=True)
     return (
         "The report is right that its surface is not smooth: points strewn inside a sheet end "
-        f"{deep} spacings from its side, rms, whatever their number: the surface is smoother by "
+        f"{deep} spacings from its side, rms, at the numbers tried: the surface is smoother by "
         "the root of the number of points only, and ten times smoother costs a hundred times the "
         "points. Points on the sides cure that. Under a uniform load such a side still departs "
         f"from a plane, by {rough:.1f} times strain and spacing at {few} spacings a side and "

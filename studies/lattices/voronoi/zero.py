@@ -7,7 +7,7 @@ Candidate  Linear equilibrium of strewn networks, stretched by their ends and me
            the report would; the candidate's solid; Algorithm 1 on the way to rest.
 Reference  C12 of a square grid in closed form.
 Expected   Springs along the axes alone have C12 = Σ k L² n_x² n_y²/V = 0, and a square grid has no
-           others: four cells meet in a point, so diagonal neighbours share no facet. Any jitter
+           others: four cells meet in a point, so diagonal neighbours share no facet. A jitter
            makes one diagonal a square. With k = A/L its facet, and the ratio, grow in proportion to
            the jitter; with k = 1 the ratio jumps.
 """
@@ -180,7 +180,7 @@ def findings(causes: pd.DataFrame, jitter: pd.DataFrame, stopped: int) -> tuple[
     verdict = (
         "Springs that do not push do the opposite: nothing holds the width, and the ratio is "
         f"{pulling['nu_means']:.1f} where they keep {KEPT:g} of their stiffness. "
-        "Likeliest for a ratio that is always 0 is a grid: the report looked at one and saw its "
+        "Likeliest for a ratio of 0 is a grid: the report looked at one and saw its "
         "diagonals vanish. Likeliest for random particles are few of them between clamped ends, "
         "where most points that show the width are held themselves, and an overdamped loop, which "
         "the report prefers, stopped by its velocity before the width has followed the ends."

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.case.identify import HABITS, identified_lines, identify_lattice
+from msvalidate.case.identify import identified_lines, identify_lattice
 from msvalidate.case.identify_files import identify_files
+from msvalidate.case.mistakes import mistake_lines
 from msvalidate.cli.program import main
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.stiffness import moduli
@@ -20,6 +19,8 @@ from tests.registries import AFFINE, LATTICES
 from tests.table import refused, table
 
 SPACING = 0.37 / 5
+OPENS = {"k = E": "k = E·h", "k2 = 2 k1": "k2 = 2 k1", "axes alone": "springs along the axes alone"}
+"""First words of the sentence of a known mistake."""
 
 
 def written(folder, points, springs, stiffness, **more):
@@ -134,23 +135,25 @@ def test_random_periodic_networks(dim, tmp_path):
 
 
 @table(
-    "words, name, k",
+    "kind, name, k",
     [
-        (HABITS[2][0], "square", (1.0, 1.0)),
-        (HABITS[2][1], "square", (1.0, 2.0)),
-        (HABITS[3][0], "cubic6", (1.0,)),
-        (HABITS[3][1], "cubic18", (1.0, 1.0)),
-        (HABITS[3][2], "cubic18", (1.0, 2.0)),
+        ("k = E", "square", (1.0, 1.0)),
+        ("k2 = 2 k1", "square", (0.75, 1.5)),
+        ("k = E", "cubic18", (1.0, 1.0)),
+        ("k2 = 2 k1", "cubic18", (0.4, 0.8)),
+        ("axes alone", "cubic18", (1.0, 0.0)),
     ],
 )
-def test_what_people_do(words, name, k):
-    solid = moduli(LATTICES[name]().tensor(k))  # E t or E h is 1 N/m
-    for said, number in (("nu = {}", "nu"), ("{} times E", "E"), ("Zener ratio {}", "zener")):
-        before, _, after = said.partition("{}")
-        if (found := re.search(f"{before}([0-9.]+){after}", words)) is not None:
-            assert found[1] == f"{getattr(solid, number):.4g}"
-    assert name in words
-    assert ("no shear" in words) == (solid.zener == 0)
+def test_known_mistakes_are_solids(kind, name, k):
+    """Of E t, or E h, of 1 N/m; right springs have 0.75 and 0.4 of that."""
+    solid = moduli(LATTICES[name]().tensor(k))
+    dim = LATTICES[name]().dim
+    law = Isotropic(1.0, 0.3, "solid" if dim == 3 else "plane_stress")
+    lines = [each for each in mistake_lines(law, name, 1.0) if each.startswith(OPENS[kind])]
+    assert len(lines) == 1
+    numbers = f"E {solid.E:.4g} times, nu = {solid.nu:.4g} along the axes, Zener ratio"
+    assert numbers in lines[0]
+    assert f"{solid.zener:.4g})" in lines[0]
 
 
 def test_how_stable_it_is():

@@ -72,15 +72,17 @@ def rigid(move):
     return move + 0.3 * np.abs(move).max() * (turn + 1)
 
 
+RIVALS = {"not converged", "k alike and whole boundary springs"}
+"""Known mistakes that change this short beam almost by a factor, which follow the factors."""
 FAULTS = [
     ("clean", lambda u: u, [], None),
     ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus", "thickness"], 1.01),
     ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus", "thickness"], 0.99),
     ("twice the load", lambda u: 2 * u, ["load", "modulus", "thickness"], 2.0),
-    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "thickness", "unit"], 1e3),
+    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "thickness", "unit", "unit of k"], 1e3),
     ("inches", lambda u: u / 0.0254, ["load", "modulus", "thickness", "unit"], 1 / 0.0254),
-    ("millimetres, 2 % too stiff", lambda u: 980 * u, ["load", "modulus", "thickness", "unit"],
-        1e3),
+    ("millimetres, 2 % too stiff", lambda u: 980 * u,
+        ["load", "modulus", "thickness", "unit", "unit of k"], 1e3),
     ("other sign", lambda u: -u, ["sign"], None),
     ("swapped axes", lambda u: u[:, ::-1], ["axes"], None),
     ("one component's sign", lambda u: u * [1, -1], ["sign"], None),
@@ -99,7 +101,9 @@ FAULTS = [
 def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, value):
     close = 1e-4 if "ratio" in fault else 2e-3
     found = judged(tmp_path, X, change(elastic()), accuracy=close)
-    assert sorted(names(found)) == causes, fault
+    own = [each for each in names(found) if each not in RIVALS]
+    assert sorted(own) == causes, fault
+    assert names(found)[: len(own)] == own
     if value is not None:
         assert found.verdict.causes[0].value == pytest.approx(value, rel=0.02)
     parts = budget(found).set_index("part")["value"]
@@ -142,7 +146,7 @@ def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
     assert names(found) == ["coarse mesh"]
     assert "linear elements on its triangle mesh" in found.verdict.causes[0].said
     other = judge_result(case, simulated(request, Answer(on_mesh(request, 0.1))))
-    assert names(other) == ["coarse mesh and ratio"]
+    assert names(other)[:1] == ["coarse mesh and ratio"]
     assert other.verdict.causes[0].value == pytest.approx(0.1, abs=1e-3)
 
 
@@ -161,7 +165,7 @@ def test_other_words_change_no_verdict_and_no_cause(tmp_path, monkeypatch, fault
 
 def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):
     found = judged(tmp_path, X, 1.1 * elastic(pulled=True), PULLED)
-    assert names(found) == ["scale"]
+    assert names(found)[:1] == ["scale"]
     assert "No modulus shows" in found.verdict.causes[0].said
 
 

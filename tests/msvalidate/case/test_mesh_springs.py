@@ -10,11 +10,22 @@ import pytest
 from msvalidate.case.building import build_case
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.comparison import compare_case
+from msvalidate.case.mesh_springs import mesh_warning, one_cell_deflection
 from msvalidate.case.page import sentences
-from msvalidate.case.part_mesh import straighten
+from msvalidate.case.part_mesh import count_one_cell_thick, straighten
 from msvalidate.case.reading import parse_source
 from msvalidate.case.springs import solve_springs
-from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction, Zone
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    Mesh,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+    Zone,
+)
 from msvalidate.problem.normals import pressure
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.export import nearest_case
@@ -132,3 +143,73 @@ def test_what_these_springs_have_not_is_refused(more, words):
         nearest_case(case)
     box = build_case(parse_source("b.toml", (EXAMPLES / "box.toml").read_text("utf-8"), EXAMPLES))
     assert nearest_case(replace(box, route="neo-Hookean")).route == "springs"  # squares have them
+
+
+def one_wall(thick: int, nu: float, unit: float, *, dim: int = 3, state: str = "solid") -> Problem:
+    """A cantilever of square or cubic cells, 0.2 units thick and twelve times as long."""
+    counts = (12 * thick, *[thick] * (dim - 1))
+    size = [0.2 * unit * count / thick for count in counts]
+    mesh = box_discretisation(Box(tuple(size)), counts, "H1" if dim == 3 else "Q1")
+    body = Mesh(mesh.points, mesh.cells, "hexahedron" if dim == 3 else "quad")
+    root, tip = (Region((x, *[None] * (dim - 1))) for x in body.span[0])
+    shear = Traction(tip, (*[0.0] * (dim - 1), -1.0))
+    return Problem(body, Isotropic(1e6, nu, state), (Support(root, (0.0,) * dim),), (shear,))
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3])
+@pytest.mark.parametrize("thick", [1, 2, 3])
+def test_cubes_one_thick_bend_too_far_and_the_run_warns_of_them_alone(thick, unit):
+    """Two cells or more are within 5 % (linear theory of a slender beam) and have no warning."""
+    nu = float(np.random.default_rng(thick).uniform(0.05, 0.45))
+    problem = one_wall(thick, nu, unit)
+    case = Case(problem, lattice="mesh edges", route="neo-Hookean")
+    springs = solve_springs(case, spacing_of(case))
+    tip = problem.domain.points[:, 0] > (1 - 1e-9) * problem.domain.span[0][1]
+    at = problem.domain.points[tip]
+    coarse = one_wall(1, nu, unit)  # of 27 nodes a cell, for which one is enough
+    wanted = solve_problem(coarse, mesh_discretisation(coarse.domain, "H2")).at(at)[:, 2].mean()
+    times = springs.at(at)[:, 2].mean() / wanted
+    # The two ends hold their cells' section over about a thickness, a twelfth of the length each.
+    expected = one_cell_deflection(problem.material) if thick == 1 else 1.0
+    assert times == pytest.approx(expected, rel=1 / 12)
+    cause, remedy = mesh_warning(springs.problem)
+    assert ("hourglass mode" in cause, "two cells" in remedy) == (thick == 1, thick == 1)
+    assert (f"up to {expected:.2f} times too soft" in cause) == (thick == 1)
+
+
+@pytest.mark.parametrize("state", ["plane_stress", "plane_strain"])
+def test_squares_one_thick_bend_too_far_as_well(state):
+    problem = one_wall(1, 0.4, SIZE, dim=2, state=state)
+    case = Case(problem, lattice="mesh edges", route="neo-Hookean")
+    springs = solve_springs(case, spacing_of(case))
+    tip = problem.domain.points[-1:]
+    wanted = solve_problem(problem, mesh_discretisation(problem.domain, "Q2")).at(tip)[0, 1]
+    expected = one_cell_deflection(problem.material)
+    assert springs.at(tip)[0, 1] / wanted == pytest.approx(expected, rel=1 / 12)
+
+
+def test_the_walls_of_a_part_with_a_hole_are_counted_by_cells():
+    """A tube: nine cells less the middle one have walls one thick; cut in half, none has."""
+    body = box_discretisation(Box((0.06, 0.06, 0.2)), (3, 3, 4), "H1")
+    middle = body.points[body.cells].mean(axis=1)
+    kept = body.cells[(np.abs(middle[:, :2] - 0.03) > 1e-3).any(axis=1)]
+    used, cells = np.unique(kept, return_inverse=True)
+    tube = Mesh(body.points[used], cells.reshape(kept.shape), "hexahedron")
+    assert count_one_cell_thick(tube) == 4 * 4  # corners of the section have but adjacent facets
+    end = Support(Region((None, None, 0.0)), (0.0,) * 3)
+    cut = straighten(Problem(tube, Isotropic(1.0, 0.3, "solid"), (end,)), 1).domain
+    assert count_one_cell_thick(cut) == 0
+    assert count_one_cell_thick(sector("T2")) == 0
+
+
+@pytest.mark.parametrize(
+    "springs",
+    [{"cells": 1}, {"lattice": "mesh edges", "route": "neo-Hookean"}],
+    ids=["beside the lattice", "on the mesh"],
+)
+def test_a_run_names_the_hourglass_mode_and_the_remedy(springs):
+    wall = one_wall(1, 0.3, 1.0, dim=2, state="plane_strain")
+    found = compare_case(Case(wall, quantities=("displacement",), **springs))
+    said = " ".join(sentences(found)[1])
+    assert "hourglass mode, up to 1.43 times too soft" in said
+    assert "two cells or more through each wall" in said

@@ -22,6 +22,7 @@ BEAM = (
 cells = 2
 [compare]
 quantities = ["displacement"]
+geometry = "linear"
 [reference]
 accuracy = 0.05
 """

@@ -141,8 +141,8 @@ CHECKS = [
     ("lame", ("--only", "probe", "--law", "linear"), 1, "its documents say 1e+07 Pa, 0.3\n"),
     ("deaf", (), 1, "stopped  twice the modulus"),
     ("rest", ("--only", "gate", "--only", "bodies"), 0, "of the pulled body  1e+07"),
-    ("fails", (), 3, "fails: no answer to 1 of 7 questions\n"),
-    ("hangs", ("--limit", "1"), 3, "question 7, rest: adapter: not done after"),
+    ("fails", (), 3, "fails: no answer to 1 of 8 questions\n"),
+    ("hangs", ("--limit", "1"), 3, "question 8, rest: adapter: not done after"),
 ]
 
 

@@ -7,7 +7,8 @@ import pytest
 
 from msvalidate.problem import Isotropic
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, SimulatorError
-from msvalidate.simulators.gate.gate import MOVING, PASSED, STOPPED, gate
+from msvalidate.simulators.gate.gate import gate
+from msvalidate.simulators.gate.rows import MOVING, PASSED, STOPPED
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate_check.causes import Phrase
 from reference_fem import mesh_discretisation

@@ -224,9 +224,9 @@ def settling(request, left, told):
 @pytest.mark.parametrize(
     ("left", "told", "state", "said"),
     [
-        (lambda n: 0.3 * 10 / n, 0.25, "not at rest", "run longer: 36 % of a displacement may"),
-        (lambda _: 0.04, 0.13, "not at rest", "run longer: 14 % of a displacement may still"),
-        (lambda _: 0.004, 0.02, "not at rest", "run longer: 2 % of a displacement may still"),
+        (lambda n: 0.3 * 10 / n, 0.25, "not at rest", "not converged: 36 % of a displacement may"),
+        (lambda _: 0.04, 0.13, "not at rest", "converged: 14 % of a displacement may still"),
+        (lambda _: 0.004, 0.02, "not at rest", "converged: 2 % of a displacement may still"),
         (lambda _: 0.004, 0.009, "agrees", ""),
         (lambda _: 0.5, 0.02, "not explained", "0.5 of the displacement not explained"),
     ],

@@ -32,10 +32,10 @@ SHEET = Isotropic(2e5, 1 / 3, thickness=THICK)
 DISC = Obstacle("disc", (0.4, SIZE), (0.0, -3.0), 0.3)
 
 
-def pressed(obstacle=DISC, cells=12, loads=(), **how):
+def pressed(obstacle=DISC, cells=12, loads=(), clamped="bottom", **how):
     """A clamped block under an obstacle: network, and what may touch."""
     contact = Contact(BOX.side("top"), obstacle, **(how or {"depth": 0.01}))
-    clamp = Support(BOX.side("bottom"), (0.0, 0.0))
+    clamp = Support(BOX.side(clamped), (0.0, 0.0))
     problem = Problem(BOX, SHEET, (clamp,), loads, contacts=(contact,))
     return contact_network(problem, square(BOX, (2 * cells, cells)))
 
@@ -72,6 +72,15 @@ def test_forces_are_those_of_least_squares_and_of_the_depth_that_they_take(shape
         again = press(*pressed(obstacle, loads=loads, force=one.total))
         assert again.contacts[0].depth == pytest.approx(0.01, rel=1e-9)
         np.testing.assert_allclose(again.contacts[0].force, one.force, atol=1e-8 * wanted.max())
+
+
+@pytest.mark.parametrize("place", [0.1, 0.37, 0.4, 0.5])
+@pytest.mark.parametrize("strain", [1e-12, 1e-9, 1e-5, 0.1])
+def test_the_total_is_the_force(strain, place):
+    force = strain * SHEET.E * SIZE * THICK
+    found = press(*pressed(replace(DISC, at=(place, SIZE)), force=force))
+    assert found.contacts[0].total == pytest.approx(force, rel=1e-9)
+    assert found.complementarity <= 1e-7
 
 
 def test_every_order_of_points_and_solver_give_the_same_forces(monkeypatch):
@@ -153,6 +162,9 @@ def test_contacts_that_cannot_be_are_refused():
     parabola = Obstacle("parabola", (0.4, SIZE), (0.0, -1.0), 0.3)
     with refused("take a disc or ball, or geometry 'linear'"):
         press(*pressed(parabola, depth=0.01), "nonlinear")
+    corner = replace(parabola, at=(0.001, SIZE))
+    with refused("which is held, and presses nothing; move it"):
+        press(*pressed(corner, clamped="left", force=1e-3))
     network, (one,) = pressed()
     with refused("two contacts claim point"):
         press(network, (one, one))

@@ -1,0 +1,433 @@
+"""Fields of the known mistakes on the body of a case, at the points of a result.
+
+The lattice or mesh behind a result is not known; only the points are. So each mistake is solved at
+a few spacings, those of the case and those that the points suggest, and a candidate may lie between
+two of them. Models beyond `MAX_UNKNOWNS` are left out, and reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
+
+import numpy as np
+from scipy.sparse import csc_array, eye_array
+from scipy.spatial import KDTree
+
+from msvalidate.case.case import Case, spacing_by_cells, spacing_of
+from msvalidate.case.mistakes import (
+    REST_RANGE,
+    SPRING_MISTAKES,
+    CorrectSprings,
+    SpringMistake,
+    named_factors,
+    solve_mistakes,
+    symmetric_factor,
+)
+from msvalidate.case.part_mesh import mean_edge, straighten
+from msvalidate.case.springs import SpringAnswer, make_network
+from msvalidate.constants.routes import default_constants
+from msvalidate.constants.stiffness import CAUCHY, central_modulus
+from msvalidate.lattice import EDGE_RULES, mesh_lattice
+from msvalidate.lattice.patterns import all_patterns
+from msvalidate.network import spring_network
+from msvalidate.problem import (
+    Array,
+    Box,
+    Isotropic,
+    Mask,
+    Mesh,
+    Polygon,
+    Problem,
+    ProblemError,
+    SolverError,
+    Weight,
+    prescribed_displacements,
+)
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.statics.equilibrium import equilibrium_at
+from msvalidate_check.beside import Mistake
+from reference_fem.body import nodal_forces, solve_problem
+from reference_fem.converged import Reference
+from reference_fem.elasticity import stiffness
+from reference_fem.first_mesh import grid_lines, kept_places
+from reference_fem.materials import materials_of
+from reference_fem.mesh.boxes import lines_discretisation
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.mesh.outlines import outline_discretisation
+
+Path = list[tuple[float, Array]]
+"""Pairs of a parameter and displacements (p, d) in m at the points of a result."""
+MAX_UNKNOWNS = {2: 8_000, 3: 3_000}
+"""Unknowns of a model by dimension, up to which all mistakes together take a few seconds."""
+FEW_UNKNOWNS = 20_000
+"""Unknowns of a mesh on which changes of the loads are solved: these are small themselves."""
+MAX_SPACINGS = {2: 3, 3: 2}
+"""Spacings at which springs are solved, by dimension."""
+CELLS_ACROSS = (16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1)
+"""Linear elements across the narrowest side that are tried, from fine to coarse."""
+SHARE_OF_GRID = 0.25
+"""Part of the crossings of a grid that points must be on for its lines to be theirs."""
+SAME_LINE = 1e-5
+"""Distance relative to a side up to which two coordinates are on one line: five digits in files."""
+WHOLE = 1e-3
+"""Relative difference from a whole number of cells, which rounded coordinates leave."""
+SLOWNESS = (16.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.0625)
+"""Pseudo-times of a relaxation, in units of the slowest motion's own."""
+STEPS = (1, 8)
+"""Steps of a relaxation: one damps as 1/(1 + rate·time), many as exp(-rate·time)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """Known mistakes of a case, solved when first needed.
+
+    Parameters
+    ----------
+    mistakes
+        For `Field.mistakes`.
+    omitted
+        Sentences on models that were left out, and why; complete once the mistakes are solved.
+    """
+
+    mistakes: tuple[Mistake, ...]
+    omitted: list[str]
+
+
+def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue:
+    """Return the known mistakes of a case, with their fields at places (p, d) in m.
+
+    Parameters
+    ----------
+    case, places
+        The case, and points in its body.
+    reference
+        Elasticity at these points.
+    """
+    omitted: list[str] = []
+    problem, elastic = case.problem, reference.displacement.value
+    if problem.contacts:
+        return Catalogue((), ["Known mistakes are not solved against an obstacle."])
+    if case.geometry == "nonlinear":
+        return Catalogue((), ["Known mistakes are solved to first order only."])
+    made = [*_element_mistakes(problem, places, elastic, omitted)]
+    made += [
+        Mistake("not converged", cache(partial(_relaxing, reference, steps, omitted)))
+        for steps in STEPS
+    ]
+    if any(isinstance(load, Weight) for load in problem.loads):
+        heavier = cache(partial(_heavier, reference))
+        made.append(Mistake("doubled mass", heavier))
+        if problem.domain.dim == 2:
+            path = cache(partial(_thinner, heavier, elastic))
+            made.append(Mistake("thickness", path, key="thickness beside weight"))
+    if isinstance(problem.material, Isotropic) and not problem.zones:
+        made += _spring_mistakes(case, places, elastic, omitted)
+    return Catalogue(tuple(made), omitted)
+
+
+# Linear elements ----------------------------------------------------------------------------------
+
+
+def _element_mistakes(
+    problem: Problem, places: Array, elastic: Array, omitted: list[str]
+) -> Iterator[Mistake]:
+    """Linear elements: each family of meshes from fine to coarse, and the mesh of the points."""
+    for meshes in _families(problem, places):
+        yield Mistake(
+            "coarse mesh", cache(partial(_element_path, problem, places, elastic, meshes, omitted))
+        )
+
+
+Meshes = Sequence[tuple[float, Callable[[], tuple[Problem, Discretisation]]]]
+"""Pairs of a mesh size (m) and a function that makes the mesh, with the problem that fits it."""
+
+
+def _families(problem: Problem, places: Array) -> Iterator[Meshes]:
+    domain = problem.domain
+    narrowest = min(high - low for low, high in domain.span)
+    sizes = [narrowest / cells for cells in CELLS_ACROSS]
+    if isinstance(domain, Box):
+        own = _lines_of(places, domain)
+        for element in ("Q1", "P1") if domain.dim == 2 else ("H1", "T1"):
+
+            def lay(lines: list[Array], element: str = element) -> tuple[Problem, Discretisation]:
+                return problem, lines_discretisation(lines, element)
+
+            yield [(h, partial(lay, grid_lines(problem, h, least=1))) for h in sizes]
+            if own is not None:
+                size = max(float(np.diff(line).max()) for line in own)
+                halved = [np.sort(np.r_[x, (x[1:] + x[:-1]) / 2]) for x in own]
+                yield [(size / 2, partial(lay, halved)), (size, partial(lay, own))]
+    elif isinstance(domain, Polygon):
+        through = kept_places(problem)
+        yield [
+            (h, lambda h=h: (problem, outline_discretisation(domain, h, through)))  # type: ignore[misc]
+            for h in sizes
+        ]
+    elif isinstance(domain, Mesh):
+        first = int(domain.kind.degree > 1)
+        yield [
+            (mean_edge(domain) / 2**cuts, partial(_on_file_mesh, problem, cuts))
+            for cuts in (first + 1, first)
+        ]
+
+
+def _on_file_mesh(problem: Problem, cuts: int) -> tuple[Problem, Discretisation]:
+    straight = straighten(problem, cuts)
+    return straight, mesh_discretisation(straight.domain)  # type: ignore[arg-type]
+
+
+def _element_path(
+    problem: Problem, places: Array, elastic: Array, meshes: Meshes, omitted: list[str]
+) -> Path:
+    """Elasticity, then linear elements from fine to coarse."""
+    path: Path = [(0.0, elastic)]
+    limit = MAX_UNKNOWNS[problem.domain.dim]
+    for size, make in meshes:
+        try:
+            own, body = make()
+            if body.points.size > limit:
+                continue
+            u = _solve_elements(own, body, places)
+        except (ProblemError, SolverError, RuntimeError):  # no such mesh, or no factor
+            continue
+        path.append((size, u))
+    if len(path) == 1:
+        omitted.append(
+            f"Linear elements are not tried: no mesh with fewer than {limit:,} unknowns."
+        )
+    return path
+
+
+def _solve_elements(problem: Problem, body: Discretisation, places: Array) -> Array:
+    """Displacement (p, d) in m at places, by a plain sparse factor."""
+    K, force, fixed, value = _equations(problem, body)
+    u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
+    u[free] = symmetric_factor(csc_array(K[free][:, free])).solve((force - K @ u)[free])
+    return np.asarray(body.interpolation(places) @ u.reshape(body.dim, -1).T)
+
+
+def _equations(problem: Problem, body: Discretisation) -> tuple[csc_array, Array, Mask, Array]:
+    """Stiffness, forces (N), fixed components and their displacements (m), component-major."""
+    fixed, value = prescribed_displacements(problem, body.points)
+    K = csc_array(stiffness(body, materials_of(problem, body)))
+    return K, nodal_forces(problem, body).T.ravel(), fixed.T.ravel(), value.T.ravel()
+
+
+def _lines_of(places: Array, box: Box) -> list[Array] | None:
+    """Coordinates (m) along each axis of the grid that points are on; None if they are on none."""
+    lines = []
+    for x, (low, high) in zip(places.T, box.span, strict=True):
+        stops = np.unique(np.r_[low, x, high])
+        apart = np.r_[True, np.diff(stops) > SAME_LINE * (high - low)]
+        stops = stops[apart]
+        stops[-1] = high
+        lines.append(stops)
+    crossings = float(np.prod([len(line) for line in lines]))
+    return lines if len(places) >= SHARE_OF_GRID * crossings else None
+
+
+def _relaxing(reference: Reference, steps: int, omitted: list[str]) -> Path:
+    """Elasticity, then the states of a relaxation that was stopped ever earlier.
+
+    Steps of Euler's backward method from no displacement, with equal masses: as after any
+    relaxation, most of what is missing is in the slowest motions.
+    """
+    solution, elastic = reference.solutions[0], reference.displacement.value
+    body = solution.body
+    if body.points.size > 2 * MAX_UNKNOWNS[body.dim]:
+        sentence = f"Unfinished relaxations are not tried: {body.points.size:,} unknowns."
+        omitted += [sentence] * (sentence not in omitted)
+        return []
+    K, force, fixed, value = _equations(reference.problem, body)
+    u, free = np.where(fixed, value, 0.0), np.logical_not(fixed)
+    inner = csc_array(K[free][:, free])
+    moving = symmetric_factor(inner).solve((force - K @ u)[free])
+    slowest = float(moving @ (inner @ moving) / (moving @ moving))
+    at = body.interpolation(reference.points)
+    path: Path = [(0.0, elastic)]
+    for time in SLOWNESS:
+        rate = steps * slowest / time
+        factor = symmetric_factor(csc_array(inner + rate * eye_array(len(moving))))
+        lag = np.zeros(len(u))
+        lag[free] = moving
+        for _ in range(steps):
+            lag[free] = factor.solve(rate * lag[free])
+        missing = at @ lag.reshape(body.dim, -1).T
+        path.append((float(np.linalg.norm(missing) / np.linalg.norm(elastic)), elastic - missing))
+    return path
+
+
+def _heavier(reference: Reference) -> Path:
+    """Elasticity under twice the weight."""
+    problem = reference.problem
+    few = [each for each in reference.solutions if each.body.points.size <= FEW_UNKNOWNS]
+    solution = few[-1] if few else reference.solutions[0]
+    weights = tuple(load for load in problem.loads if isinstance(load, Weight))
+    heavy = replace(problem, loads=(*problem.loads, *weights))
+    more = solve_problem(heavy, solution.body, mixed=solution.pressure is not None)
+    lag = more.at(reference.points) - solution.at(reference.points)
+    return [(2.0, reference.displacement.value + lag)]
+
+
+def _thinner(heavier: Callable[[], Path], elastic: Array) -> Path:
+    """Other forces than the weight, a fifth and five times as large."""
+    ((_, doubled),) = heavier()
+    weight = doubled - elastic
+    return [(part, weight + part * (elastic - weight)) for part in (0.2, 5.0)]
+
+
+# Springs ------------------------------------------------------------------------------------------
+
+
+def _spring_mistakes(
+    case: Case, places: Array, elastic: Array, omitted: list[str]
+) -> Iterator[Mistake]:
+    law, pattern = case.problem.material, all_patterns().get(str(case.lattice))
+    assert isinstance(law, Isotropic)  # noqa: S101  the caller has looked
+    plain = replace(case, constants=None, volume=0.0, fracture=None)
+    heavy = any(isinstance(load, Weight) for load in case.problem.loads)
+    kinds = 0 if pattern is None else pattern().kinds
+    records = tuple(each for each in SPRING_MISTAKES if each.applies(kinds, heavy=heavy))
+    solved = cache(partial(_solve_springs, plain, places, records, omitted))
+    yield from _of_records(records, law, solved, elastic)
+
+
+def _of_records(
+    records: Sequence[SpringMistake], law: Isotropic, solved: Callable[[], Solved], elastic: Array
+) -> Iterator[Mistake]:
+    for number, record in enumerate(records):
+        if record.rest:
+            for which in range(MAX_SPACINGS[law.dim]):
+                path = partial(_rest_path, solved, number, which)
+                yield Mistake(record.kind, cache(path), simpler=record.simpler)
+            continue
+        yield Mistake(
+            record.kind,
+            cache(partial(_spring_path, solved, number, record, elastic)),
+            scaled=record.scaled,
+            named=named_factors(record, law),
+            beside=record.beside,
+            simpler=record.simpler,
+        )
+
+
+def mistakes_on_mesh(
+    mesh: Mesh,
+    law: Isotropic,
+    elastic: Array,
+    *,
+    mass: Array,
+    gravity: Array,
+    force: Array,
+    fixed: Mask,
+    value: Array,
+) -> tuple[Mistake, ...]:
+    """Return the known mistakes with a spring on each edge of a mesh, at its nodes.
+
+    Parameters
+    ----------
+    mesh, law
+        The mesh of linear cells, and the material; the right springs have Cauchy's ratio.
+    elastic
+        Elasticity (n, d) in m at the nodes.
+    mass, gravity, force
+        Masses (n,) in kg, acceleration (d,) in m/s², other forces (n, d) in N.
+    fixed, value
+        Components (n, d) that supports hold, and their displacements (m).
+    """
+    records = tuple(e for e in SPRING_MISTAKES if e.applies(0, heavy=bool(gravity.any())))
+
+    def solved() -> Solved:
+        lattice = mesh_lattice(mesh, EDGE_RULES[0], positive=True)
+        own = replace(law, nu=CAUCHY[law.dim])
+        constants = (central_modulus(own, law.dim, "springs on a mesh's edges"),)
+        network = spring_network(
+            mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, held=fixed,
+            displacement=np.where(fixed, value, 0.0), force=force + np.outer(mass, gravity),
+        )  # fmt: skip
+        spacing = mean_edge(mesh)
+        springs = CorrectSprings(law, gravity, lattice, network, constants, spacing)
+        return [(spacing, [u for _, u in solve_mistakes(springs, records)])]
+
+    return tuple(_of_records(records, law, cache(solved), elastic))
+
+
+Solved = list[tuple[float, list[Array | None]]]
+"""Spacing (m), and displacement (p, d) in m of each mistake there, from fine to coarse."""
+
+
+def _spring_path(
+    solved: Callable[[], Solved], number: int, record: SpringMistake, elastic: Array
+) -> Path:
+    """One mistake at each spacing; right springs close in on elasticity."""
+    path = [(h, u) for h, each in solved() if (u := each[number]) is not None]
+    right = record == SPRING_MISTAKES[0]
+    return [(0.0, elastic), *path] if right and path else path
+
+
+def _rest_path(solved: Callable[[], Solved], number: int, which: int) -> Path:
+    """Right springs at one spacing with other rest lengths, relative to those of the springs."""
+    path: Path = []
+    for _, fields in solved()[which : which + 1]:
+        right, change = fields[0], fields[number]
+        if right is not None and change is not None:
+            path = [(1 + part, right + part * change) for part in (-REST_RANGE, REST_RANGE)]
+    return path
+
+
+def _solve_springs(
+    case: Case, places: Array, records: Sequence[SpringMistake], omitted: list[str]
+) -> Solved:
+    solved: Solved = []
+    law, dim = case.problem.material, case.problem.domain.dim
+    assert isinstance(law, Isotropic)  # noqa: S101  the caller has looked
+    weights = [load.acceleration for load in case.problem.loads if isinstance(load, Weight)]
+    gravity = np.array([np.zeros(dim), *weights], dtype=float).sum(axis=0)
+    for spacing in _spacings(case, places, omitted):
+        try:
+            problem, lattice, network, made = make_network(case, spacing)
+            constants = default_constants(law, lattice) if made is None else made.constants
+            springs = CorrectSprings(law, gravity, lattice, network, constants, spacing)
+            answer = partial(SpringAnswer, problem, spacing, lattice)
+            fields: list[Array | None] = []
+            for own, u in solve_mistakes(springs, records):
+                rest = None if u is None else equilibrium_at(own, u, 1, linear=True)
+                fields.append(None if rest is None else answer(own, rest, made, 0.0).at(places))
+            solved.append((spacing, fields))
+        except (ProblemError, SolverError) as error:
+            omitted.append(f"Mistakes with springs at {spacing:.3g} m are not tried: {error}.")
+    return solved
+
+
+def _spacings(case: Case, places: Array, omitted: list[str]) -> list[float]:
+    """Spacings (m) from fine to coarse: of the points, of the case, and half and twice these."""
+    dim, domain = case.problem.domain.dim, case.problem.domain
+    own, limit = spacing_of(case), MAX_UNKNOWNS[domain.dim]
+    suggested = _spacing_of_points(case, places)
+    tried = [own, 2 * own, 4 * own, 8 * own]
+    tried = tried if suggested is None else [suggested, suggested / 2, *tried]
+    spacings: list[float] = []
+    for spacing in tried:
+        if dim * domain.volume / spacing**dim > limit:
+            omitted.append(
+                f"Springs at {spacing:.3g} m are not tried: more than {limit:,} unknowns."
+            )
+        elif all(abs(spacing / other - 1) > SAME_LINE for other in spacings):
+            spacings.append(spacing)
+    return sorted(spacings[: MAX_SPACINGS[dim]])
+
+
+def _spacing_of_points(case: Case, places: Array) -> float | None:
+    """Spacing (m) of the case's lattice that has points at the least distance of these."""
+    pattern = all_patterns().get(str(case.lattice))
+    if pattern is None or len(places) < 2:
+        return None
+    nearest = float(KDTree(places).query(places, k=2)[0][:, 1].min())
+    made = pattern()
+    spacing = nearest / float(np.linalg.norm(made.vectors, axis=1).min())
+    cells = spacing_by_cells(replace(case, cells=1, spacing=None)) / spacing
+    whole = max(1, round(cells))
+    return spacing * cells / whole if abs(cells / whole - 1) < WHOLE else spacing

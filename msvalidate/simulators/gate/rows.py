@@ -1,0 +1,142 @@
+"""Rows of the gate: tests, their results, and which remedies and units they leave open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+from msvalidate.problem.records import dataclass
+from msvalidate.simulators.exchange.protocol import Answer
+from msvalidate.simulators.probe.reading import BAND
+from msvalidate_check.causes import Phrase, phrase
+
+Word = Literal["passed", "stopped", "cannot", "told", "not at rest", "not asked"]
+PASSED: Word = "passed"
+STOPPED: Word = "stopped"
+TOLD: Word = "told"
+MOVING: Word = "not at rest"
+LEFT_OUT: Word = "not asked"
+FREE_FALL, AGAIN, MODULUS = "free fall", "the same again", "twice the modulus"
+CONVERGENCE = HALF_STEP, ITERATIONS, MORE_STEPS = (
+    "dt / 2",
+    "twice the iterations",
+    "twice the steps",
+)
+"""Rows that test convergence."""
+LENGTH, STEP = "rest", "time step"
+"""Causes of a displacement that is not converged: too short a run, too long a time step."""
+TIMES, SCALE = "times the expected size", 10**1.5
+"""Unit of rows on units, and the factor from which a size is nearer to 1000 times the expected one:
+documented laws stay within 2, and springs of stiffness E h on each edge within 5."""
+UNSTATED = 1e-3
+"""Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
+that readings of a modulus are held to."""
+DIVERGED = 0.01
+"""Error of the mean velocity relative to the largest, below which forces between nodes diverge."""
+
+
+@dataclass(frozen=True)
+class GateRow:
+    """One thing that was tried.
+
+    Parameters
+    ----------
+    name
+        What.
+    value, unit, limit
+        Found, and the most that passes; NaN where there is none.
+    because
+        Why the limit is as wide as it is, a phrase, or what kept it from being tried, in words.
+    verdict
+        "passed", "stopped", "cannot" (it could not be asked), "told" (no limit), "not asked" (after
+        a question that took too long), or "not at rest": within the limit, by what it says may
+        still change alone.
+    """
+
+    name: str
+    value: float
+    unit: str
+    limit: float
+    because: str | Phrase
+    verdict: Word
+
+
+@dataclass(frozen=True)
+class Gate:
+    """All that was tried of a simulator; one that does not pass has no error to show.
+
+    Parameters
+    ----------
+    rows
+        In order.
+    remedies
+        `LENGTH`, `STEP`, or both as rivals: causes of a displacement that is not converged.
+    """
+
+    rows: tuple[GateRow, ...]
+    remedies: tuple[str, ...] = (LENGTH, STEP)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing stopped it, and something was tried."""
+        verdicts = {row.verdict for row in self.rows}
+        return STOPPED not in verdicts and PASSED in verdicts
+
+    @property
+    def moving(self) -> float:
+        """Part of the displacement that running longer changes; 0 where it is at rest."""
+        return max((row.value for row in self.rows if row.verdict == MOVING), default=0.0)
+
+    @property
+    def stops(self) -> tuple[GateRow, ...]:
+        """Rows that stopped it."""
+        return tuple(row for row in self.rows if row.verdict == STOPPED)
+
+    @property
+    def units(self) -> tuple[GateRow, ...]:
+        """Rows on sizes that wrong units explain."""
+        return tuple(row for row in self.rows if row.unit == TIMES)
+
+    @property
+    def unconverged(self) -> GateRow | None:
+        """Test of convergence with the largest change; None if the same question changes too.
+
+        Without such a test it is a modulus that counts in part: unsolved steps hide it.
+        """
+        rows = [row for row in self.rows if row.name in CONVERGENCE and _fails(row)]
+        if not rows and STEP in self.remedies:
+            rows = [row for row in self.stops if row.name == MODULUS and row.value < 1 - BAND]
+        if any(row.name == AGAIN for row in self.stops):
+            return None
+        return max(rows, key=lambda row: row.value, default=None)
+
+
+def _fails(row: GateRow, least: float = math.inf) -> bool:
+    """Return true if a test changes the displacement by too much, or by `least`."""
+    return row.value > least or (row.verdict in {STOPPED, MOVING} and row.value >= 0)
+
+
+def remedies_of(rows: Mapping[str, GateRow], first: Answer) -> tuple[str, ...]:
+    """Return the causes that the tests of convergence leave open.
+
+    A shorter step may also mean a shorter run. It is the step alone if twice as many steps change
+    nothing, if more iterations in each do, or if a run of twice the length is stated to do less.
+    """
+    half, more = rows[HALF_STEP], rows[MORE_STEPS]
+    if _fails(more, UNSTATED):
+        return (LENGTH,)
+    if not _fails(half, UNSTATED):
+        hidden = half.verdict == "cannot" and first.about.get("forces_at") == "end"
+        return (LENGTH, STEP) if hidden else (LENGTH,)
+    states = "change_when_twice_as_long" in first.about.get("at_rest", {})
+    alone = more.verdict == PASSED or _fails(rows[ITERATIONS], UNSTATED)
+    return (STEP,) if alone or (states and half.verdict == STOPPED) else (LENGTH, STEP)
+
+
+def size_rows(name: str, times: float) -> list[GateRow]:
+    """Return a row on a size that is off by `SCALE`, or none."""
+    if not times or 1 / SCALE < abs(times) < SCALE:
+        return []
+    of = phrase(f"units of {name}", part=1 / times)
+    return [GateRow(": size", times, TIMES, math.nan, of, TOLD)]
