@@ -24,7 +24,7 @@ SHORTER = {
     "false as said, true if": "false as worded, true if read otherwise",
 }
 """Verdicts of the ledger as they are counted here."""
-TOPIC = ("topic", "says", "found", "studies")
+TOPIC = ("topic", "says", "topic_verdict", "found", "studies")
 ROUNDING = 1e-9
 """A number of the ledger below this is shown as 0."""
 MEASURED = ("number", "unit", "side", "bound", "measure")
@@ -80,12 +80,18 @@ class Line:
 
 @dataclass(frozen=True)
 class Topic:
-    """What the source report says of a topic, what was found, and by which studies."""
+    """Topic of the source report: its claim, the verdict, the result, and the studies."""
 
     topic: str
     says: str
+    verdict: str
     found: str
     studies: str
+
+    @property
+    def sentence(self) -> str:
+        """First sentence on the topic."""
+        return self.found.partition(". ")[0].removesuffix(".") + "."
 
 
 @dataclass(frozen=True)

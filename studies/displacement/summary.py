@@ -8,6 +8,9 @@ Reference  scikit-fem elements of the target: axial modulus of the springs, nu =
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pandas as pd
 
 from msvalidate import kit
@@ -17,7 +20,7 @@ from .models import MODELS
 
 CELLS = 20
 """Cells on a side of 1 m: the finest square lattice of both modes."""
-SPRINGS = {
+SPRINGS: dict[str, dict[str, Any]] = {
     "k2 = 2 k1": {"k2": MODELS[1].k[1], "weights": "equal"},
     "k2 = k1/2": {"k2": MODELS[0].k[1], "weights": "shared"},
 }
@@ -31,7 +34,8 @@ def summarise(cases: pd.DataFrame) -> dict[str, pd.DataFrame]:
     chosen = cases[(cases["lattice"] == "square") & (cases["cells_y"] == CELLS)]
     rows = []
     for words, model in SPRINGS.items():
-        own = chosen[(chosen["k2"] == model["k2"]) & (chosen["weights"] == model["weights"])]
+        is_model = np.isclose(chosen["k2"].to_numpy(dtype=float), model["k2"])
+        own = chosen[is_model & (chosen["weights"] == model["weights"])]
         for case in CASES:
             part = own[own["case"] == case]
             farthest = part.iloc[int(part["total"].abs().argmax())]
