@@ -25,6 +25,7 @@ from msvalidate.judging.compare import (
 )
 from msvalidate.judging.evidence import Evidence, Tables, gather_evidence, merge
 from msvalidate.judging.rules import Difference, Quotient, Rule
+from msvalidate.judging.summary import summary_row, summary_tables
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.output import body_drawing, drawing, figures

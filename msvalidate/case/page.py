@@ -24,7 +24,7 @@ from msvalidate.case.mistakes import name_constants
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
 from msvalidate.case.validity import geometric_limitations
 from msvalidate.constants.routes import calibrate_by_route
-from msvalidate.judging.columns import read_columns
+from msvalidate.judging.columns import column_key, read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
@@ -87,8 +87,10 @@ def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
     """First rows of each table, as a CSV has them."""
     means, shown = read_columns(__file__), []
     for name, table in tables.items():
-        said = {each: str(means.get(f"{name}.{each}", means[each])) for each in map(str, table)}
-        shown.append(table_excerpt(name, table.map(_text), said))
+        keys = {column_key(name, str(each), means) for each in table}
+        said = {key: str(means[key]) for key in keys}
+        labels = {key: means[key].label for key in keys if means[key].label}
+        shown.append(table_excerpt(name, table.map(_text), said, labels))
     return tuple(shown)
 
 

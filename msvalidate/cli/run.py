@@ -21,7 +21,8 @@ from msvalidate.cli.outcome import Outcome, Task
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import is_missed
-from msvalidate.output import baseline, junit, report
+from msvalidate.judging.summary import NAME as SUMMARY
+from msvalidate.output import baseline, junit, report, summary
 from msvalidate.output.results import Results
 from msvalidate.output.stored import Result, Stored
 from msvalidate.problem import ProblemError
@@ -198,13 +199,16 @@ def _update(results: Sequence[Result], args: argparse.Namespace, failed: Sequenc
 
 
 def summary_lines(result: Result) -> list[str]:
-    """What a study asks, and the first sentences of what it finds, in at most ten lines."""
+    """Question, summary table and first findings of a study, the latter in at most nine lines."""
     lines = [f"{result.name}: {result.question.partition(chr(10))[0]}"]
-    findings = result.evidence.findings
+    if SUMMARY in result.evidence.tables:
+        table = result.evidence.tables[SUMMARY]
+        lines += ["", *summary.summary_lines(table, result.evidence), ""]
+    findings, begun = result.evidence.findings, len(lines)
     wrap = textwrap.TextWrapper(WIDTH, "  - ", "    ", break_on_hyphens=False).wrap
     for place, finding in enumerate(findings):
         wrapped = wrap(FIRST_SENTENCE.split(finding, maxsplit=1)[0])
-        if place and len(lines) + len(wrapped) > FINDINGS + 1:
+        if place and len(lines) - begun + len(wrapped) > FINDINGS:
             left = len(findings) - place
             return [*lines, f"  … {left} more finding{'s' * (left > 1)} in the report"]
         lines += wrapped[:FINDINGS]
@@ -215,12 +219,14 @@ def table_lines(result: Result, names: Sequence[str]) -> list[str]:
     """The tables of these names, whole and aligned; all of them for none."""
     tables: dict[str, Any] = {**result.evidence.tables}
     tables["verdict"] = result.verdict.drop(columns="because")
-    return [
-        f"\n{result.name}/{name}\n"
-        f"{tables[name].to_string(index=False, float_format='{:.6g}'.format)}"
+    texts = {
+        name: "\n".join(summary.summary_lines(tables[name], result.evidence))
+        if name == SUMMARY
+        else tables[name].to_string(index=False, float_format="{:.6g}".format)
         for name in names or tables
         if name in tables
-    ]
+    }
+    return [f"\n{result.name}/{name}\n{text}" for name, text in texts.items()]
 
 
 def failure_lines(study: Stored | Outcome, where: str) -> list[str]:

@@ -25,14 +25,23 @@ class Column:
     rounding
         Size, in its unit, below which its values are rounding, or how far a run stops from its
         limit: what another machine may give instead.
+    label
+        Head of the column for a reader; "" for the column's own name.
     """
 
     means: str
     words: tuple[str, ...] = ()
     rounding: float = 0.0
+    label: str = ""
 
     def __str__(self) -> str:
         return self.means + "".join(f', or "{word}"' for word in self.words)
+
+
+def column_key(table: str, column: str, known: Mapping[str, object]) -> str:
+    """Key of a column in a file of columns: "table.column" if that is there, else "column"."""
+    key = f"{table}.{column}"
+    return key if key in known else column
 
 
 def common_columns() -> Mapping[str, Column]:
@@ -65,5 +74,7 @@ def _read(path: Path) -> Mapping[str, Column]:
         try:
             found[name] = Column(**given | {"words": tuple(given.get("words", ()))})
         except TypeError as error:
-            raise ValueError(f"{path}: {name}: {error}; give means, words, rounding") from error
+            raise ValueError(
+                f"{path}: {name}: {error}; give means, words, rounding, label"
+            ) from error
     return found

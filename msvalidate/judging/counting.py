@@ -39,28 +39,30 @@ def count_steps(
     network: Network,
     frequencies: tuple[float, float],
     error: Callable[[Array], float],
+    thresholds: tuple[float, ...] = THRESHOLDS,
 ) -> dict[float, tuple[int, int]]:
     """Steps and evaluations of force until the error is first below each threshold that was met.
 
     `frequencies` are the lowest and the highest (rad/s), `error` is that of displacements (n, d).
+    `thresholds` are errors that `error` is compared with.
     """
     root_kappa = frequencies[1] / frequencies[0]
     reached: dict[float, tuple[int, int]] = {}
 
     def watch(run: Run) -> bool:
         now = error(run.displacement)
-        for threshold in THRESHOLDS:
+        for threshold in thresholds:
             if now <= threshold:
                 reached.setdefault(threshold, (run.steps, run.evaluations))
-        return len(reached) == len(THRESHOLDS)
+        return len(reached) == len(thresholds)
 
-    stride = max(1, predict_steps(root_kappa, max(THRESHOLDS)) // LOOKS)
+    stride = max(1, predict_steps(root_kappa, max(thresholds)) // LOOKS)
     with suppress(SolverError):  # what was not reached is told as such
         relax(
             network,
             method,
             tolerance=AT_REST,
-            max_steps=BUDGET * predict_steps(root_kappa, min(THRESHOLDS)),
+            max_steps=BUDGET * predict_steps(root_kappa, min(thresholds)),
             watch=watch,
             look_every=1 if method.look_every == 1 else stride,
             frequencies=frequencies,

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.columns import Column, common_columns
+from msvalidate.judging.columns import Column, column_key, common_columns
 from msvalidate.judging.compare import Observed, Tolerance
 from msvalidate.judging.rules import Rule
 from msvalidate.problem import ProblemError, SolverError
@@ -44,9 +44,14 @@ class Evidence:
         and is a plain tolerance from then on; another may carry it.
     columns
         Column -> what it means and its unit, as text or `Column`, for every column of every table
-        but those of `common_columns`. Kept are those that the tables have, as text.
+        but those of `common_columns`; "table.column" holds for one table alone. Kept are
+        those that the tables have, as text.
     rounding
         Column -> as `Column.rounding`, which enters it.
+    labels
+        Column -> as `Column.label`, which enters it.
+    cover
+        Name of the figure that the page shows first, a picture of a body; "" for the first figure.
     findings
         Sentences that say what was found; numbers in them come from the tables.
 
@@ -63,11 +68,17 @@ class Evidence:
     columns: Mapping[str, str | Column] = field(default_factory=dict)
     findings: tuple[str, ...] = ()
     rounding: Mapping[str, float] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
     drawn: Tables = field(default_factory=dict)
+    cover: str = ""
 
     def __post_init__(self) -> None:
-        used = {str(column) for table in self.tables.values() for column in table}
         known = {**common_columns(), **self.columns}
+        used = {
+            column_key(name, str(column), known)
+            for name, table in self.tables.items()
+            for column in table
+        }
         meanings = {column: str(known[column]) for column in known if column in used}
         rounding = {
             name: entry.rounding
@@ -83,11 +94,13 @@ class Evidence:
                     raise SolverError(
                         f"table {name}: {column} is {table[column].iloc[bad[0]]} in row {bad[0]}"
                     )
-            unexplained = [column for column in table if column not in meanings]
+            keys = {str(column): column_key(name, str(column), known) for column in table}
+            unexplained = [column for column, key in keys.items() if key not in meanings]
             if unexplained:
                 raise ValueError(f"table {name}: columns without a meaning: {unexplained}")
             for column in table:
-                undeclared = _words_among_numbers(table[column]) - _words(meanings[str(column)])
+                meaning = meanings[keys[str(column)]]
+                undeclared = _words_among_numbers(table[column]) - _words(meaning)
                 if undeclared:
                     raise ValueError(
                         f"table {name}: {column} holds {sorted(undeclared)} among numbers, which "
@@ -100,6 +113,12 @@ class Evidence:
         quantities = [tolerance.quantity for tolerance in tolerances]
         seen = {t.quantity: t.observed for t in tolerances if t.observed is not None}
         observed = {**self.observed, **seen}
+        labels = {
+            name: entry.label
+            for name, entry in known.items()
+            if name in used and isinstance(entry, Column) and entry.label
+        } | dict(self.labels)
+        object.__setattr__(self, "labels", labels)
         own = (("columns", meanings), ("rounding", rounding), ("tolerances", tolerances))
         for name, value in (*own, ("observed", observed)):
             object.__setattr__(self, name, value)
@@ -124,7 +143,9 @@ def merge(*parts: Evidence) -> Evidence:
     observed: dict[str, Observed] = {}
     columns: dict[str, str] = {}
     rounding: dict[str, float] = {}
+    labels: dict[str, str] = {}
     for part in parts:
+        labels |= part.labels
         rounding |= {c: max(size, rounding.get(c, 0.0)) for c, size in part.rounding.items()}
         _join(tables, part.tables)
         _join(drawn, part.drawn)
@@ -141,7 +162,9 @@ def merge(*parts: Evidence) -> Evidence:
         columns=columns,
         findings=tuple(f for part in parts for f in part.findings),
         rounding=rounding,
+        labels=labels,
         drawn=drawn,
+        cover=next((part.cover for part in parts if part.cover), ""),
     )
 
 
@@ -181,12 +204,13 @@ def judge(evidence: Evidence) -> pd.DataFrame:
         If it is no evidence.
     """
     require_type("evidence", evidence, Evidence)
-    return pd.DataFrame(
-        [
-            judge_one(tolerance, evidence.observed[tolerance.quantity])
-            for tolerance in evidence.tolerances
-        ]
-    )
+    rows = [judge_one(each, evidence.observed[each.quantity]) for each in evidence.tolerances]
+    return pd.DataFrame(rows) if rows else nothing_judged()
+
+
+def nothing_judged() -> pd.DataFrame:
+    """Verdict without rows."""
+    return pd.DataFrame([judge_one(Tolerance("", 0.0, "1", "none"), Observed(0.0))]).iloc[:0]
 
 
 def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:

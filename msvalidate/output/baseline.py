@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from msvalidate.judging.columns import column_key
 from msvalidate.judging.evidence import UNGATED, Evidence, Observed, Tolerance, judge_one
 from msvalidate.output.stored import csv_bytes
 from msvalidate.problem import ProblemError
@@ -125,7 +126,10 @@ def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
         elif name not in evidence.tables:
             lines = ["the table is missing"]
         else:
-            lines = _moved(evidence.tables[name], kept[name].read_bytes(), evidence.rounding)
+            table = evidence.tables[name]
+            keys = {str(each): column_key(name, str(each), evidence.rounding) for each in table}
+            rounding = {each: evidence.rounding.get(key, 0.0) for each, key in keys.items()}
+            lines = _moved(table, kept[name].read_bytes(), rounding)
         rows += [_row(name, line) for line in lines or [""]]
     return rows
 

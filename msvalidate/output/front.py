@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
 
+from msvalidate.judging.summary import TOLERANCE
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.results import FULL
 from msvalidate.output.stored import Stored, read_csv
+from msvalidate_check.text import percent as text_of_part
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
 
 OVERVIEW, ROWS = "overview", "good_for"
-FIGURE = "overview/part.svg"
+FIGURE = "displacement/emblem.svg"
 LEDGER, SENTENCES = "claims", "ledger"
 COMMITTED = "the committed baseline of full mode"
 SHORTER = {
@@ -21,7 +24,7 @@ SHORTER = {
     "false as said, true if": "false as worded, true if read otherwise",
 }
 """Verdicts of the ledger as they are counted here."""
-TOPIC = ("topic", "says", "found", "studies")
+TOPIC = ("topic", "says", "topic_verdict", "found", "studies")
 ROUNDING = 1e-9
 """A number of the ledger below this is shown as 0."""
 MEASURED = ("number", "unit", "side", "bound", "measure")
@@ -39,13 +42,15 @@ COLUMNS = {
     ),
     "cells_over_linear",
 }
+AXIS, TICKS = (1e-4, 1.0), ("0.0001", "0.001", "0.01", "0.1", "1")
+"""Ends of the chart's logarithmic axis of relative errors, and its ticks."""
 TIMES = "time_over_linear_here"
 """A column that the committed baseline does not have."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A row of the first screen, as words."""
+    """Row of the first screen, as words; places of its errors on the chart's axis (%)."""
 
     body: str
     springs: str
@@ -59,6 +64,8 @@ class Line:
     time: str
     study: str
     table: str
+    coarse_at: float = math.nan
+    fine_at: float = math.nan
 
     @property
     def cost(self) -> str:
@@ -73,12 +80,18 @@ class Line:
 
 @dataclass(frozen=True)
 class Topic:
-    """What the source report says of a topic, what was found, and by which studies."""
+    """Topic of the source report: its claim, the verdict, the result, and the studies."""
 
     topic: str
     says: str
+    verdict: str
     found: str
     studies: str
+
+    @property
+    def sentence(self) -> str:
+        """First sentence on the topic."""
+        return self.found.partition(". ")[0].removesuffix(".") + "."
 
 
 @dataclass(frozen=True)
@@ -102,6 +115,9 @@ class Front:
     topics: tuple[Topic, ...]
     sentences: str
     judged_from: str
+    verdict: str = ""
+    ticks: tuple[tuple[str, float], ...] = ()
+    band: float = 0.0
 
 
 def first_screen(studies: Sequence[Stored]) -> Front:
@@ -113,7 +129,10 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
     counts = [f"{n} {SHORTER.get(verdict, verdict)}" for verdict, n in verdicts.to_numpy()]
     sentences = "; ".join(counts)
-    return Front(lines, _advice(lines), source, heads, sentences, judged_from)
+    ticks = tuple((percent(tick), axis_place(tick)) for tick in TICKS)
+    band = axis_place(str(TOLERANCE))
+    chart = (chart_sentence(lines), ticks, band)
+    return Front(lines, _advice(lines), source, heads, sentences, judged_from, *chart)
 
 
 def ledger(table: pd.DataFrame) -> tuple[Entry, ...]:
@@ -182,8 +201,30 @@ def _line(row: Mapping[Hashable, str]) -> Line:
         middle=percent(row["error_at_20"]),
         fine=_with_uncertainty(row["error_fine"], row["uncertainty_fine"])
         + f" at {row['across_fine']}",
+        coarse_at=axis_place(row["error_coarse"]),
+        fine_at=axis_place(row["error_fine"]),
         cells=row["cells_over_linear"],
         time=row.get(TIMES, NOT_ASKED),
+    )
+
+
+def axis_place(error: str) -> float:
+    """Place of an error on the chart's logarithmic axis, in per cent of the axis; NaN of words."""
+    if not _is_number(error):
+        return math.nan
+    low, high = map(math.log10, AXIS)
+    part = (math.log10(max(float(error), AXIS[0])) - low) / (high - low)
+    return 100 * min(part, 1.0)
+
+
+def chart_sentence(lines: Sequence[Line]) -> str:
+    """One sentence: bodies within the band on the fine lattice, and those outside of it."""
+    outside = [line.body for line in lines if line.verdict == DIFFERS]
+    agree = sum(line.verdict == AGREES for line in lines)
+    rest = f" Outside: {'; '.join(outside)}." if outside else ""
+    return (
+        f"On the fine lattice, {agree} of {len(lines)} bodies are within {percent(str(TOLERANCE))} "
+        f"of elasticity.{rest}"
     )
 
 
@@ -192,12 +233,13 @@ def _with_uncertainty(error: str, uncertainty: str) -> str:
     known = (
         _is_number(error) and _is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
     )
-    return f"{100 * float(error):.2g} ± {percent(uncertainty)}" if known else percent(error)
+    own = text_of_part(float(uncertainty), floor=0.0) if known else ""
+    return f"{100 * float(error):.2g} ± {own}" if known else percent(error)
 
 
 def percent(text: str) -> str:
     """A share in per cent with two digits."""
-    return f"{100 * float(text):.2g} %" if _is_number(text) else text
+    return text_of_part(float(text)) if _is_number(text) else text
 
 
 def times(text: str) -> str:

@@ -13,11 +13,14 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from msvalidate.judging.columns import column_key
 from msvalidate.judging.evidence import OPEN, is_missed
+from msvalidate.judging.summary import NAME as SUMMARY
 from msvalidate.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.rendering import Block, paragraphs_and_lists, render_template
 from msvalidate.output.stored import NUMBERS, Stored
+from msvalidate.output.summary import summary_sentence, summary_texts
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
 
 ROWS_SHOWN = 12
@@ -48,6 +51,8 @@ MISSES = (FAIL, DIFFERS)
 STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
 """What may be said of a study, what a reader must know first before the rest."""
 
+ADVICE = re.compile(r"^Recommendation: (.*?)(?:\n\s*\n|\Z)", re.DOTALL | re.MULTILINE)
+"""Paragraph of a study's docstring that its first screen shows as the recommendation."""
 _NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
 
 
@@ -69,11 +74,12 @@ class Layer:
 
 @dataclass(frozen=True)
 class Column:
-    """A column's name and meaning, and how its cells are set."""
+    """Name, meaning and head of a column, and how its cells are set."""
 
     name: str
     meaning: str
     kind: str
+    label: str
 
 
 @dataclass(frozen=True)
@@ -93,6 +99,17 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Summary:
+    """Short table of the first screen: sentence, quantity, heads, rows, and columns of numbers."""
+
+    sentence: str
+    quantity: str
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numeric: Sequence[bool]
+
+
+@dataclass(frozen=True)
 class Section:
     """A study as the page shows it."""
 
@@ -109,6 +126,9 @@ class Section:
     failed: tuple[Judged, ...]
     origin: Mapping[str, str]
     seconds: float
+    cover: Picture | None
+    summary: Summary | None
+    advice: str
 
     @property
     def candidate(self) -> str:
@@ -151,10 +171,12 @@ def render_page(studies: Sequence[Stored]) -> str:
         heading=verdict_heading(sections),
         sections=sections,
         glance=glance,
-        glanced=next((p for p in glance.pictures if p.source), None) if glance else None,
+        glanced=glance.cover if glance else None,
         shown=GLANCED,
         # What our own springs are good for is no part of what is said of somebody else's.
-        front=None if sections and all(s.candidate for s in sections) else first_screen(studies),
+        front=None
+        if glance or (sections and all(s.candidate for s in sections))
+        else first_screen(studies),
         picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
         ledger=next((ledger(s.tables[SENTENCES]) for s in studies if SENTENCES in s.tables), ()),
         there={section.name: section.anchor for section in sections},
@@ -171,22 +193,39 @@ def render_page(studies: Sequence[Stored]) -> str:
 def study_section(study: Stored, room: int = PICTURES) -> Section:
     """A study as the page shows it, with so much room (bytes) for pictures."""
     question, _, rest = inspect.cleandoc(study.question).partition("\n")
+    advice = ADVICE.search(rest)
     rows = judgements(study)
+    pictures = embed_pictures(study.name, study.pictures, room)
+    inside = [each for each in pictures if each.source]
+    cover = f"{study.name}/{study.cover}.svg"
     return Section(
         name=study.name,
         anchor="study-" + re.sub(r"[^\w-]+", "-", study.name),
         status=study_status(study),
         question=question or study.name,
-        about=paragraphs_and_lists(rest),
+        about=paragraphs_and_lists(ADVICE.sub("", rest)),
         error=study.error,
         findings=study.findings,
-        pictures=embed_pictures(study.name, study.pictures, room),
+        pictures=pictures,
         tables=tables(study),
         layers=tuple(layer_judgements(name, rows) for name in layer_names(rows)),
         failed=tuple(row for row in rows if row["status"] in MISSES),
         origin=study.origin,
         seconds=study.seconds,
+        cover=next((each for each in inside if each.file == cover), next(iter(inside), None)),
+        summary=_summary(study),
+        advice=" ".join(advice[1].split()) if advice else "",
     )
+
+
+def _summary(study: Stored) -> Summary | None:
+    """Table `summary` of a study for its first screen, if the study has one."""
+    table = study.tables.get(SUMMARY)
+    if table is None or "difference" not in table:
+        return None
+    quantity = study.columns.get(column_key(SUMMARY, "springs", study.columns), "")
+    texts = summary_texts(table, study.labels)
+    return Summary(summary_sentence(table, study.labels), quantity, *texts)
 
 
 def study_status(study: Stored) -> str:
@@ -293,18 +332,30 @@ def layer_judgements(name: str, rows: Sequence[Judged]) -> Layer:
 def tables(study: Stored) -> tuple[Table, ...]:
     """A study's tables, those first that a reader wants first."""
     names = sorted(study.tables, key=lambda name: name not in TABLES_FIRST)
-    return tuple(table_excerpt(name, study.tables[name], study.columns) for name in names)
+    known = study.columns, study.labels
+    return tuple(table_excerpt(name, study.tables[name], *known) for name in names)
 
 
-def table_excerpt(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Table:
+def table_excerpt(
+    name: str, content: pd.DataFrame, meanings: Mapping[str, str], labels: Mapping[str, str]
+) -> Table:
     """The first rows of a table, its numbers with six digits."""
+
+    def of(column: object, known: Mapping[str, str], default: str) -> str:
+        return known.get(column_key(name, str(column), known), default)
+
     texts = {column: [str(value) for value in content[column]] for column in content}
     shown = len(content) if name in WHOLE else ROWS_SHOWN
     kept = [format_column(values)[:shown] for values in texts.values()]
     return Table(
         name=name,
         columns=tuple(
-            Column(str(column), meanings.get(str(column), ""), column_kind(values))
+            Column(
+                str(column),
+                of(column, meanings, ""),
+                column_kind(values),
+                of(column, labels, str(column)),
+            )
             for column, values in texts.items()
         ),
         rows=tuple(zip(*kept, strict=True)),

@@ -26,7 +26,7 @@ from msvalidate.judging.evidence import Evidence, all_passed
 from msvalidate.output.figures import add_title, figure_style, plain_logarithms
 from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, field
 from msvalidate_check.baseline import read_columns
 
 FORMATS = ("png", "svg")
@@ -55,6 +55,10 @@ class About(msgspec.Struct, frozen=True):
         All that the run wrote into the folder.
     seconds
         That the study itself took.
+    labels
+        Column, or "table.column" -> head of the column for a reader.
+    cover
+        Name of the picture that the page shows first; "" for the first one.
     """
 
     question: str
@@ -66,6 +70,8 @@ class About(msgspec.Struct, frozen=True):
     files: tuple[Name, ...]
     error: str = ""
     seconds: float = 0.0
+    labels: dict[str, str] = {}
+    cover: str = ""
 
 
 class Written(msgspec.Struct, frozen=True):
@@ -125,6 +131,10 @@ class Stored:
         Why a later run did not finish, or "": results are then of the run before it.
     seconds
         That the study itself took; 0 in results of old, which do not say.
+    labels
+        Column, or "table.column" -> head of the column for a reader.
+    cover
+        Name of the picture that the page shows first; "" for the first one.
     """
 
     name: str
@@ -137,6 +147,8 @@ class Stored:
     pictures: Mapping[str, tuple[str, bytes]]
     error: str = ""
     seconds: float = 0.0
+    labels: Mapping[str, str] = field(default_factory=dict)
+    cover: str = ""
 
     @property
     def held(self) -> bool:
@@ -165,6 +177,8 @@ def result_files(
         captions=captions,
         files=tuple(sorted([*found, ABOUT])),
         seconds=seconds,
+        labels=dict(evidence.labels),
+        cover=evidence.cover,
     )
     return found | {ABOUT: _json(msgspec.to_builtins(about))}
 
@@ -223,6 +237,8 @@ def read_result(folder: Path) -> Stored:
             },
             error=about.error,
             seconds=about.seconds,
+            labels=about.labels,
+            cover=about.cover,
         )
     except FileNotFoundError as error:
         missing = Path(error.filename).name

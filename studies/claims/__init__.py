@@ -152,12 +152,13 @@ def ledger_row(
 def topic_row(topic: Mapping[str, Any], quoted: kit.Results, expected: Set[int]) -> dict[str, str]:
     """A topic in a row: numbers of full mode, if its verdicts in this run are the expected ones."""
     moved = [number for number in topic["sentences"] if number not in expected]
-    words = f"Not as theory lets expect: sentences {moved} of the ledger."
+    verdict, words = "moved", f"Not as theory lets expect: sentences {moved} of the ledger."
     if not moved:
+        verdict = topic["verdict"]
         numbers = {name: topic_number(of, quoted) for name, of in topic["numbers"].items()}
         words = topic["found"].format(**numbers).replace("e-0", "e-").replace("%", " %")
     row = {name: topic[name] for name in ("topic", "says")}
-    return {**row, "found": words, "studies": topic["studies"]}
+    return {**row, "topic_verdict": verdict, "found": words, "studies": topic["studies"]}
 
 
 def topic_number(of: Any, quoted: kit.Results) -> float:
@@ -180,4 +181,4 @@ def findings(
     told = ", ".join(f"{n} {verdict}" for n, verdict in zip(counts, VERDICTS, strict=True))
     told = told.replace(IF, f"{IF} something else is meant")
     whole = f"Of the report's {sum(counts)} sentences: {told} ({', '.join(background)})."
-    return (whole, *(f"{row['topic']}: {row['found']}" for row in topics))
+    return (whole, *(f"{row['topic']}: {row['topic_verdict']}. {row['found']}" for row in topics))

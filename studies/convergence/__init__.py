@@ -2,6 +2,10 @@
 
 The report claims that a spring network costs O(n) for n nodes, since the time to rest "can be
 limited and constant", against O(n^9) by finite elements, n then the nodes along an edge of a cube.
+
+Recommendation: bring a network of this size to equilibrium with Newton's method and a sparse
+factor. Explicit relaxations need a number of steps that grows with the square root of the nodes.
+
 One question a file:
 
 - `steps`: steps and force evaluations of every relaxation to a given error, and their growth;

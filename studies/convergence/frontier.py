@@ -33,7 +33,7 @@ from msvalidate.dynamics.run import Method
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
 
-from . import bodies
+from . import bodies, summary
 
 FINENESSES = {"plate": (8, 16, 32, 64, 128), "beam": (4, 8, 16, 32)}
 QUICK = {"plate": (8, 16, 32), "beam": (4, 8, 16)}
@@ -115,7 +115,11 @@ def run(candidate: Mapping[str, Method], setting: kit.Setting) -> kit.Evidence:
         observed=kit.Observed(max(apart)),
     )  # fmt: skip
     return kit.Evidence(
-        tables={"frontier": table, "frontier_orders": fitted},
+        tables={
+            **summary.summarise(candidate, truth[summary.BODY], probes(summary.BODY), repeats),
+            "frontier": table,
+            "frontier_orders": fitted,
+        },
         tolerances=(*RULES, relaxed),
         figures={"frontier": draw},
         columns=kit.columns(__file__),

@@ -132,13 +132,13 @@ def time_elements(counted: pd.DataFrame, repeats: int) -> list[dict[str, object]
     rows = []
     for first in records(counted[kinds].drop_duplicates()):
         for name, (element, solver) in ELEMENTS[bodies.dim(first["body"])].items():
-            solved = partial(_time_solution, first["body"], int(first["cells_y"]), element, solver)
+            solved = partial(time_solution, first["body"], int(first["cells_y"]), element, solver)
             row = _row(first, name, solved, repeats)
             rows += [row | {"threshold": threshold} for threshold in counted["threshold"].unique()]
     return rows
 
 
-def _time_solution(body: str, fineness: int, element: str, solver: str) -> tuple[float, float]:
+def time_solution(body: str, fineness: int, element: str, solver: str) -> tuple[float, float]:
     """Seconds of the mesh, and of what follows."""
     started = time.perf_counter()
     cells = bodies.cells(body, fineness)

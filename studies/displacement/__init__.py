@@ -1,9 +1,15 @@
 """Displacement: how far are the report's load cases from elasticity, and why?
 
-A single difference from FEM mixes several causes; this study takes them apart. One question a file:
+A single difference from FEM mixes several causes; this study takes them apart.
+
+Recommendation: use k2 = k1/2 with boundary weight 1/2, and at least 20 cells across the body. A
+lattice with k2 = 2 k1 is a different, anisotropic material, which no refinement corrects.
+
+One question a file:
 
 - `budget`: every case, lattice, size and boundary rule against its target, cause by cause;
 - `shapes`: the report's Figures 4 to 7 drawn again, and its words about them put to numbers;
+- `emblem`: the bar of Figure 7 with the report's springs and with calibrated ones;
 - `target`: what the "incompressible" lattice is measured against is a choice, and decides;
 - `identities`: which networks are exactly a known discretisation;
 - `bent_bar`: how stiff a bar of cubic cells is in pure bending;
@@ -26,6 +32,7 @@ from . import (
     budget,
     controls,
     elastic,
+    emblem,
     identities,
     large,
     measuring,
@@ -73,6 +80,7 @@ def run(
         {
             "budget": lambda: budget.run(measured(), bodies(), large.solve(setting)),
             "shapes": lambda: shapes.run(measured(), bodies()),
+            "emblem": lambda: emblem.run(measured(), bodies()),
             "target": lambda: target.run(candidate, setting),
             "identities": lambda: identities.run(candidate, setting),
             "bent_bar": lambda: bent_bar.run(candidate, setting),

@@ -29,6 +29,7 @@ from .elastic import Bodies
 from .load_cases import BAND, CASES
 from .measuring import WEIGHTS, Block, Measurement
 from .models import ISOTROPIC, MODELS, homogenised
+from .summary import summarise
 
 FINEST = {"lattice": "square", "k2": ISOTROPIC.k[1]}
 
@@ -183,6 +184,7 @@ def run(
     )  # fmt: skip
     return kit.Evidence(
         tables={
+            **summarise(cases),
             "load_cases": load_cases.table(),
             "probes": load_cases.probe_table(),
             "cases": cases,

@@ -1,7 +1,12 @@
 """Poisson's ratio of a lattice: which formula is right, and for what?
 
 The report's lattice, square cells with eight neighbours, is claimed to have Poisson's ratio
-k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1. One question a file:
+k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1.
+
+Recommendation: calculate Poisson's ratio of a square lattice from k2/(k1 + k2), choose k2 = k1/2
+for an isotropic material, and give boundary springs half of the stiffness.
+
+One question a file:
 
 - `finite_size`: the ratio of N x N cells, by constants, boundary weights, loading and definition;
 - `direction`: the ratio against the direction of the pull;

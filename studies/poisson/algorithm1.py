@@ -73,6 +73,7 @@ def run(
         tolerances=RULES,
         drawn={"rest": history.astype({"step": int})},
         figures={"rest": draw, "block": draw_block},
+        cover="block",
         columns=kit.columns(__file__),
     )
 

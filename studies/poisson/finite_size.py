@@ -28,7 +28,7 @@ from .elastic_block import REFERENCE_ERROR, reference
 
 CELLS = (1, 2, 5, 10, 20, 40)
 """5 cells are the report's 6 x 6 particles."""
-RATIOS, QUICK_RATIOS = (0.25, 0.5, 1.0, 2.0), (0.5,)
+RATIOS, QUICK_RATIOS = (0.25, 0.5, 1.0, 2.0), (0.5, 2.0)
 """k2/k1."""
 # k1 = 1, k2 = 1/2, equal springs, ratio over the edges, found by an independent program.
 EQUAL_SPRINGS = {
@@ -38,6 +38,12 @@ EQUAL_SPRINGS = {
 SHOWN = {"k2": K1 / 2, "definition": "edges", "weights": "equal"}
 CLAMPED = SHOWN | {"definition": "middle", "weights": "shared", "loading": "clamped"}
 UNIFORM = ("slide", "traction")
+SUMMARISED = (0.5, 2.0)
+"""k2/k1 of the summary: the isotropic lattice, and the report's "incompressible" one."""
+CONSTANTS = {0.5: "k2 = k1/2", 2.0: "k2 = 2 k1"}
+BLOCKS = {"shared": f"{CELLS[-1]} x {CELLS[-1]}", "equal": "report's 5 x 5"}
+"""Boundary weights -> cells of the summary's block: weight 1/2 on the finest, weight 1 on the
+report's own block."""
 ORDER = 2 * clamped_free_exponent(square_tensor(K1, K1 / 2), np.pi / 2)
 """Of the error that a clamped end's corners leave: twice their exponent [Williams1952]."""
 
@@ -143,7 +149,7 @@ def run(
     finite_size, modulus_table = pd.DataFrame(rows), pd.DataFrame(moduli)
     reference_table = pd.DataFrame([row for _, quality in found for row in quality])
     tables = {
-        "summary": summarise(finite_size),
+        **summarise(finite_size),
         "finite_size": finite_size,
         "modulus": modulus_table,
         "reference": reference_table,
@@ -181,14 +187,20 @@ def measure(
     return ratios, modulus
 
 
-def summarise(table: pd.DataFrame) -> pd.DataFrame:
-    """Ratio of the candidate's blocks at k2 = k1/2, one column per size."""
-    chosen = table[table["k2"] == K1 / 2]
-    keys = ["loading", "definition", "weights"]
-    wide = chosen.pivot_table(index=keys, columns="cells", values="nu_springs", sort=False)
-    wide.columns = pd.Index([f"N={n}" for n in wide.columns])
-    shown = wide.map(lambda nu: f"{nu:.4f}" if np.isfinite(nu) else "-")
-    return shown.reset_index()
+def summarise(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Table of each loading on the finest lattice, then of the report's own block."""
+    edges = table[table["definition"] == "edges"]
+    finest = edges[(edges["weights"] == "shared") & (edges["cells"] == edges["cells"].max())]
+    own = edges[(edges["weights"] == "equal") & (edges["cells"] == 5) & (edges["k2"] == K1 / 2)]
+    chosen = [finest[finest["k2"] == ratio * K1] for ratio in SUMMARISED]
+    return kit.summary_tables(
+        kit.summary_row(
+            f"{row['loading']}, {CONSTANTS[row['k2'] / K1]}, {BLOCKS[row['weights']]}",
+            row["nu_springs"], row["nu_fem"], uncertainty=REFERENCE_ERROR / row["nu_fem"],
+            more={"report": row["nu_cell_formula"]},
+        )
+        for row in pd.concat([*chosen, own]).to_dict("records")
+    )  # fmt: skip
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:

@@ -1,6 +1,11 @@
 """Stability: how large may a time step be, and what does each scheme make of a motion?
 
-The report compares four ways to step in time and prints two of them wrongly. One question a file:
+The report compares four ways to step in time and prints two of them wrongly.
+
+Recommendation: use leapfrog (velocity Verlet if velocities are needed at the time of positions). It
+is symplectic, explicit, of second order, and its stable time step does not depend on the damping.
+
+One question a file:
 
 - `limits`: the largest stable step against the damping, measured, for an oscillator and networks;
 - `growth`: how fast a scheme grows that no step makes stable;
@@ -11,7 +16,8 @@ The report compares four ways to step in time and prints two of them wrongly. On
 - `figure3`: the report's Figure 3 drawn again, and its words about it put to numbers;
 - `passing`: whether underdamped motion pushes particles past each other;
 - `cost`: which accuracy for how many force evaluations;
-- `controls`: the smallest fault that this study notices.
+- `controls`: the smallest fault that this study notices;
+- `summary`: stable steps and work of the report's four integrators in one table.
 
 Candidate: the table of schemes, name -> record, by default `integrators.INTEGRATORS`: each is held
 to what it claims. Reference: closed forms. `networks` has the bodies, `runs` and `oscillator` move
@@ -20,8 +26,9 @@ them, `bounded` searches for a limit.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 from msvalidate import kit
 from msvalidate.dynamics.integrators import INTEGRATORS
@@ -38,6 +45,7 @@ from . import (
     nonlinear,
     order,
     passing,
+    summary,
 )
 from .common import Schemes
 
@@ -93,5 +101,15 @@ def run(
 ) -> kit.Evidence:
     """All questions, or those named, for one table of schemes."""
     candidate = kit.check_table(candidate, Integrator, {})
-    asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return kit.gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)
+    asked = {name: cache(partial(ask, candidate, setting)) for name, ask in ASKED.items()}
+
+    def summarised() -> kit.Evidence:
+        limited, priced = asked["limits"]().tables["limits"], asked["cost"]().tables["cost_needed"]
+        tables = summary.summarise(limited, priced)
+        return kit.Evidence(tables, tolerances=summary.RULES, columns=kit.columns(__file__))
+
+    others: dict[str, Callable[[], kit.Evidence]] = {
+        "controls": partial(controls.run, setting),
+        "summary": summarised,
+    }
+    return kit.gather_evidence(asked | others, questions)

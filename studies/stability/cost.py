@@ -8,7 +8,7 @@ Reference  The exact motion, and the motion of each scheme in closed form. The e
            state over ten periods, relative to the amplitude. A position at one instant is no
            measure: an error of phase vanishes at a turning point, an error of amplitude at a zero.
 Expected   In ten periods, θ = 20π, explicit Euler grows by θ·h·ω/2; Euler-Cromer is an ellipse, off
-           by h·ω/2 at any time; Verlet and leapfrog lead by θ·(h·ω)²/24, average acceleration lags
+           by h·ω/2 throughout; Verlet and leapfrog lead by θ·(h·ω)²/24, average acceleration lags
            by θ·(h·ω)²/12 and Runge-Kutta is off by θ·(h·ω)⁴/120. Growing errors are proportional to
            the time, so that a quarter of a period more changes a number by at most 1/40.
 """

@@ -70,12 +70,12 @@ def test_damaged_rows_are_not_shown():
 
 
 def test_the_reports_topics_and_verdicts_come_from_the_stored_ledger():
-    topics = pd.DataFrame([("a", "b", "c", "poisson")], columns=front.TOPIC, dtype=str)
+    topics = pd.DataFrame([("a", "b", "no", "c", "poisson")], columns=front.TOPIC, dtype=str)
     verdicts = ["true", "false as said, true if", "false"]
     ours = stored("claims", "topics", topics)
     ours.tables["verdicts"] = pd.DataFrame({"verdict": verdicts, "sentences": [2, 1, 1]}, dtype=str)
     found = front.first_screen([ours])
-    assert found.topics == (front.Topic("a", "b", "c", "poisson"),)
+    assert found.topics == (front.Topic("a", "b", "no", "c", "poisson"),)
     assert found.sentences == "2 true; 1 false as worded, true if read otherwise; 1 false"
     quick = stored("claims", "topics", topics, form="quick")
     committed = front.first_screen([quick])

@@ -80,7 +80,7 @@ def test_page_of_a_study_that_passed():
     html = page.render_page([stored()])
     text = Read(html).text
     said = (
-        "How long? pass 1 of 1 tolerance held, 9.6 s A finding. lines/line.svg",
+        "How long? pass 1 of 1 tolerance held, 9.6 s A finding. A straight line. lines/line.svg",
         "pass The one tolerance of 1 study held.",
         "theory agreement regression baseline seconds time of run",
         "lines pass 1 of 1 held none none none 9.6 2026-01-01 00:00 UTC",
@@ -203,12 +203,14 @@ def spoilt(name):
         "tables": {"line": table, EVIL: table},
         "pictures": {EVIL: (EVIL, EVIL.encode())},
         "error": EVIL,
+        "labels": {EVIL: EVIL, "x": EVIL},
     }
     assert set(whole) == set(TEXTS)
     return stored(**(whole if name == "all of them" else {name: whole[name]}))
 
 
-TEXTS = [field.name for field in fields(Stored) if field.type != "float"]
+TEXTS = [field.name for field in fields(Stored) if field.type != "float" and field.name != "cover"]
+"""Fields that the page shows; the cover only selects a picture."""
 
 
 @pytest.mark.parametrize("name", [*TEXTS, "all of them"])
@@ -217,7 +219,7 @@ def test_what_a_study_says_never_becomes_markup(name):
     read = Read(html)
     assert read.all("script") == []
     assert {tag for tag, _ in read.elements} <= {tag for tag, _ in Read(PLAIN).elements} | {
-        *("p", "b", "ul", "li", "code", "h4"),
+        *("p", "b", "ul", "li", "code", "h4", "i", "cite"),
     }
     assert not [key for _, found in read.elements for key in found if key.startswith("on")]
     assert all(image["src"].startswith("data:image/svg+xml,") for image in read.all("img"))
