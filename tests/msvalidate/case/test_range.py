@@ -42,7 +42,7 @@ CANTILEVER = {
     "more": '[[load]]\non = "right"\ntraction = [0, -1e4]', "compare": "band = 0.3",
 }  # fmt: skip
 COLUMN = CANTILEVER | {"more": '[[load]]\non = "right"\ntraction = [-9e3, 0]'}
-BLOCK = CANTILEVER | {"size": "0.37, 0.37", "held": "bottom", "E": 1e5}
+BLOCK = CANTILEVER | {"size": "0.37, 0.37", "held": "bottom", "E": 1e5, "cells": 4}
 MOVED = '[[support]]\non = "top"\nvalue = [0, {}]'
 NONLINEAR = 'geometry = "nonlinear"'
 FOLDED = BLOCK | {
