@@ -56,7 +56,7 @@ def table(
     return over
 
 
-def stored_rows(name: str) -> list[Any]:
+def stored_rows(name: str) -> Any:
     """Rows of a file of test data, tests/data/tables/NAME.toml."""
     path = Path(__file__).parent / "data" / "tables" / f"{name}.toml"
     return tomllib.loads(path.read_text("utf-8"))["rows"]
