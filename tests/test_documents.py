@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
 import re
 import runpy
 import sys
@@ -115,7 +116,7 @@ def run_tests(block, pytester):
     plugin = ("-p", "msvalidate_check.pytest_plugin", "--msvalidate-baseline", "base")
     update = ("--msvalidate-update", "--msvalidate-reason", "new")
     for more in (update, ()):
-        ended = pytester.runpytest_inprocess(*plugin, *more)
+        ended = pytester.runpytest_subprocess(*plugin, *more)
         ended.assert_outcomes(passed=block.count("def test_"))
 
 
@@ -137,6 +138,7 @@ def run_adapter(block):
 def test_blocks_run_one_after_the_other(page, pytester, monkeypatch, capsys):
     pytester.syspathinsert()  # whose folder is the current one
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "checker")]))
     monkeypatch.setattr(program, "run_limited", run_in_process)
     FILES.get(page, lambda: None)()
     names = {"__name__": page}
