@@ -62,8 +62,11 @@ def test_a_study_writes_its_files(finished):
 
 def test_findings_on_stdout_messages_on_stderr(finished):
     done, _ = finished
-    first, *findings = done.stdout.splitlines()
-    assert first.startswith("poisson: Poisson's ratio of a lattice")
+    summary, findings = (part.splitlines() for part in done.stdout.split("\n\n")[1:])
+    assert done.stdout.startswith("poisson: Poisson's ratio of a lattice")
+    assert summary[1].split()[:4] == ["case", "springs", "scikit-fem", "difference"]
+    assert len(summary) == 11
+    assert max(map(len, summary)) <= 100
     assert findings[0].startswith("  - The report's k2/(2k1+k2) holds for one isolated cell")
     assert len(findings) < 10
     assert re.search(r"^poisson: (\d+) of \1 held, \d+\.\d s$", done.stderr, re.MULTILINE)

@@ -7,6 +7,7 @@ import io
 import os
 import re
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 
@@ -110,14 +111,19 @@ def run_in_process(words, _folder, _limit):
     return code, b"", said.getvalue().strip().rpartition("\n")[2]
 
 
-def run_tests(block, pytester):
-    """A block of tests passes, and passes again with the numbers that it wrote."""
-    pytester.makepyfile(block)
+def run_tests(block):
+    """Run a block of tests twice: it passes, and passes again with the numbers that it wrote.
+
+    The tests run in processes of their own, as `pytester` would take back what was imported.
+    """
+    Path("test_block.py").write_text(block, encoding="utf-8")
     plugin = ("-p", "msvalidate_check.pytest_plugin", "--msvalidate-baseline", "base")
     update = ("--msvalidate-update", "--msvalidate-reason", "new")
     for more in (update, ()):
-        ended = pytester.runpytest_subprocess(*plugin, *more)
-        ended.assert_outcomes(passed=block.count("def test_"))
+        words = [sys.executable, "-m", "pytest", *plugin, *more, "test_block.py"]
+        ended = subprocess.run(words, capture_output=True, text=True, check=False)
+        print(ended.stdout)  # noqa: T201
+        assert f"{block.count('def test_')} passed" in ended.stdout, ended.stderr
 
 
 def run_adapter(block):
@@ -135,8 +141,9 @@ def run_adapter(block):
 
 
 @pytest.mark.parametrize("page", WITH_BLOCKS)
-def test_blocks_run_one_after_the_other(page, pytester, monkeypatch, capsys):
-    pytester.syspathinsert()  # whose folder is the current one
+def test_blocks_run_one_after_the_other(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "checker")]))
     monkeypatch.setattr(program, "run_limited", run_in_process)
@@ -144,7 +151,7 @@ def test_blocks_run_one_after_the_other(page, pytester, monkeypatch, capsys):
     names = {"__name__": page}
     for number, block in enumerate(blocks(page)):
         if "def test_" in block:
-            run_tests(block, pytester)
+            run_tests(block)
         elif 'request["task"]' in block:
             run_adapter(block)
         else:

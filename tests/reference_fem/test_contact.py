@@ -21,7 +21,7 @@ from msvalidate.problem import (
 from reference_fem.contact import contact_mesh, press, press_closely
 from reference_fem.first_mesh import first_mesh
 from reference_fem.mesh.boxes import box_discretisation, lines_discretisation
-from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from reference_fem.mesh.elements import of_dimension
 
 E, R = 8 / 3, 100.0
 BLOCKS = {(10, 20): (0.998481, 1.001526, 0.0198272, 0.4531697),
@@ -74,7 +74,7 @@ def test_a_flat_obstacle_presses_evenly(element):
 
 
 @pytest.mark.parametrize("size", [0.37, 370.0])
-@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("element", sorted({*of_dimension(2), *of_dimension(3)} - {"S2"}))
 def test_the_total_is_the_force(element, size):
     plane, degree = element[0] in "QP", int(element[1])
     box = Box((2 * size, size) if plane else (2 * size, 2 * size, size))

@@ -211,10 +211,14 @@ def position_first(acceleration, now, h, c):
 
 
 FOREST_RUTH = replace(
-    INTEGRATORS["velocity_verlet"], name="forest_ruth", order=4, step=forest_ruth, leading=None
+    INTEGRATORS["velocity_verlet"],
+    name="forest_ruth",
+    order=4,
+    step=forest_ruth,
+    undamped_motion=None,
 )
 POSITION_FIRST = replace(
-    INTEGRATORS["euler_cromer"], name="position_first", step=position_first, leading=None,
+    INTEGRATORS["euler_cromer"], name="position_first", step=position_first, undamped_motion=None,
     factors=None,
 )  # fmt: skip
 
