@@ -41,7 +41,7 @@ UNIFORM = ("slide", "traction")
 SUMMARISED = (0.5, 2.0)
 """k2/k1 of the summary: the isotropic lattice, and the report's "incompressible" one."""
 CONSTANTS = {0.5: "k2 = k1/2", 2.0: "k2 = 2 k1"}
-BLOCKS = {"shared": f"{CELLS[-1]} x {CELLS[-1]}", "equal": "report's 5 x 5"}
+BLOCKS = {"shared": f"{CELLS[-1]} x {CELLS[-1]}", "equal": "report, 5 x 5"}
 """Boundary weights -> cells of the summary's block: weight 1/2 on the finest, weight 1 on the
 report's own block."""
 ORDER = 2 * clamped_free_exponent(square_tensor(K1, K1 / 2), np.pi / 2)

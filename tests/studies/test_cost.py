@@ -253,16 +253,16 @@ def test_where_a_factor_is_dear_points_in_another_order_answer(monkeypatch):
 
 
 def test_an_answer_that_is_worse_than_it_says_is_seen():
-    """The displacement is off by 1e-12 of itself, and 1e-16 is stated."""
+    """The displacement is off by 2e-12 of itself, and about 1e-14 is stated."""
 
     def off(net, solver):
         found = solvers.solve_refined(net, solver)
-        times = 1 + 1e-12 * (solver == "auto")
+        times = 1 + 2e-12 * (solver == "auto")
         return replace(found, displacement=found.displacement * times)
 
     row = solvers.measure(off, lambda _: 10, 1, ("plate", 300))
     both = row["stated_here"] + row["beside_stated_here"]
-    assert row["from_beside_here"] == pytest.approx(1e-12, rel=0.01)
+    assert row["from_beside_here"] == pytest.approx(2e-12, rel=0.01)
     assert row["from_beside_here"] > 1e2 * both
 
 
