@@ -12,7 +12,7 @@ MANY = 10.0
 
 
 def percent(part: float, floor: float = FLOOR) -> str:
-    """Part as a percentage with two digits; "< 0.01 %" below the floor.
+    """Percentage of a part with two digits; "< 0.01 %" below the floor.
 
     Parameters
     ----------
