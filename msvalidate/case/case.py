@@ -101,7 +101,8 @@ class Case:
         "linear": springs and elements to first order in the displacement; "nonlinear": both at
         equilibrium however large it is. Then displacements alone are compared.
     linear_theory
-        One of `msvalidate.case.case.LINEAR_THEORY`; "requested" if a file writes geometry = "linear".
+        One of `msvalidate.case.case.LINEAR_THEORY`; "requested" if a file writes
+        geometry = "linear".
     fracture
         When springs break as the loads are raised, if they do.
 
