@@ -40,9 +40,27 @@ MOST_VERTICES = 10_000
 
 @dataclass(frozen=True)
 class Box:
-    """Axis-aligned box with one corner at the origin, and edges of lengths `size` (m).
+    """Rectangle (2D) or cuboid (3D) with one corner at the origin.
 
-    That is (width, height) or (width, height, depth).
+    Parameters
+    ----------
+    size
+        Edge lengths (m) along x, y (and z), each > 0.
+
+    Raises
+    ------
+    ProblemError
+        If it is not a tuple of 2 or 3 positive lengths, or the shortest is not above 1e-9 of the
+        longest.
+
+    Examples
+    --------
+    >>> from msvalidate import Box
+    >>> beam = Box((0.37, 0.2))
+    >>> beam.dim, round(beam.volume, 6)
+    (2, 0.074)
+    >>> print(beam.side("right"))
+    (x = 0.37)
     """
 
     size: tuple[float, ...]
@@ -107,13 +125,28 @@ class Box:
 
 @dataclass(frozen=True)
 class Polygon:
-    """Plane body with a straight-edged outline.
+    """2D body with a straight-edged outline.
 
-    Its vertices are corners (m) in counter-clockwise order, two coordinates each, none on a
-    straight line between its neighbours.
+    Parameters
+    ----------
+    vertices
+        Corners (m) in counter-clockwise order, two coordinates each. Three consecutive corners must
+        not lie on one line.
 
-    Raises `ProblemError` if the outline is not such a polygon: clockwise, crossing or touching
-    itself, with a flat corner or a vertex listed twice.
+    Raises
+    ------
+    ProblemError
+        If the outline is clockwise, crosses or touches itself, has a corner of 180 degrees or a
+        repeated vertex, or has more than 10,000 vertices.
+
+    Examples
+    --------
+    >>> from msvalidate import Polygon
+    >>> bracket = Polygon(((0, 0), (0.3, 0), (0.3, 0.1), (0.1, 0.1), (0.1, 0.3), (0, 0.3)))
+    >>> round(bracket.volume, 6)  # area in m²
+    0.05
+    >>> bracket.reentrant.tolist()
+    [[0.1, 0.1]]
     """
 
     vertices: tuple[tuple[float, float], ...]

@@ -37,31 +37,46 @@ from msvalidate.problem.zone import CellSet
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Body made of cells of one shape, and the names of parts of its surface.
+    """Body that consists of cells of one shape, with named boundaries and zones.
 
-    Two meshes are equal if their cells are, whatever the names of their boundaries and zones.
+    Two meshes are equal if their points, cells and shape are equal, whatever the names.
 
     Parameters
     ----------
     points
-        (n, d) positions (m) of all nodes.
+        Coordinates (m) of all nodes, shape (n, d).
     cells
-        (c, k) nodes of each cell, numbered as in VTK: corners counter-clockwise (in space those of
-        the first face as seen from the rest), mid-sides, middles of faces, the middle.
+        Node numbers of each cell, shape (c, k), in the order of VTK: corners counter-clockwise (in
+        3D those of the first face as seen from the rest), mid-side nodes, face nodes, centre node.
     shape
-        A name in `problem.SHAPES`: "triangle", "quad9" and so on in the plane, "tetra10",
-        "hexahedron" in space. Mid-sides may lie off the straight line: the side is then bent.
+        "triangle", "triangle6", "quad", "quad8" or "quad9" in 2D; "tetra", "tetra10", "hexahedron"
+        or "hexahedron27" in 3D. Mid-side nodes may lie off the straight line: the side is then
+        curved.
     boundaries
-        Name -> nodes (f, k) of facets, corners first, that belong to one cell alone.
+        Name -> node numbers (f, k) of facets on the surface, corners first.
     zones
-        Name -> numbers (z,) of cells, as of those of another material.
+        Name -> cell numbers (z,).
 
     Raises
     ------
     ProblemError
-        If a cell is inverted, flat, folded or overlaps another, a point lies where another does,
-        belongs to no cell or lies in one that does not name it, a boundary is empty or not on the
-        surface, or a zone is empty or names a cell that is not there.
+        If a cell is inverted, flat, folded or overlaps another one; a node coincides with another,
+        belongs to no cell or lies in a cell without being one of its nodes; a boundary is empty or
+        not on the surface; or a zone is empty or names a missing cell.
+
+    Examples
+    --------
+    >>> from msvalidate import Mesh
+    >>> mesh = Mesh(
+    ...     points=[[0, 0], [1, 0], [1, 1], [0, 1]],
+    ...     cells=[[0, 1, 2], [0, 2, 3]],
+    ...     shape="triangle",
+    ...     boundaries={"left": [[3, 0]]},
+    ... )
+    >>> print(mesh)
+    mesh of 2 triangle cells, 1 x 1 m
+    >>> print(mesh.side("left"))
+    boundary 'left'
     """
 
     points: Array

@@ -17,13 +17,27 @@ from msvalidate.problem.shapes import FACETS, facet_areas, is_on_any
 
 @dataclass(frozen=True)
 class Region:
-    """The points of a body with given coordinates: a point, an edge, a face or a part of one.
+    """Points of a body with given coordinates: a point, edge, face or part of one.
 
     Parameters
     ----------
     extent
-        One entry per axis: a coordinate (m), a closed interval ``(low, high)`` (m), or None where
-        any coordinate will do.
+        One entry per axis: a coordinate (m), a closed interval ``(low, high)`` (m), or None for any
+        coordinate.
+
+    Raises
+    ------
+    ProblemError
+        If it is not a tuple of 2 or 3 such entries, or an interval does not have low < high.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import Region
+    >>> lower_half_of_left_side = Region((0.0, (0.0, 0.5)))
+    >>> points = np.array([[0.0, 0.2], [0.0, 0.8], [0.1, 0.2]])
+    >>> lower_half_of_left_side.select(points, tolerance=1e-9).tolist()
+    [True, False, False]
     """
 
     extent: tuple[float | tuple[float, float] | None, ...]

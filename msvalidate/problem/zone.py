@@ -23,9 +23,27 @@ from msvalidate.problem.shapes import CELLS, FACETS, SHAPES, is_on_any
 
 @dataclass(frozen=True)
 class Ball:
-    """The points within a distance of a place: a disc in the plane, a ball in space.
+    """Disc (2D) or ball (3D), the region of a `Zone`.
 
-    The centre has two or three coordinates in m, the radius is in m.
+    Parameters
+    ----------
+    centre
+        Coordinates (m) of the centre, d = 2 or 3 of them.
+    radius
+        Radius (m), > 0.
+
+    Raises
+    ------
+    ProblemError
+        If the centre is not a tuple of 2 or 3 coordinates, or the radius is not positive.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import Ball
+    >>> disc = Ball(centre=(0.5, 0.5), radius=0.2)
+    >>> disc.select(np.array([[0.5, 0.6], [0.9, 0.9]]), tolerance=1e-9).tolist()
+    [True, False]
     """
 
     centre: tuple[float, ...]
@@ -111,15 +129,27 @@ class CellSet:
 
 @dataclass(frozen=True)
 class Zone:
-    """A part of a body that is of another material than the rest.
+    """Region of a body that consists of a different material.
 
     Parameters
     ----------
     region
-        A `Region` of intervals, such as Region(((0.0, 0.5), None)), a `Ball`, or cells of a mesh
-        that have a name, mesh.zone(name).
+        A `Region` with an extent along each axis, such as Region(((0.0, 0.5), None)); a `Ball`; or
+        named cells of a mesh, `Mesh.zone`.
     material
-        Its own. State and thickness are those of the body.
+        Material of the zone. `Problem` requires the state and thickness of the body's material.
+
+    Raises
+    ------
+    ProblemError
+        If the region is flat along an axis, or material and region differ in dimension.
+
+    Examples
+    --------
+    >>> from msvalidate import Isotropic, Region, Zone
+    >>> stiff_half = Zone(Region(((0.5, 1.0), None)), Isotropic(E=1e6, nu=0.3))
+    >>> stiff_half.region.dim
+    2
     """
 
     region: Region | Ball | CellSet
