@@ -57,25 +57,49 @@ def calibrate(
     spacing: float | None = None,
     route: str | None = None,
 ) -> Calibration:
-    """Constants that make a lattice an isotropic material.
+    """Find the constants with which a lattice has given isotropic moduli.
+
+    A lattice of central springs that deforms affinely has nu = 1/3 in plane stress and 1/4 in plane
+    strain and in 3D (Cauchy relation, [BornHuang1954]). Other ratios need a volume energy, or
+    pressure in the cells.
 
     Parameters
     ----------
     E, nu
         Young's modulus (Pa) and Poisson's ratio of the three-dimensional material.
     lattice
-        What repeats, or a body made of it.
+        Unit cell (a function of `patterns` returns one), or a lattice that fills a body.
     plane
-        "plane_stress" or "plane_strain" for a plane lattice, "solid" for one in space.
+        "plane_stress" or "plane_strain" for a 2D lattice, "solid" for a 3D one.
     thickness
-        Out-of-plane thickness (m) of a plane body.
-    spacing, route
-        As for `bodies.calibrate.calibrate_material`.
+        Out-of-plane thickness (m) of a 2D body.
+    spacing
+        Length (m) of the unit of a pattern, default 1; a lattice in a body has its own spacing.
+    route
+        "springs", "volume energy" or "neo-Hookean". Default: springs alone if they suffice,
+        otherwise springs with a volume energy.
+
+    Returns
+    -------
+    Calibration
+        Spring constants (N/m, thickness included), one per kind of spring; stiffness κ of the
+        volume energy (N/m in 2D, Pa in 3D); and the homogenised tensor. For a body, ``body`` states
+        the error under uniform tension.
 
     Raises
     ------
     ProblemError
-        As for `bodies.calibrate.calibrate_material`, or if there is no such material.
+        If the lattice cannot have these moduli by this route; the message names the nearest that it
+        can have.
+
+    Examples
+    --------
+    >>> from msvalidate import calibrate, patterns
+    >>> result = calibrate(1e5, 0.45, patterns.square(), "plane_strain", thickness=0.2)
+    >>> result.route
+    'volume energy'
+    >>> print(f"{result.E:.6g} Pa, nu = {result.nu:.2f}")
+    100000 Pa, nu = 0.45
     """
     material = Isotropic(E=E, nu=nu, state=plane, thickness=thickness)
     return calibrate_material(material, lattice, spacing=spacing, route=route)

@@ -85,25 +85,50 @@ class _Case:
 def fitted_constants(
     networks: Sequence[Network], wanted: Sequence[ArrayLike], kind: ArrayLike
 ) -> Fit:
-    """Constants that fit given displacements of networks in least squares.
+    """Fit spring constants to given displacements by least squares.
+
+    The squared differences of the displacements K⁻¹ f are minimised over the constants p of
+    K = Σ p_j K_j, with the exact derivatives -K⁻¹ K_j u.
 
     Parameters
     ----------
     networks
-        One a load case, with the same springs, unstressed, built with all constants 1 (springs'
-        stiffness is then factor times weight), and with κ = 1 if that is to be fitted too: what is
-        found multiplies what they were built with.
+        One network per load case, all with the same springs, n points and zero prestress, built
+        with all spring constants equal to 1. To fit a volume energy as well, build them with κ = 1.
     wanted
-        Displacements (n, d) in m, one array a network: held components do not count.
+        One array of displacements (m) of shape (n, d) per network; fixed components are ignored.
     kind
-        (m,) class of each spring, 0 to the number of constants less one.
+        Class of each spring, shape (m,), numbered from 0.
+
+    Returns
+    -------
+    Fit
+        Spring constants (N/m), one per class, the volume stiffness κ if it was fitted, the relative
+        residual, the condition number and the estimated error.
 
     Raises
     ------
     ProblemError
-        If arrays do not fit, a network is loose, or load cases leave constants open: which ones.
+        If the arrays do not fit, a network can move rigidly, or the load cases leave a constant
+        undetermined.
     SolverError
-        If no stable network is found, or none that comes nearer than no displacement at all.
+        If the iteration fails, no stable network fits better than zero displacement, or the
+        constants are too sensitive to rounding.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Support, Traction
+    >>> from msvalidate import equilibrium, fitted_constants, lattice_network, square
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(pull,))
+    >>> lattice = square(box, (4, 1))
+    >>> target = equilibrium(lattice_network(problem, lattice)).displacement
+    >>> unit = lattice_network(problem, lattice, (1.0, 1.0))
+    >>> fit = fitted_constants([unit], [target], lattice.kind)
+    >>> print(", ".join(f"{k:.0f}" for k in fit.constants), "N/m")
+    75000, 37500 N/m
     """
     number = _count_kinds(networks, kind)
     cases = _load_cases(networks, wanted, np.asarray(kind), number)

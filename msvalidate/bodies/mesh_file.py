@@ -60,26 +60,45 @@ MOST_ZONES = 200
 
 
 def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) -> Mesh:
-    """Mesh in a file, with the boundaries and zones that it names.
+    r"""Read a mesh with its named boundaries and zones from a file.
 
-    Cells of one kind make the body; lower ones serve as names of its sides. A plane mesh may have a
-    third coordinate, the same at all points, which is dropped; if all its cells run clockwise, as
-    seen from there, they are turned.
+    Cells of the highest dimension form the body; named cells of one dimension less become
+    boundaries. A 2D mesh may have a constant third coordinate, which is dropped.
 
     Parameters
     ----------
     path
-        A .msh (2.2 or 4.1), .vtu, .vtk or .inp file; or .step or .stl where gmsh is installed.
+        File in the format of Gmsh (.msh, 2.2 or 4.1), VTK (.vtu, .vtk) or Abaqus (.inp). STEP and
+        STL files (.step, .stl) are meshed if gmsh is installed.
     unit
-        Length (m) that the file's coordinates are multiples of: 1e-3 if they are in mm.
+        Length (m) of the unit of the file's coordinates: 1e-3 for mm.
     cell
-        Size (m) of the cells that are made of .step and .stl files.
+        Size (m) of the cells that are generated for STEP and STL files.
+
+    Returns
+    -------
+    Mesh
+        Body with its coordinates in m.
 
     Raises
     ------
     ProblemError
         If the file is missing, unreadable, incomplete or of another format, its cells are of
-        several kinds or of one that is not known, or they are no mesh (see `Mesh`).
+        several or of unsupported kinds, or they form no valid `Mesh`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from msvalidate import read_mesh
+    >>> nodes = "*NODE\n1, 0, 0\n2, 370, 0\n3, 0, 200\n"  # in mm
+    >>> elements = "*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n"
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "triangle.inp"
+    ...     _ = file.write_text(nodes + elements)
+    ...     mesh = read_mesh(file, unit=1e-3)
+    >>> print(mesh)
+    mesh of 1 triangle cells, 0.37 x 0.2 m
     """
     positive_number("mesh file: unit", unit, "m")
     file = _check_path(path)

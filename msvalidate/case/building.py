@@ -60,12 +60,50 @@ LOADS = ("traction", "pressure", "force", "gravity")
 
 
 def read_case(path: str | Path) -> Case:
-    """The case in a file.
+    r"""Read a case from a TOML file.
+
+    Parameters
+    ----------
+    path
+        Case file; a mesh file that it names lies beside it or below.
+
+    Returns
+    -------
+    Case
+        Comparison task in SI units.
 
     Raises
     ------
     ProblemError
-        If the file is no case; the message names file, line, key, value and remedy.
+        If the file is no valid case. The message names the file, line, key, value and remedy.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from msvalidate import read_case
+    >>> lines = [
+    ...     "schema = 1",
+    ...     "[body]",
+    ...     "box = [400, 100]",
+    ...     'unit = "mm"',
+    ...     "[material]",
+    ...     "E = 1e5",
+    ...     "nu = 0.3",
+    ...     'state = "plane_strain"',
+    ...     "thickness = 200",
+    ...     "[[support]]",
+    ...     'on = "left"',
+    ...     "[[load]]",
+    ...     'on = "right"',
+    ...     "traction = [0, -10]",
+    ... ]
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "beam.toml"
+    ...     _ = file.write_text("\n".join(lines))
+    ...     case = read_case(file)
+    >>> case.problem.domain.size, case.problem.material.thickness
+    ((0.4, 0.1), 0.2)
     """
     case = build_case(read_source(path))
     return replace(case, linear_theory="frozen") if _is_frozen(Path(path)) else case

@@ -72,21 +72,43 @@ class Homogenised(ReadOnly):
 def homogenise(
     pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
 ) -> Homogenised:
-    """Compute the solid that an endless lattice is, its points at rest.
+    """Compute the effective (homogenised) stiffness tensor of a periodic lattice.
 
-    The method is that of `constants.homogenise.homogenise_network`.
+    The unit cell (representative volume element) is in equilibrium under each uniform strain, with
+    periodic boundary conditions. Sources: [Hill1963] (energy of the mean strain), [BornHuang1954]
+    (equilibrium of the points inside the cell).
 
     Parameters
     ----------
-    pattern, constants
-        What repeats, and its spring constants (N/m), one a kind.
+    pattern
+        Unit cell of the lattice, such as ``patterns.square()``.
+    constants
+        Spring constants (N/m), one per kind of spring.
     spacing
-        Length (m) of the pattern's unit; a plane tensor does not depend on it.
+        Length (m) of the unit of the pattern; a 2D tensor does not depend on it.
+    solver
+        "auto", "direct" or "multigrid".
+
+    Returns
+    -------
+    Homogenised
+        Its field ``tensor`` is the Voigt tensor, (3, 3) in N/m in 2D or (6, 6) in Pa in 3D;
+        ``affine`` is the upper bound without relaxation of the points inside the cell.
 
     Raises
     ------
     ProblemError
-        If the constants are not one a kind, or the spacing is no length; and as there.
+        If there is not one constant per kind, a constant is negative, or the spacing is not
+        positive.
+    SolverError
+        If a large unit cell has a mechanism, or the tensor cannot be determined.
+
+    Examples
+    --------
+    >>> from msvalidate import homogenise, isotropic_moduli, patterns
+    >>> moduli = isotropic_moduli(homogenise(patterns.triangular(), (1.0,)).tensor)
+    >>> print(f"{moduli.E:.6f} N/m, nu = {moduli.nu:.6f}")  # 2/√3 k and 1/3
+    1.154701 N/m, nu = 0.333333
     """
     require_type("pattern", pattern, Pattern)
     a = length_in_metres("spacing", spacing)

@@ -243,22 +243,36 @@ def moduli(tensor: Array) -> Moduli:
 
 
 def isotropic_moduli(tensor: Array) -> Moduli:
-    """E and nu of the isotropic tensor nearest to a tensor, and how far the tensor is from it.
+    """Compute the moduli of the isotropic tensor nearest to a stiffness tensor.
 
-    Nearest in the sum of squares of all components: the mean over all rotations [Voigt1889]. From
-    the invariants a = C_iijj and b = C_ijij, in d axes: bulk modulus a/d², and shear modulus
-    (b - a/d)/((d - 1)(d + 2)), in Pa, or N/m in the plane.
+    The nearest tensor in the sum of squares of all components is the mean over all rotations
+    [Voigt1889]. With the invariants a = C_iijj and b = C_ijij in d dimensions, the bulk modulus is
+    a/d² and the shear modulus (b - a/d)/((d - 1)(d + 2)).
+
+    Parameters
+    ----------
+    tensor
+        Voigt tensor with engineering shear strains, (3, 3) in N/m in 2D or (6, 6) in Pa in 3D.
 
     Returns
     -------
     Moduli
-        Its zener is 2·C44/(C11 - C12) with C11, C12, C44 the means over the axes: it shows an
-        anisotropy of cubic kind along them, and 1 of an isotropic tensor.
+        Young's modulus E (N/m in 2D, Pa in 3D), Poisson's ratio nu (C12/C11 in 2D) and the Zener
+        ratio 2·C44/(C11 - C12), in 2D 2·C66/(C11 - C12), of the cubic mean over the axes, which is
+        1 for an isotropic tensor.
 
     Raises
     ------
     ProblemError
-        If it is no Voigt tensor, or a uniform strain costs no energy.
+        If the tensor has another shape, or is not positive definite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import isotropic_moduli
+    >>> moduli = isotropic_moduli(np.array([[9.0, 3.0, 0.0], [3.0, 9.0, 0.0], [0.0, 0.0, 3.0]]) / 8)
+    >>> print(f"{moduli.E:.3f} {moduli.nu:.3f} {moduli.zener:.3f}")
+    1.000 0.333 1.000
     """
     C = check_voigt(tensor)
     d = AXES_OF[len(C)]

@@ -58,20 +58,39 @@ def calibrate_zones(
     spacing: float | None = None,
     route: str | None = None,
 ) -> tuple[Calibration, ...]:
-    """Calibrate each of `Problem.materials` by one route, in their order.
+    """Find the constants of a lattice for each material of a problem.
 
     Parameters
     ----------
-    problem, lattice, spacing
-        What is to be, of what, and the length (m) of a pattern's unit; a body has its own.
+    problem
+        Boundary value problem; its isotropic materials are those of the body and of each zone.
+    lattice
+        Unit cell, or a lattice that fills the body.
+    spacing
+        Length (m) of the unit of a pattern; a lattice in a body has its own spacing.
     route
-        One of `constants.routes.ROUTES`; None takes springs alone where they will do for all, or
-        else a volume energy for all.
+        "springs", "volume energy" or "neo-Hookean", for all materials. Default: springs alone if
+        they suffice for all, otherwise springs with a volume energy for all.
+
+    Returns
+    -------
+    tuple of Calibration
+        One calibration per material, in the order of `Problem.materials`.
 
     Raises
     ------
     ProblemError
-        If a material is not isotropic, or has no way.
+        If a material is not isotropic, or the lattice cannot have its moduli by this route.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Region, Zone, calibrate_zones, square
+    >>> box = Box((1.0, 1.0))
+    >>> inclusion = Zone(Region(((0.5, 1.0), None)), Isotropic(E=1e6, nu=1 / 3))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(), zones=(inclusion,))
+    >>> soft, stiff = calibrate_zones(problem, square(box, 10))
+    >>> print(f"{stiff.constants[0] / soft.constants[0]:.6f}")
+    10.000000
     """
     require_type("problem", problem, Problem)
 

@@ -196,12 +196,37 @@ def gather_evidence(
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:
-    """Verdict: one row per tolerance; see `judging.evidence.judge_one`.
+    """Compare every observed quantity of a study with its tolerance.
+
+    Parameters
+    ----------
+    evidence
+        Tables, observed values and tolerances that a study returns.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per tolerance, with the observed value, reference, error and limit in the unit of
+        the quantity, and "pass" or "fail" in the column ``verdict``. A value that is not finite
+        fails.
 
     Raises
     ------
     ProblemError
-        If it is no evidence.
+        If the argument is no `kit.Evidence`.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from msvalidate import judge, kit
+    >>> measured = kit.Observed(1.02, reference=1.0)
+    >>> reason = "the ruler has marks every 10 mm"
+    >>> length = kit.Tolerance("length", limit=0.01, unit="m", because=reason, observed=measured)
+    >>> table = pd.DataFrame({"length_m": [1.02]})
+    >>> columns = {"length_m": "measured length in m"}
+    >>> evidence = kit.Evidence(tables={"lengths": table}, tolerances=(length,), columns=columns)
+    >>> judge(evidence)["verdict"].tolist()
+    ['fail']
     """
     require_type("evidence", evidence, Evidence)
     rows = [judge_one(each, evidence.observed[each.quantity]) for each in evidence.tolerances]

@@ -125,25 +125,44 @@ def cut_lattice(
     *,
     origin: tuple[float, ...] | None = None,
 ) -> CutLattice:
-    """Lattice cut to a body.
+    """Cut a square or cubic lattice to the outline or surface of a body.
+
+    Points may lie up to one cell outside the body. Each spring of a cut cell has the share of
+    stiffness that lies inside, an integral over the part of the cell in the body.
 
     Parameters
     ----------
     pattern
-        With one point a cell and springs to corners of the same cell: square, cubic 18 and such.
+        Unit cell with one point, square or cubic, whose springs join corners of the same cell, such
+        as ``patterns.square()`` or ``patterns.cubic18()``.
     domain
-        Any body, of the pattern's dimension.
+        Body of the same dimension d.
     spacing
         Side (m) of the cells.
     origin
-        A place (m) of the lattice, by default (0, 0): lines or planes of it should run along
-        supports. In space z may be given too; by default it is where the body begins.
+        Coordinates (m) of one lattice point, default (0, 0). Lattice lines should coincide with
+        supports. In 3D, z is optional; by default a lattice plane lies at the lower end of the
+        body.
+
+    Returns
+    -------
+    CutLattice
+        Points (n, d) in m, springs (m, 2) and cells; ``fraction`` (c,) is the part of each cell
+        that lies inside the body.
 
     Raises
     ------
     ProblemError
-        If the pattern is not such a one, no cell is left, the points or the triangles of a bent
-        surface are too many, the surface crosses itself, or a value is out of range.
+        If the pattern or the dimension does not fit, no cell remains, there are too many points,
+        the surface crosses itself, or a value is out of its range.
+
+    Examples
+    --------
+    >>> from msvalidate import Polygon, cut_lattice, patterns
+    >>> wedge = Polygon(((0.0, 0.0), (0.3, 0.0), (0.0, 0.3)))
+    >>> lattice = cut_lattice(patterns.square(), wedge, spacing=0.1)
+    >>> lattice.fraction.round(6).tolist()
+    [1.0, 1.0, 0.5, 1.0, 0.5, 0.5]
     """
     require_type("pattern", pattern, Pattern)
     if not joins_corners(pattern):

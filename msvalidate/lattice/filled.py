@@ -139,29 +139,39 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
 
 
 def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLattice:
-    """Whole cells of a pattern in a box along the axes.
+    """Fill a box with whole cells of a lattice pattern.
 
-    Springs that would leave the box are left out; a spring in a side counts the half that lies
-    inside, one in two sides a quarter. Where every spring of the pattern runs inside a cell or
-    along its sides, uniform tension is then exact at any size, and so is shear but for diagonals
-    of the cube, which leave forces at the box's eight corners. Where some run from a cell to the
-    next across a side (triangular, BCC, second neighbours in FCC), those are missing at the
-    boundary, an error of first order in the spacing.
+    Springs that would leave the box are removed. A spring in a side has boundary weight 1/2, one on
+    an edge of a solid 1/4. Uniform tension is then exact at any size if every spring of the pattern
+    lies inside a cell or on its sides. For other patterns (triangular, BCC, FCC with second
+    neighbours) the boundary causes an error of first order in the spacing.
 
     Parameters
     ----------
     pattern
-        With a point in the corner of its cell.
+        Unit cell with a point in its corner.
     box
-        Of the pattern's dimension.
+        Box of the same dimension d.
     cells
-        Number of cells along each axis; one number serves all.
+        Number of cells along each axis, d integers; one integer applies to all axes.
+
+    Returns
+    -------
+    PatternLattice
+        Points (n, d) in m, springs (m, 2), cells and facets.
 
     Raises
     ------
     ProblemError
-        If the box does not fit the pattern, a count is not a positive integer, the cells do not
-        come out in the pattern's proportions, or the points are too many.
+        If the box has another dimension, a count is not a positive integer, the cells do not have
+        the proportions of the pattern, or there are too many points.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, fill, patterns
+    >>> lattice = fill(patterns.cubic18(), Box((0.2, 0.2, 0.1)), (4, 4, 2))
+    >>> lattice.points.shape, lattice.spacing
+    ((75, 3), 0.05)
     """
     require_type("pattern", pattern, Pattern)
     d = pattern.dim

@@ -286,19 +286,52 @@ def spring_network(
     cells: ArrayLike | None = None,
     law: SpringLaw = LINEAR,
 ) -> Network:
-    """Network from any list of points and springs.
+    """Build a network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells, law
-        As in `network.Network`. One number serves for all springs or points. Rest lengths default
-        to the distances in `points`, an unstressed network; the rest defaults to none.
+    points
+        Reference positions (m), shape (n, d), d = 2 or 3.
+    springs
+        Pairs of different points, shape (m, 2).
+    stiffness
+        Stiffness (N/m) of the springs, shape (m,) or one number for all.
+    rest_length
+        Rest lengths (m), shape (m,) or one number. Default: the distances of the points, so that
+        the network has no prestress.
+    mass
+        Masses (kg) of the points, shape (n,) or one number, > 0.
+    held
+        Components with prescribed displacement, boolean array of shape (n, d). Default: none.
+    displacement
+        Prescribed displacements (m), shape (n, d), 0 where the component is free. Default: zero.
+    force
+        External forces (N), shape (n, d). Default: zero.
+    volumes
+        Cells with a volume energy, on the same points. Default: none.
+    cells
+        Points of the cells that are checked for folding, shape (c, corners), in the order of VTK.
+    law
+        Constitutive law of the springs. Default: linear (Hooke).
+
+    Returns
+    -------
+    Network
+        Network with read-only arrays.
 
     Raises
     ------
     ProblemError
-        If an array does not fit, a spring joins a point to itself, names a point that is not
-        there or has no length, or a value is out of range.
+        If an array does not fit, a spring joins a point to itself, names a missing point or has
+        zero length, or a value is out of its range.
+
+    Examples
+    --------
+    >>> from msvalidate import spring_network
+    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
+    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
+    >>> network.rest_length.round(3).tolist()
+    [0.37, 0.421, 0.2]
     """
     x = finite_coordinates("points", points, "n", (2, 3))
     pairs = check_springs(springs, len(x))

@@ -54,22 +54,40 @@ BOUNDARY_RULES = {
 
 
 def plot(network: Network, displacement: Any = None, magnification: float | None = None) -> Figure:
-    """Springs at rest in grey and deformed in blue, supports, and the load at some points.
+    """Plot the springs of a network in its reference and deformed positions.
+
+    The figure also shows the supports and the load at some of the points.
 
     Parameters
     ----------
     network
-        In the plane or in space.
+        Network in 2D or 3D.
     displacement
-        (n, d) in m, or a `statics.equilibrium.Equilibrium`; none draws the network as it is given.
+        Displacement (m) of shape (n, d), or an object with such a field, for example the result of
+        `equilibrium`. Default: the reference positions only.
     magnification
-        Of the displacements, as the title states it. By default 1, 2 or 5 times a power of ten, so
-        that the largest shows as at most a tenth of the body; 1 if it is from there to all of it.
+        Factor of the displacements, > 0. Default: 1, 2 or 5 times a power of ten, so that the
+        largest displacement appears as at most a tenth of the body; 1 if it is between a tenth of
+        the body and all of it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure whose title states the magnification.
 
     Raises
     ------
     ProblemError
-        If the displacement does not fit the network, or the magnification is not above zero.
+        If the displacement does not fit the network, or the magnification is not positive.
+
+    Examples
+    --------
+    >>> from msvalidate import plot, spring_network
+    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
+    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
+    >>> figure = plot(network)  # figure.savefig("network.png") writes a file
+    >>> len(figure.axes)
+    1
     """
     require_type("network", network, Network)
     x, dim, title = network.points, network.dim, "as given, without displacements"
