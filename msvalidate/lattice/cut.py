@@ -1,4 +1,4 @@
-"""A lattice cut to a body: cells of a grid laid over it, each as far as it lies inside.
+"""Lattice cut to a body: grid cells, each weighted by its part inside the body.
 
 A spring of a whole cell belongs to it as the boundary weights of a filled box have it: half of a
 side in the plane, a quarter of an edge in space, all of a diagonal inside. That part is an integral
@@ -38,19 +38,21 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.records import dataclass
 
 BESIDE = 0.1
-"""Part of a cell from bent facets within which the body itself is asked whether it holds a point:
-far more than lies between a bent facet and what it is drawn by."""
+"""Distance from curved facets, relative to a cell, within which the exact body decides.
+
+It is far more than the distance between a curved facet and its flat approximation.
+"""
 
 
 FILLED = 0.25
-"""Part of a cell from which it is no sliver beside a curve."""
+"""Fraction of a cell inside a curved body from which it is no sliver."""
 NARROW = 2.0
-"""Cells across a hole below which it is hardly one: no whole cell lies in it wherever it is."""
+"""Width of a hole, in cells, below which no whole cell may lie in it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CutLattice(PatternLattice):
-    """A lattice whose boundary cells are cut; points may lie up to one cell outside the body.
+    """Lattice with cut boundary cells, whose points may lie up to one cell outside.
 
     Parameters
     ----------
@@ -87,7 +89,9 @@ class CutLattice(PatternLattice):
 
 
 def cell_weights(points: Array, cells: Index, side: float, places: Array) -> tuple[Index, Array]:
-    """Points (q, corners) and weights (q, corners) of square or cubic cells (c, corners) in a grid.
+    """Find the cell of each place, and its interpolation weights (q, corners).
+
+    The grid consists of square or cubic cells (c, corners).
 
     As `CutLattice.weights_at`: `points` (n, d), `side` of the cells and `places` (q, d) in m.
     """
@@ -229,7 +233,9 @@ def _inside(
 
 
 def joins_corners(pattern: Pattern) -> bool:
-    """Whether a pattern's points are a square or cubic grid and its springs join corners of a cell.
+    """Return True if a pattern is a grid whose springs join corners of one cell.
+
+    The grid is square or cubic.
 
     Such can be cut to a body, and interpolated in each cell.
     """
@@ -302,7 +308,7 @@ def _gifts(pattern: Pattern, cells: Index, part: Array) -> tuple[Index, Index, A
 
 
 def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
-    """Whether two corners are alike in all axes along which a spring makes no step."""
+    """Return True if two corners agree along all axes across a spring."""
     return all(a == b or s for a, b, s in zip(other, corner, step, strict=True))
 
 
@@ -310,7 +316,7 @@ def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
 
 
 def narrow_holes(lattice: CutLattice) -> Array:
-    """Middle (h, 2) and width (h,) in m, as rows (h, 3), of holes narrower than `NARROW` cells.
+    """Centre and width (m) of holes narrower than `NARROW` cells, as rows (h, 3).
 
     Of bodies in the plane, and of prisms along z; none are looked for in others.
     """

@@ -1,4 +1,4 @@
-"""A spring along each edge of a mesh: networks of any outline, and how accurate they are.
+"""Spring networks of the edges of a mesh, and their accuracy.
 
 **The rule** ``area`` takes a cell's edges, and the diagonals of quadrilaterals and of hexahedra's
 faces, with stiffness w E V/L²: V the cell's area (times the thickness) or volume, L the edge's
@@ -53,11 +53,14 @@ from msvalidate.problem.records import dataclass
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
 REST_SHARE = {2: 3 / 2, 3: 2.0}
-"""Of E, times -V ∇φi·∇φj: the stiffness of a spring at rest by "cotangent", by axes."""
+"""Number of axes -> stiffness of a "cotangent" spring, in units of -E V ∇φi·∇φj.
+
+The springs have a rest length; V is the volume of the cell.
+"""
 ROUNDING = 1e-14
-"""Of what cells bring to a spring, what is left of it at least."""
+"""Smallest stiffness of a spring, relative to the magnitudes of its contributions."""
 EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
-"""Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
+"""Factors of edges and of face diagonals that make squares and cubes isotropic."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

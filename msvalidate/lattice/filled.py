@@ -25,7 +25,7 @@ from msvalidate.problem.records import ReadOnly, dataclass, field
 
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
-"""Axes -> corners of a box, listed x fastest, in VTK's order: round the low side, then the high."""
+"""Number of axes -> corners of a box in VTK order, from x-fastest order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ class Lattice(ReadOnly):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PatternLattice(Lattice):
-    """A lattice that is a piece of a `pattern`, whose unit of length is `spacing` (m)."""
+    """Lattice of repeated unit cells: a `pattern` whose unit of length is `spacing` (m)."""
 
     pattern: Pattern
     spacing: float
@@ -264,7 +264,9 @@ def number_springs(pattern: Pattern, number: Index) -> tuple[Index, Index]:
 
 
 def side_share(points: Array, together: Index, box: Box) -> Array:
-    """Part (k,) of what joins some points (k, p) that lies in the box: half for each common side.
+    """Fraction (k,) inside the box of each group of points (k, p).
+
+    It is 1/2 for each side that all points of the group share.
 
     Of single points, p = 1, the part of their volume.
     """
@@ -273,7 +275,10 @@ def side_share(points: Array, together: Index, box: Box) -> Array:
 
 
 def weakly_supported(points: Array, springs: Index, least: float) -> Mask:
-    """Mask (n,) of points where the smallest eigenvalue of Σ n nᵀ over springs is below `least`."""
+    """Mask (n,) of points with a smallest eigenvalue of Σ n nᵀ below `least`.
+
+    The sum is over the directions n of the springs of a point.
+    """
     vector = points[springs[:, 1]] - points[springs[:, 0]]
     normal = vector / np.linalg.norm(vector, axis=1)[:, None]
     held = np.zeros((len(points), points.shape[1], points.shape[1]))
@@ -283,7 +288,7 @@ def weakly_supported(points: Array, springs: Index, least: float) -> Mask:
 
 
 def missing_springs(springs: Index, cells: Index, at: Mask) -> Index:
-    """Edges (b, 2) of simplices, with an end at given points (mask, n), that are no springs yet."""
+    """Edges (b, 2) of simplices at marked points that are not springs yet."""
     edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
     edges = np.sort(edges[at[edges].any(axis=1)], axis=1)
     known = set(map(tuple, springs.tolist()))
@@ -292,7 +297,7 @@ def missing_springs(springs: Index, cells: Index, at: Mask) -> Index:
 
 
 def cells_bordered(pattern: Pattern) -> Index:
-    """Number (m,) of cells that each spring borders: two for each side that it runs in."""
+    """Number (m,) of cells at each spring, doubled by each side that contains it."""
     inside_sides = np.zeros(len(pattern.springs), dtype=int)
     i, j = pattern.springs.T
     for axis in range(pattern.dim):
@@ -361,10 +366,10 @@ def _layer_view(grid: NDArray[Kind], dim: int, axis: int, layer: int) -> NDArray
 
 
 def _on_low_side(pattern: Pattern, axis: int) -> Mask:
-    """Which points (n,) of the pattern lie in the low side of its cell across an axis."""
+    """Mask (n,) of the points in the low side of the cell along an axis."""
     return np.asarray(np.abs(pattern.points[:, axis]) <= 1e-9 * pattern.size[axis])
 
 
 def _at_corner(pattern: Pattern) -> Mask:
-    """Which points (n,) lie in the corner of the cell."""
+    """Mask (n,) of the pattern's points in the corner of the cell."""
     return np.asarray((np.abs(pattern.points) <= 1e-9 * np.array(pattern.size)).all(axis=1))

@@ -1,4 +1,4 @@
-"""Lattices of the plane: squares along the axes and at 45 degrees, triangles in an outline."""
+"""2D lattices: square, square at 45 degrees, and triangular."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
 
 
 def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
-    """Outline of a bar of equilateral triangles with straight sides all round, its ends at 60°.
+    """Outline of a bar of equilateral triangles with straight sides and ends at 60°.
 
     Triangles have sides of `spacing` (m). Cells are the number of their sides along the top and of
     their rows; the bottom has the sum.

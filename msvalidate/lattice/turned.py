@@ -1,4 +1,4 @@
-"""A regular lattice in a box along the axes, its own rows at any angle to them."""
+"""Regular lattice in a box, with its rows at any angle to the sides."""
 
 from __future__ import annotations
 
@@ -31,12 +31,17 @@ from msvalidate.problem.checks import (
 )
 
 WEAK = 0.4
-"""Least Σ n nᵀ along any direction, over the directions n of a point's springs of the first kind
-(others may have no stiffness), to do without braces: two springs at 60 degrees have 1/2, but a
-point that was moved may be left with springs that all but lie in a plane."""
+"""Smallest eigenvalue of Σ n nᵀ for which a point needs no braces.
+
+The sum is over the directions n of the point's springs of the first kind, since others may have no
+stiffness. Two springs at 60 degrees have 1/2; the springs of a moved point may almost lie in a
+plane.
+"""
 REACH = 0.4
-"""Distance to a side, in distances of nearest neighbours, from which a point is moved onto it:
-below 1/2, so that neighbours on either side of it do not meet."""
+"""Distance from a side within which points move onto it, in nearest-neighbour distances.
+
+It is below 1/2, so that neighbours on opposite sides do not coincide.
+"""
 
 
 def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> Lattice:
@@ -167,7 +172,7 @@ def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
 
 
 def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
-    """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
+    """Return the rotation matrix (dim, dim) of an angle (rad), or a given matrix.
 
     Raises `ProblemError` if it is neither.
     """

@@ -22,9 +22,12 @@ from msvalidate.problem.checks import length_in_metres, require_one_of, require_
 from msvalidate.problem.records import dataclass
 
 STIFFNESS_RULES = ("1", "1/L", "A/L")
-"""What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""
+"""Rules for the stiffness of a spring of length L across a facet A."""
 LOOSE = 1e-3
-"""Σ n nᵀ along some direction, over the directions n of its springs, below which a point swings."""
+"""Smallest eigenvalue of Σ n nᵀ for which a point does not swing.
+
+The sum is over the directions n of the point's springs.
+"""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

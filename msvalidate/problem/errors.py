@@ -1,4 +1,4 @@
-"""The two errors that a user meets: a question without an answer, and an answer not found."""
+"""Errors that a user meets: an ill-posed problem, and a missing solution."""
 
 
 class ProblemError(ValueError):

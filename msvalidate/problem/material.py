@@ -1,4 +1,4 @@
-"""Of what: linear elastic materials."""
+"""Linear elastic materials, isotropic and anisotropic."""
 
 from __future__ import annotations
 

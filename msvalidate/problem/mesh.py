@@ -1,4 +1,4 @@
-"""A body made of cells: any outline, in the plane or in space, with straight or bent sides."""
+"""Mesh domain: any outline in 2D or 3D, with straight or curved sides."""
 
 from __future__ import annotations
 
@@ -129,7 +129,10 @@ class Mesh:
 
     @cached_property
     def span(self) -> Span:
-        """Low and high coordinate (m) of the nodes along each axis; bent sides may bulge beyond."""
+        """Low and high coordinate (m) of the nodes along each axis.
+
+        Curved sides may extend beyond it.
+        """
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         return tuple((float(a), float(b)) for a, b in zip(low, high, strict=True))
 
@@ -146,7 +149,7 @@ class Mesh:
 
     @cached_property
     def pieces(self) -> Index:
-        """Number (n,) from 0 of the piece of each node, where the mesh is in pieces apart."""
+        """Number (n,) of the connected component of each node, from 0."""
         n, first = len(self.points), np.repeat(self.cells[:, 0], self.cells.shape[1])
         joined = csr_array((np.ones(first.size), (first, self.cells.ravel())), shape=(n, n))
         return np.asarray(connected_components(joined, directed=False)[1])
@@ -185,7 +188,7 @@ class Mesh:
         return Boundary("surface", self.points[self.surface])
 
     def on_boundary(self, places: Array) -> bool:
-        """Whether all places (k, d) in m lie on the surface."""
+        """Return True if all points (k, d) in m lie on the surface."""
         return bool(self.whole_surface.select(places, self.tolerance).all())
 
     def contains(self, points: Array) -> Mask:
@@ -193,7 +196,7 @@ class Mesh:
         return is_on_any(self.kind, self.points[self.cells], np.asarray(points), self.tolerance)
 
     def part(self, region: Region | Segment) -> Boundary:
-        """Facets of the surface that lie in a part of a side given by its coordinates.
+        """Return the surface facets in a region, a side or part of it by coordinates.
 
         Raises `ProblemError` if none does, the part goes on inside the body, or ends between the
         ends of a facet.
@@ -222,7 +225,7 @@ class Mesh:
         return part
 
     def places_in(self, region: Region) -> Array:
-        """Nodes (k, d) in m that lie in a region which is no part of a side.
+        """Return the nodes (k, d) in m of a region inside the body.
 
         Raises `ProblemError` if none does, or it ends between two of them.
         """
@@ -246,7 +249,7 @@ class Mesh:
         return f", or a side by name: {', '.join(self.boundaries)}" if self.boundaries else ""
 
     def _continues_inside(self, region: Region) -> bool:
-        """Whether cells reach through the plane of a region, within it."""
+        """Return True if cells extend through the plane of a region, within the region."""
         (axis,), room = region.normal_axes, self.tolerance
         plane = float(region.corners(self.span)[0, axis])
         x = self.points[self.cells][..., axis]
@@ -255,7 +258,7 @@ class Mesh:
         return bool(region.overlaps(low, high, room).any())
 
     def _ends_within_facets(self, region: Region) -> bool:
-        """Whether facets in the plane of a region reach across its rim."""
+        """Return True if facets in the plane of a region extend across its rim."""
         places, room = self.points[self.surface], self.tolerance
         flat = Region(tuple(None if isinstance(e, tuple) else e for e in region.extent))
         inside = [each.select(places.reshape(-1, self.dim), room) for each in (flat, region)]
@@ -310,7 +313,7 @@ class Mesh:
 
 
 def _entry(what: str, named: Mapping[str, Index], name: str) -> Index:
-    """What has a name in a mesh. Raises `ProblemError` that lists the names for another."""
+    """Return the entry of a name; raise `ProblemError` that lists the known names."""
     if not isinstance(name, str) or name not in named:
         known = ", ".join(map(format_value, named)) or "none with a name"
         raise ProblemError(f"{what} {format_value(name)}: the mesh has {known}; choose one of them")

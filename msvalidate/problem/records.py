@@ -69,7 +69,7 @@ _WHOLE, _BRIEF = _Short(6), _Short(1)
 
 @recursive_repr()  # "..." for a record that holds itself
 def short_repr(record: Any) -> str:
-    """One line, ``Name(field=value, ...)``, of at most `LONGEST_REPR` letters.
+    """Return ``Name(field=value, ...)`` in at most `LONGEST_REPR` letters.
 
     Where all is too much, records in it show their names, numbers four digits, and as many fields
     are shown as there is room for.

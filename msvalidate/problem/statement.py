@@ -1,4 +1,4 @@
-"""Problem: a body, what it is made of, how it is held, what acts on it and what it may touch."""
+"""Boundary value problem: domain, material, supports, loads and contacts."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ class Problem:
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
 
     def refuse_free_body(self) -> None:
-        """Raise `ProblemError` if the supports leave the body, or a piece of it, a rigid motion.
+        """Raise `ProblemError` if the body, or a piece of it, can move rigidly.
 
         The message names each. What solves for rest asks it before it meshes.
         """
@@ -306,7 +306,7 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
 
 
 def _component_values(name: str, entry: float | Field, points: Array) -> Array:
-    """One displacement component at the points: a field evaluated, a number repeated."""
+    """Evaluate a prescribed displacement component at the points: a field or a number."""
     if not callable(entry):
         return np.full(len(points), float(entry))
     values = finite_coordinates(name, entry(points))

@@ -1,4 +1,4 @@
-"""Parts of a body that are of another material: zones, and the regions that they take."""
+"""Zones, the regions of a body that consist of another material."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Ball:
         return len(self.centre)
 
     def depth(self, points: Array) -> Array:
-        """How far (n,) in m points (n, d) lie inside; below zero outside."""
+        """Depth (n,) in m of the points (n, d) below the surface, negative outside."""
         return np.asarray(self.radius - np.linalg.norm(points - np.array(self.centre), axis=1))
 
     def select(self, points: Array, tolerance: float) -> Mask:
@@ -79,7 +79,7 @@ class Ball:
         return np.asarray(np.abs(self.depth(points)) <= tolerance)
 
     def meets(self, span: Span) -> bool:
-        """Whether it shares more than a rim with the box round a body."""
+        """Return True if the ball overlaps the bounding box of a body."""
         low, high = np.array(span).T
         return bool(self.depth(np.clip([self.centre], low, high))[0] > 0)
 
