@@ -124,7 +124,9 @@ def homogenise(
 
 
 def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Array:
-    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
+    """Effective tensor of the *interior* of a lattice, built by a rule for weights.
+
+    It is (3, 3) in N/m or (6, 6) in Pa.
 
     Of a piece of a pattern it is the solid of what repeats, its points at rest. A `diagonal_square`
     has lost the springs that its boundary cut, and comes near its interior's tensor only as it
@@ -159,7 +161,7 @@ def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arr
 
 
 def deforms_affinely(pattern: Pattern) -> bool:
-    """Whether all points deform affinely under a uniform strain, for any spring constants.
+    """Return True if every point follows a uniform strain, for any constants.
 
     They do where each kind of spring by itself leaves no force on them: where every point is a
     centre of symmetry. The affine tensor is then exact, and linear in the constants.

@@ -45,7 +45,7 @@ from msvalidate.problem.checks import finite_number, format_value, require_type
 from msvalidate.problem.shapes import STRAIGHT
 
 SAMPLES: Mapping[int, int] = {2: 16, 3: 8}
-"""Places along each axis of a cell that a zone ends in; fractions are then off by a hundredth."""
+"""Sample points per axis of a cell at a zone's end, for 1 % accuracy."""
 
 OneOrEach = Constants | Calibration | tuple[Constants | Calibration, ...]
 """Constants of a body: one entry, or one for each of its materials."""
@@ -108,7 +108,9 @@ def calibrate_zones(
 def constants_by_zone(
     problem: Problem, lattice: Lattice, given: OneOrEach | None = None, volume: float = 0.0
 ) -> tuple[Array, Array, Array, Array]:
-    """Constants of springs (m,) in N/m, κ and pressure of cells (c,), density at points (n,).
+    """Constants of springs and cells, and the density at points, by zone.
+
+    Spring constants are (m,) in N/m, κ and pressure (c,), the density (n,).
 
     Parameters
     ----------
@@ -149,7 +151,7 @@ def constants_by_zone(
 def spring_shares(
     problem: Problem, lattice: Lattice, constants: OneOrEach | None = None
 ) -> csr_array:
-    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+    """Fraction (m, c) of each spring's stiffness from each cell; rows sum to 1.
 
     Which of the force of a spring on an interface is whose: `msvalidate.statics.stress.cell_stress`
     takes them. A spring without stiffness has none.
@@ -219,7 +221,7 @@ def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) 
 
 
 def _gifts(lattice: Lattice, soft: Array, k: Array) -> csr_array:
-    """What each cell brings (m, c) to each spring's constant.
+    """Contribution (m, c) of each cell to each spring constant.
 
     Of each material's fraction over its shear modulus (c, materials), and its constants
     (materials, kinds).

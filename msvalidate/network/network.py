@@ -36,11 +36,13 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 AT_REST = 2.0**-50
-"""Pull, over the axial stiffness, up to which a rest length is the distance of a spring's points,
-rounded to a double: the spring is at rest there. Taken as given, that rounding would be a
-prestress, which bends a slender body more than a small load does."""
+"""Largest pull, relative to the axial stiffness, that counts as rounding.
+
+A rest length that equals the distance of two points is rounded to a double. Taken literally, the
+rounding would be a prestress that bends a slender body more than a small load does.
+"""
 BALANCED = 16.0
-"""Roundings of the forces that meet at a point up to which they are in balance there."""
+"""Out-of-balance force that counts as equilibrium, in units of rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +164,7 @@ class Network:
 
     @property
     def resisting(self) -> Index:
-        """Points (c, corners) of the cells that resist a change of volume; (0, 1) of none."""
+        """Points (c, corners) of the cells with a volume energy, or (0, 1) without."""
         none = np.zeros((0, 1), dtype=np.intp)
         return none if self.volumes is None else self.volumes.cells
 
@@ -179,12 +181,12 @@ class Network:
 
     @cached_property
     def square(self) -> Array:
-        """Its square (m,) in m²."""
+        """Squared distance (m,) in m² of the points of each spring."""
         return self.distance**2
 
     @cached_property
     def coefficients(self) -> Coefficients:
-        """Of the law, for each spring."""
+        """Coefficients of the law for each spring."""
         return self.law.coefficients(self.stiffness, self.rest_length)
 
     @cached_property
@@ -194,18 +196,20 @@ class Network:
 
     @cached_property
     def pull_at_rest(self) -> Array:
-        """Force over length (m,) in N/m at the reference points: 0 where it is a rounding."""
+        """Force over length (m,) in N/m at the reference positions, without rounding."""
         pull = self.law.pull(self.coefficients, self.square)
         return np.where(np.abs(pull) > AT_REST * np.abs(self.axial_stiffness), pull, 0.0)
 
     @property
     def prestressed(self) -> bool:
-        """Whether springs pull at the reference points."""
+        """True if springs carry force at the reference positions."""
         return bool(self.pull_at_rest.any())
 
     @cached_property
     def rest_force(self) -> Array:
-        """Force (n, d) in N of springs and cells at the reference points: 0 where in balance.
+        """Force (n, d) in N of springs and cells at the reference positions.
+
+        It is 0 in equilibrium.
 
         In balance to rounding: of springs and cells under tension and pressure, and of a form that
         was found under tension.
@@ -217,7 +221,7 @@ class Network:
         return np.where(np.abs(force) > BALANCED * self.rounding(0.0), force, 0.0)
 
     def rounding(self, reach: float) -> Array:
-        """Force (n, 1) in N that is rounding, of lengths and of `reach` (m), added to them.
+        """Force (n, 1) in N due to rounding of lengths and of `reach` (m).
 
         An eps of these, times the stiffness of the springs and cells that meet at a point.
 
@@ -230,7 +234,7 @@ class Network:
 
     @cached_property
     def layout(self) -> Layout:
-        """How its points and springs lie in memory for the compiled sweep."""
+        """Order of points and springs in memory for the compiled loops."""
         n, d = self.points.shape
         if self.law.loops is None:
             raise ProblemError(f"compiled loops: they have no {self.law.name} law; take path plain")
@@ -244,12 +248,15 @@ class Network:
 
     @cached_property
     def simplices(self) -> Simplices | None:
-        """What shows that it is folded; None where there is nothing to look at."""
+        """Simplices that are checked for folding, or None."""
         cells = self.resisting if self.cells is None else self.cells
         return simplices_of(self.points, self.springs, cells)
 
     def assemble_forces(self, pull: Array) -> Array:
-        """Force (n, d) in N on the points by pulls (m, d) of springs on their first ends."""
+        """Sum the pulls (m, d) of springs to forces (n, d) in N on points.
+
+        A pull acts on the first end of its spring, and with the opposite sign on the second.
+        """
         force = np.zeros(self.points.shape)
         for axis in range(self.dim):
             for end, sign in ((0, 1.0), (1, -1.0)):

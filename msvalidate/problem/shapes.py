@@ -19,26 +19,14 @@ from msvalidate.problem.records import dataclass
 GAUSS = {1: 11, 2: 6}
 """Gauss points along each axis of an edge and of a face.
 
-The volume of quadratic cells, whose integrands have at most degree 5, is then exact. The length of
-an edge bent by a quarter of its length is accurate to 1e-10.
+Volumes of quadratic cells (degree 5) are then exact; a strongly curved edge is accurate to 1e-10.
 """
 NEWTON_STEPS = 30
-"""Maximum number of Newton steps for the inverse map of a cell.
-
-Straight simplices take one step, other cells five.
-"""
+"""Maximum number of Newton steps for the inverse map of a cell."""
 AT_REST, SINGULAR = 1e-12, 1e-15
-"""Convergence limit of the inverse map, and its regularisation.
-
-The limit is a step in the unit cell, far below the distance of distinct positions. The
-regularisation is the fraction of the squared slopes of a map that is added to them, so that a
-singular map raises no error.
-"""
+"""Convergence limit of the inverse map in the unit cell, and its regularisation."""
 AT_ONCE = 20_000
-"""Number of pairs of points and cells per batch.
-
-With 27 nodes per cell they take 40 MB.
-"""
+"""Number of pairs of points and cells per batch (40 MB with 27 nodes)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,19 +284,13 @@ def enclosed_volume(places: Array) -> float:
 
 
 def facet_areas(places: Array) -> Array:
-    """Compute the length (m) or area (m²) of facets (f, k, d), curved or straight.
-
-    Curved ones are integrated by Gauss quadrature.
-    """
+    """Compute the length (m) or area (m²) of facets (f, k, d) by Gauss quadrature."""
     _, normal = area_vectors(places)
     return np.asarray(np.linalg.norm(normal, axis=2).sum(axis=1))
 
 
 def facet_middles(places: Array) -> Array:
-    """Midpoints (f, d) in m of facets (f, k, d).
-
-    A midpoint is the image of the middle of the unit facet.
-    """
+    """Midpoints (f, d) in m of facets (f, k, d), straight or curved."""
     shape = FACETS[places.shape[2], places.shape[1]]
     return np.asarray((shape.values(shape.middle[None]) @ places)[:, 0])
 
