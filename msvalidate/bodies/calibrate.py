@@ -35,13 +35,22 @@ from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
 
 MOST_TRIED = 800
-"""Points of a body that is tried as it is, for a tenth of a second or two. Of a larger one a
-smaller one of the same lattice is."""
+"""Maximum number of points of a body for the tension test.
+
+It takes a tenth of a second or two. A larger body is represented by a smaller one of the same
+lattice.
+"""
 MOST_FACTORED = 30_000
-"""Points of a body without a pattern beyond which nothing is said that takes a factor."""
+"""Maximum number of points of a body without a pattern for a factor.
+
+Larger ones get no result that needs a factor.
+"""
 BALANCED = 1e-9
-"""Forces out of balance over the largest load below which they are rounding: stiffnesses of a ratio
-near 1/2 are a thousand times the rest, and each sum is rounded by 1e-16 of its terms."""
+"""Relative out-of-balance force that is rounding.
+
+At a ratio near 1/2, stiffnesses are a thousand times the rest, and each sum is rounded by 1e-16 of
+its terms.
+"""
 PULL = 1e-3
 """Traction over Young's modulus; answers to first order do not depend on it."""
 NOT_KNOWN = TensionCheck("not known", math.nan, 0)
@@ -112,7 +121,9 @@ def calibrate_material(
     spacing: float | None = None,
     route: str | None = None,
 ) -> Calibration:
-    """Constants that give a lattice the moduli of a material, by one route or the first possible.
+    """Find the constants with which a lattice has a material's moduli.
+
+    The route is a given one or the first possible.
 
     The endless lattice is that material. Of a body, `Calibration.body` says how far it is.
 
@@ -155,7 +166,7 @@ def _check_uniform_tension(
 def _measure_tension(
     pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool
 ) -> TensionCheck:
-    """What a body of points (n, d) does: networks with their loads, and the strains (d,) wanted."""
+    """Error of a body (n, d) in tension, from networks, loads and target strains (d,)."""
     first, _ = pulls[0]
     K, free = tangent(first, points), np.flatnonzero(~first.held.ravel())
     wanted = [points * strain for _, strain in pulls]

@@ -58,7 +58,7 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import require_type
 
 GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
-"""Places on a piece within one cell: exact for a traction that is linear along it."""
+"""Gauss points on a piece within one cell, exact for a linear traction."""
 
 
 def cut_network(
@@ -147,7 +147,7 @@ def cut_network(
 
 
 def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
-    """Which points a support holds, as a function of the support."""
+    """Return a function that selects the points that a support fixes."""
 
     def held(support: Support) -> Mask:
         region = support.region
@@ -199,7 +199,10 @@ def _points_along(region: Part, lattice: CutLattice) -> Mask:
 
 
 def _is_wall(region: Part, lattice: CutLattice) -> bool:
-    """Whether a part is a wall of a prism, across no axis: one that its outline tells all about."""
+    """Return True if a region is a vertical wall of a prism.
+
+    The outline alone then describes it.
+    """
     if lattice.by_surface or not isinstance(region, Boundary):
         return False
     size = np.ptp(region.places, axis=1)
@@ -246,7 +249,7 @@ def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]
 
 
 def _is_end(load: Traction, lattice: CutLattice) -> bool:
-    """Whether a traction acts on a whole end of a prism."""
+    """Return True if a traction acts on a whole end of a prism."""
     z = corners_of(load.region, lattice.domain)[:, 2]
     if lattice.by_surface or np.ptp(z) > lattice.domain.tolerance:
         return False

@@ -31,16 +31,18 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import equilibrium
 
 OPEN = 1e-7
-"""Least singular value of the slopes, relative to the largest, above which all is determined: some
-1e-12 of rounding in displacements then leave five digits."""
+"""Smallest relative singular value of the derivatives for a determined fit.
+
+Rounding of 1e-12 in displacements then leaves five digits.
+"""
 NOTHING = 0.99
-"""Residual from which a fit is no better than no displacement at all, which has 1."""
+"""Relative residual from which a fit is no better than zero displacement."""
 WORTH_HAVING = 1e-3
-"""Part of the largest constant from which one is no more at its bound, 0."""
+"""Smallest relative constant that is not at its bound of 0."""
 PART = 1e-12
-"""Of the error of a slope, left by multigrid."""
+"""Relative error of derivatives computed by multigrid."""
 WORTH_NAMING = 0.1
-"""Part of a constant in what is open, relative to the largest, from which it is named."""
+"""Smallest relative part of a constant in an undetermined combination to name it."""
 
 
 @dataclass(frozen=True, eq=False)

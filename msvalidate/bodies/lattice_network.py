@@ -40,7 +40,10 @@ from msvalidate.statics.contact import Touching
 
 Kind = TypeVar("Kind", bound=Lattice)
 RIGHT = 1e-9
-"""Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
+"""Negative cotangent up to which an obtuse angle counts as right.
+
+Rounding of coordinates is 1e-16.
+"""
 
 
 def lattice_network(
@@ -152,11 +155,17 @@ def _volumes(lattice: Lattice, kappa: Array, pressure: Array) -> Volumes | None:
 
 
 Applied = Callable[[PointForce | Traction, Kind], Array]
-"""Forces (n, d) on a lattice's points of a point force (N), or of a traction (N per thickness)."""
+"""Function of a load and a lattice that returns nodal forces (n, d).
+
+They are in N for a point force, in N per thickness for a traction.
+"""
 
 
 def nodal_force(problem: Problem, lattice: Kind, mass: Array, applied: Applied[Kind]) -> Array:
-    """Loads as forces (n, d) in N on the points of masses (n,) in kg; the thickness enters here."""
+    """Compute the nodal forces (n, d) in N of all loads.
+
+    The masses of the points are (n,) in kg; the thickness is included here.
+    """
     if problem.contacts:
         raise ProblemError(f"{problem.name}: has a contact; take contact_network, or leave it out")
     force = np.zeros(lattice.points.shape)
@@ -254,7 +263,7 @@ def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
 
 
 def _facet_shares(corners: int) -> Array:
-    """Parts (1, corners, corners) of tractions at a facet's corners that go to each of them.
+    """Consistent distribution (1, corners, corners) of tractions over a facet.
 
     The consistent ones of a traction that varies linearly along an edge, or over a rectangle along
     both of its edges.
@@ -264,7 +273,7 @@ def _facet_shares(corners: int) -> Array:
 
 
 def _triangle_shares(facets: Index, corners: Array, area: Array, *, regular: bool) -> Array:
-    """Parts (f, 3, 3) of tractions at triangles' corners that go to each of them.
+    """Distribution (f, 3, 3) of tractions at the corners of triangles.
 
     The consistent parts, (1 + δ)/12, give corners a third of a uniform traction each, so that
     points with more triangles get more, though they be alike in the lattice. What is alike is the

@@ -1,4 +1,4 @@
-"""A `Mesh` from a file of Gmsh, VTK or Abaqus. The only module that knows meshio.
+"""Meshes from files of Gmsh, VTK or Abaqus; no other module uses meshio.
 
 Names of boundaries are what the file holds for them:
 
@@ -50,11 +50,14 @@ FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 LARGEST_FILE = 1_000_000_000
 """Bytes of a mesh file beyond which it is not read."""
 MOST_UNPACKED, UNPACKED = 100_000_000, 20
-"""Bytes that the blocks of any file may have when unpacked, and times its own size."""
+"""Maximum size of unpacked blocks: in bytes, and relative to the file.
+
+The larger of both applies, up to `LARGEST_FILE`.
+"""
 DEEPEST = 100
 """Elements of XML in each other, beyond which a file is refused."""
 PLANE = 1e-9
-"""Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
+"""Relative variation of the third coordinate of a 2D mesh."""
 MOST_ZONES = 200
 """Values of an array of cell data up to which each is a zone's name."""
 
@@ -121,7 +124,9 @@ def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) ->
 
 
 def read_points(path: str | Path) -> tuple[Array, dict[str, Any]]:
-    """Points (n, 3) of a file as it has them, and name -> values (n, ...) of its point data.
+    """Read the points (n, 3) of a file, and its point data by name.
+
+    The values of point data are (n, ...); units are those of the file.
 
     Raises
     ------
@@ -154,7 +159,7 @@ def _check_path(path: object) -> Path:
 
 
 def _read_content(file: Path, said: str) -> Any:
-    """What meshio finds in a file; it prints what it thinks, and leaves the program on an error."""
+    """Read a file with meshio, without its output and its exits."""
     form = FORMATS[file.suffix.lower()]
     _refuse_before_reading(file, form, said)
     heard = io.StringIO()
@@ -189,7 +194,7 @@ class _Growing(bytearray):
 
 
 class _Unpacking:
-    """What unpacks blocks of one file, and no more bytes in all than may be; then it refuses."""
+    """Decompressor of a file's blocks that limits their total size."""
 
     def __init__(self, start: Callable[[], Any], most: int) -> None:
         self._start, self._left, self._most = start, most, most
@@ -283,7 +288,7 @@ def _body_cells(content: Any, said: str) -> tuple[str, Index]:
 
 
 def _remedy(name: str, dim: int) -> str:
-    """What to write instead of cells that are not known, by meshio's name."""
+    """Recommend a replacement for an unsupported cell type of meshio."""
     family, number = name.rstrip("0123456789"), name.lstrip("abcdefghijklmnopqrstuvwxyz")
     shapes = [shape for shape in SHAPES.values() if shape.dim == dim]
     known = [shape.name for shape in shapes]
@@ -298,7 +303,7 @@ def _remedy(name: str, dim: int) -> str:
 
 
 def _group_hint(content: Any) -> str:
-    """What a file of Gmsh with groups may lack: the body, if it has none."""
+    """Explain that a Gmsh file with groups may lack one for the body."""
     if "gmsh:physical" not in content.cell_data:
         return ""
     return " (Gmsh writes what has a physical group alone: give the body one, or Mesh.SaveAll = 1)"

@@ -44,17 +44,22 @@ from msvalidate.statics.refinement import error_of_displacement
 from msvalidate.statics.tangents import is_stable
 
 STOPOVER = 1e-4
-"""Tolerance of rest at stops of a path: what is left there is a ten-thousandth of what a stop adds,
-and the next begins with it."""
+"""Tolerance of equilibrium at intermediate stops of a path.
+
+The residual is a ten-thousandth of the next load step.
+"""
 FEW_UNITS = 16.0
 """Units of rounding of positions, of which a displacement is no motion."""
 BALANCED = 1e-6
-"""Part of a load that prestress may leave out of balance."""
+"""Fraction of a load that prestress may leave out of balance."""
 LOOSEST = 0.01
 """Largest tolerance: above it a start under full load would soon count as rest."""
 
 Watch = Callable[[Run], bool]
-"""Shown the run at every look; True ends it there. It must not change the run."""
+"""Function of the run at every check; True ends the run.
+
+It must not change the run.
+"""
 
 
 def relax(
@@ -257,7 +262,7 @@ def _load_stages(path: LoadPath) -> list[Network]:
 def _check_stopping(
     tolerance: float, max_steps: int | None, look_every: int | None, watch: Watch | None
 ) -> None:
-    """What ends a run, or looks at it, out of range."""
+    """Check the arguments that control the end and the monitoring of a run."""
     if positive_number("tolerance", tolerance) > LOOSEST:
         raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
     for name, steps in (("max_steps", max_steps), ("look_every", look_every)):
@@ -325,7 +330,10 @@ class HistoryRow(NamedTuple):
 
 
 class Monitor:
-    """Watches a run, which is not changed; `history` has all rows so far, the first of no step."""
+    """Monitor of a run, with a `history` from step 0 on.
+
+    It does not change the run.
+    """
 
     def __init__(self, run: Run) -> None:
         self.run = run
@@ -333,7 +341,7 @@ class Monitor:
         self._reach = DIVERGED * max(float(np.ptp(x)) for x in run.network.points.T)
 
     def record(self) -> HistoryRow:
-        """Add the run as it is now to the history; raise `SolverError` if it has diverged."""
+        """Add the state of a run to the history; raise `SolverError` on divergence."""
         run = self.run
         seen = HistoryRow(run.steps, max_abs(run.balance()), run.kinetic)
         near = max_abs(run.displacement) < self._reach
@@ -354,7 +362,7 @@ class Monitor:
 
     @property
     def unfinished(self) -> str:
-        """What to say of a run that has used up its steps."""
+        """Error message for a run that has used all its steps."""
         run, last = self.run, self.history[-1]
         return (
             f"{run.title} is not at rest after {run.steps} steps: {run.time_step}residual "

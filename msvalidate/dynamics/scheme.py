@@ -1,4 +1,4 @@
-"""What a time integration scheme is: a record of its step and of what it claims.
+"""Record that defines a time integration scheme: its step and its properties.
 
 A scheme advances a state (x, v, a): position (m), velocity (m/s) and the acceleration (m/s²) of
 springs and loads *without* damping at that position. The viscous acceleration is -c·v, c in 1/s.
@@ -29,9 +29,15 @@ class MotionState(NamedTuple):
 
 
 Step = Callable[[Acceleration, MotionState, float, Array | float], MotionState]
-"""One step of `h` (s) with damping `c` (1/s), a number or one a component."""
+"""Function that advances a state by a step `h` (s) with damping `c` (1/s).
+
+The damping is a number or one per component.
+"""
 Factors = Callable[[float, Array], tuple[Array, Array]]
-"""(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
+"""Factors (keep, push) of a step `h` (s) with damping `c` (1/s).
+
+v = keep·v + push·a and x += h·v.
+"""
 
 
 def stagger(now: MotionState, half: float, c: Array | float) -> MotionState:
@@ -51,7 +57,10 @@ def synchronise(now: MotionState, half: float, c: Array | float) -> MotionState:
 
 
 States = NDArray[np.complex128]
-"""States x + i·v/ω (n,) of an oscillator, both of the same time, over the amplitude (1)."""
+"""States x + i·v/ω (n,) of an oscillator, relative to its amplitude.
+
+Position and velocity belong to the same time.
+"""
 UndampedMotion = Callable[[float, Array], States]
 """States from rest at 1 by h·ω (rad) and numbers of steps (n,)."""
 

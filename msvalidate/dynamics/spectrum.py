@@ -36,15 +36,21 @@ LARGEST_DENSE = 10_000
 FEW = 40
 """Lowest frequencies that large networks are asked for without a factor."""
 SAME = 1e-9
-"""Of the largest singular value of a part's motions, below which two of them are one."""
+"""Smallest relative singular value of independent rigid-body motions."""
 RIGID = 1e-9
 """Square of a rigid motion's frequency over the highest, that is rounding."""
 UNSURE = 1e-11
-"""Lowest square over the highest at which the digits of an eigenvalue run out: five are left."""
+"""Ratio of the lowest to the highest squared frequency that leaves five digits.
+
+Below it the energy of the mode is computed.
+"""
 SWEEPS = 8
 """Inverse iterations on a few modes more than are asked for."""
 FIRST_STEPS, MOST_STEPS = 5, 200
-"""Of the iteration for large networks: to tell a square from its neighbours, and in all."""
+"""Number of first and of all iterations for large networks.
+
+The first ones separate a squared frequency from its neighbours.
+"""
 
 
 def natural_frequencies(

@@ -188,7 +188,9 @@ def equilibrium_at(
     solver: Choice | None = None,
     linear: bool = False,
 ) -> Equilibrium:
-    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+    """Evaluate residual and reactions of an equilibrium at a displacement.
+
+    It is (n, d) in m.
 
     Forces come from the displacement: positions have lost digits where coordinates are large.
     `linear`: they are those at the reference points and their change to first order.
@@ -214,7 +216,7 @@ def equilibrium_at(
 
 
 def _solve_by(solver: Solver, solve: Callable[[], Equilibrium]) -> Equilibrium:
-    """What is found by a solver, by its factor where multigrid gives up."""
+    """Solve with a solver, and with its factor if multigrid fails."""
     while True:
         try:
             return solve()
@@ -282,7 +284,7 @@ def _follow_prestress(network: Network, solver: Solver, solves: int) -> PathResu
 
 
 def _explain_failure(network: Network, solver: Solver, found: PathResult) -> str:
-    """What to say of a way that leads no further."""
+    """Explain why a load path cannot be continued."""
     what, hidden = "load", _explain_pivots(network, solver)
     if hidden:
         remedy = f"what lies beyond may be hidden by rounding: {hidden}"

@@ -43,7 +43,9 @@ Geometry = Literal["linear", "nonlinear"]
 
 
 def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
-    """Virial (m, d, d) in N·m of each spring: its pull times its vector, f d⊗d/|d|.
+    """Virial (m, d, d) in N·m of each spring, f d⊗d/|d|.
+
+    d is its vector, f its force.
 
     "linear": the force to first order in the displacement times the reference vector, f⊗D.
     "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
@@ -155,7 +157,9 @@ def _pressure_virial(
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:
-    """Mean stress (n, 3) or (n, 6) in Pa at each point, of the cells' (c, 3) or (c, 6) around it.
+    """Average the stresses of the cells around each point.
+
+    The result is (n, 3) or (n, 6) in Pa. The stresses of cells are (c, 3) or (c, 6) in Pa.
 
     Raises
     ------
@@ -279,7 +283,7 @@ def interior_points(lattice: CutLattice) -> Mask:
 
 
 def cell_volume(lattice: Lattice) -> Array:
-    """Area (m²) or volume (m³) of each cell (c,), as far as it lies in the body."""
+    """Area (m²) or volume (m³) of each cell (c,) inside the body."""
     require_type("lattice", lattice, Lattice)
     return np.asarray(_corner_volume(lattice).sum(axis=1))
 
