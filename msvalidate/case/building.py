@@ -82,25 +82,12 @@ def read_case(path: str | Path) -> Case:
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from msvalidate import read_case
-    >>> lines = [
-    ...     "schema = 1",
-    ...     "[body]",
-    ...     "box = [400, 100]",
-    ...     'unit = "mm"',
-    ...     "[material]",
-    ...     "E = 1e5",
-    ...     "nu = 0.3",
-    ...     'state = "plane_strain"',
-    ...     "thickness = 200",
-    ...     "[[support]]",
-    ...     'on = "left"',
-    ...     "[[load]]",
-    ...     'on = "right"',
-    ...     "traction = [0, -10]",
-    ... ]
+    >>> body = "schema = 1\n[body]\nbox = [400, 100]\nunit = 'mm'\n"
+    >>> material = "[material]\nE = 1e5\nnu = 0.3\nstate = 'plane_strain'\nthickness = 200\n"
+    >>> rest = "[[support]]\non = 'left'\n[[load]]\non = 'right'\ntraction = [0, -10]\n"
     >>> with TemporaryDirectory() as folder:
     ...     file = Path(folder) / "beam.toml"
-    ...     _ = file.write_text("\n".join(lines))
+    ...     _ = file.write_text(body + material + rest)
     ...     case = read_case(file)
     >>> case.problem.domain.size, case.problem.material.thickness
     ((0.4, 0.1), 0.2)

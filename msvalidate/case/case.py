@@ -92,19 +92,17 @@ class Case:
         Compared quantities: "displacement", "reactions", "strain energy", "mean stress" and
         "point stress".
     band
-        Largest difference that counts as agreement, relative to the largest reference value.
+        Largest relative difference that counts as agreement.
     accuracy
         Target relative error of the finite elements, from 1e-8 to 0.1.
     memory
-        Memory (GB) that the finest 3D finite element mesh may take, from 0.1 to 1000.
+        Memory (GB) for the finest 3D finite element mesh, from 0.1 to 1000.
     law
         Constitutive law of the elements at large strain: "st-venant-kirchhoff" or "neo-hookean".
     geometry
-        "linear" compares small displacements; "nonlinear" compares equilibria at large
-        displacement, by displacements alone.
+        "linear", or "nonlinear" to compare displacements at large displacement.
     linear_theory
-        "" by default; "requested" or "frozen" if linear theory is applied outside its range on
-        request.
+        "", or "requested" or "frozen" to apply linear theory outside its range.
     fracture
         Criterion for breaking springs, if they break.
     notes
@@ -122,7 +120,7 @@ class Case:
     >>> clamp = Support(box.side("left"), (0.0, 0.0))
     >>> pull = Traction(box.side("right"), (100.0, 0.0))
     >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(pull,))
-    >>> case = Case(problem, spacing=0.025, quantities=("displacement",))
+    >>> case = Case(problem, spacing=0.025)
     >>> case.lattice, case.band
     ('square', 0.05)
     """

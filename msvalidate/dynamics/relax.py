@@ -56,10 +56,7 @@ LOOSEST = 0.01
 """Largest tolerance: above it a start under full load would soon count as rest."""
 
 Watch = Callable[[Run], bool]
-"""Function of the run at every check; True ends the run.
-
-It must not change the run.
-"""
+"""Function of an unchanged run, called at every check; True ends the run."""
 
 
 def relax(

@@ -27,18 +27,18 @@ from msvalidate.problem.checks import finite_coordinates, positive_number, requi
 
 AT_REST = "#d4d4d4"
 SHOWN = 0.1
-"""Of the body's size, how far its largest displacement is drawn."""
+"""Size of the largest displacement as drawn, relative to the body."""
 ARROW = 0.12
-"""Of the body's size, the longest arrow of a load."""
+"""Length of the longest load arrow, relative to the body."""
 MOST_ARROWS = 40
 FLAT = 0.3
-"""Of a body's longest side, the shortest below which it is seen from its flattest side."""
+"""Relative thickness below which a body is seen from its flattest side."""
 FLATTEST = ({"elev": 20, "azim": -20}, {"elev": 20, "azim": -75}, {"elev": 60, "azim": -60})
 """Axis along which a body is shortest, as drawn -> angles (degrees) that it is seen from."""
 WIDE, TALLEST = 6.2, 6.0
 DEFORMED = "#66a9d4"
 ARROW_WIDTH = 0.08
-"""Of an arrow's shaft over the length of the longest."""
+"""Width of an arrow's shaft, relative to the longest arrow."""
 HELD = {
     (True, True): ("s", "held"),
     (True, False): (">", "held along x"),

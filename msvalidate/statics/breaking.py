@@ -36,23 +36,14 @@ TIED = 1e-9
 BREAKS_A_FACTOR = 50
 """After which the tangent is inverted anew: columns of as many springs are kept."""
 NOTHING, LITTLE = 1e-11, 1e-3
-"""Relative stiffnesses that indicate a mechanism, and that need a new factor.
+"""Relative stiffness left by a broken spring: mechanism, and need of a new factor.
 
-A broken spring leaves a stiffness in its place, relative to its own. Below the first value it is a
-mechanism; up to the second only a new factor can distinguish it from one, because Woodbury's
-formula would lose digits.
+Between the two, only a new factor can detect a mechanism: Woodbury's formula would lose digits.
 """
 UNHELD = 1e-10
-"""Relative force on a mechanism that is rounding.
-
-It is relative to the force of springs stretched by the largest displacement.
-"""
+"""Force on a mechanism that is rounding, relative to springs at the largest displacement."""
 SLACK, LOOSE = 1e-10, 1e-6
-"""Relative elongation of springs that carry no load, and smallest part in a mechanism.
-
-The elongation is relative to the largest so far. A point takes part in a motion without stiffness
-above the second value.
-"""
+"""Relative elongation without load, and smallest component of a mechanism's motion."""
 CLOSED, ROUNDED = 1e-10, 1e-13
 """Tolerances of the energy balance, relative to the released energy and to the work."""
 
@@ -131,10 +122,7 @@ class Growth:
 
     @property
     def closure(self) -> float:
-        """Relative error of the energy balance: work minus stored and released energy.
-
-        It is relative to the released energy, or to the work if none was released.
-        """
+        """Error of the energy balance, relative to the released energy or else the work."""
         left = abs(self.work - self.stored - self.released)
         return left / (self.released or self.work or 1.0)
 
@@ -255,10 +243,7 @@ class Way:
         return float((outer * self.unit).sum())
 
     def elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
-        """Elongation (b,) in m of springs at a displacement (n, d) in m.
-
-        For displacements (c, n, d) it is (c, b).
-        """
+        """Elongation (b,) in m of springs; (c, b) for displacements (c, n, d)."""
         i, j = self.network.springs[springs].T
         return np.asarray(((u[..., j, :] - u[..., i, :]) * self.along[springs]).sum(axis=-1))
 
@@ -298,10 +283,7 @@ class Way:
         return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
 
     def cut(self, springs: Index, needed: float) -> Break | None:
-        """Break springs at a load factor `needed`.
-
-        Return None, and leave them intact, if a load would decrease.
-        """
+        """Break springs at a factor `needed`; return None, undone, if a load would decrease."""
         if len(self._cut) >= BREAKS_A_FACTOR:
             self._factorise()
         k, e, before = self.stiffness[springs], self.elongation(self.unit, springs), self.unit
