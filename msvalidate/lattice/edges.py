@@ -77,9 +77,9 @@ class EdgeLattice(Lattice):
 
 
 def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> EdgeLattice:
-    """Make a spring network of the edges of a mesh.
+    """Make a lattice with a spring along every edge of a mesh.
 
-    Quadrilaterals and hexahedra also get springs along their diagonals. The lattice has one spring
+    Quadrilaterals and hexahedra also get springs along diagonals. The lattice has one spring
     constant, E·t (N/m) in 2D or E (Pa) in 3D; ``factor`` relates each spring to it. Source:
     [vanGelder1998] for triangles.
 
