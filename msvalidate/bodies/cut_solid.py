@@ -40,8 +40,8 @@ DEEPEST = 0.5 + 1e-9
 The fixed part then begins too early as often as too late. For a turned block with a hole, clamped
 at one end and loaded at the other, with 16 cells per metre, displacements have an error of 0.5 %;
 with all points of the cells fixed, as in 2D, 11 %; and with none inside, 10 %. A linear
-displacement on the whole surface, which all points would reproduce exactly, has an error of about 1
-%.
+displacement on the whole surface, which all points would reproduce exactly, has an error of some
+1 %.
 """
 TOUCHED = 1e-9
 """Smallest part of a cell's face in a surface that crosses the cell.

@@ -305,7 +305,9 @@ def _tip(x: Array, reach: float) -> Array:
 
 
 def crack_field(x: Array, E: float, nu: float) -> Array:
-    """Displacement (n, 2) around an opening crack along x < 0 with K = 1.
+    """Displacement (n, 2) at places around an opening crack tip with K = 1.
+
+    The crack lies along x < 0.
 
     `E` and `nu` are those of the plane: K²/E is the energy release rate.
 

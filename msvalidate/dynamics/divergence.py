@@ -65,7 +65,11 @@ class StabilityWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class Stepping:
-    """Time stepping parameters of a run."""
+    """Time stepping parameters of a run.
+
+    `network` and `scheme` are what moves and by which scheme; `dt` and `steps` the time step (s)
+    and the number of steps; `rate` the damping (n,) in 1/s; `ground` the ground springs, if any.
+    """
 
     network: Network
     scheme: Integrator

@@ -209,10 +209,8 @@ class Network:
     def rest_force(self) -> Array:
         """Force (n, d) in N of springs and cells at the reference positions.
 
-        It is 0 in equilibrium.
-
-        In balance to rounding: of springs and cells under tension and pressure, and of a form that
-        was found under tension.
+        It is 0 in equilibrium, up to rounding: for springs and cells under tension and pressure,
+        and for a shape that was found under tension.
         """
         if not self.prestressed and self.volumes is None:
             return np.zeros(self.points.shape)

@@ -108,8 +108,8 @@ class BodyForce:
     Parameters
     ----------
     force
-        Force per volume (N/m³): d components, or a function of points (n, d) in m that returns (n,
-        d).
+        Force per volume (N/m³): d components, or a function of points (n, d) in m that returns
+        (n, d).
 
     Raises
     ------

@@ -80,8 +80,8 @@ class Anisotropic:
     Parameters
     ----------
     C
-        Stiffness tensor (Pa) in Voigt notation [Nye1957] with engineering shear strains: shape (3,
-        3) in the order xx, yy, xy, or (6, 6) in the order xx, yy, zz, yz, xz, xy. A 2D tensor
+        Stiffness tensor (Pa) in Voigt notation [Nye1957] with engineering shear strains: shape
+        (3, 3) in the order xx, yy, xy, or (6, 6) in the order xx, yy, zz, yz, xz, xy. A 2D tensor
         relates the in-plane components, so it already contains plane stress or plane strain.
     density
         Mass density (kg/m³), > 0.

@@ -18,9 +18,9 @@ from msvalidate.problem.records import dataclass
 CLOSED = 1e-10
 """Gap or penetration that counts as zero, relative to the depth."""
 EXACT, MORE = 1e-14, 6
-"""Relative tolerance if C is exact, otherwise extra steps after a tenth of `CLOSED`.
+"""Relative tolerance with an exact C, and extra steps after a tenth of `CLOSED`.
 
-It is relative to the depth.
+The iteration stops at either; the tolerance is relative to the depth.
 """
 ROUNDING = float(np.finfo(float).eps)
 """Relative rounding of the largest gap, which hides a small depth."""
