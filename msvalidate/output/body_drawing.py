@@ -78,7 +78,7 @@ def plot(network: Network, displacement: Any = None, magnification: float | None
     Raises
     ------
     ProblemError
-        If the displacement does not fit the network, or the magnification is not positive.
+        If the displacement does not fit the network, or its magnification is not positive.
 
     Examples
     --------
