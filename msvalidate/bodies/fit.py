@@ -47,22 +47,22 @@ WORTH_NAMING = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Constants fitted to displacements.
+    """Result of a fit of spring constants to displacements.
 
     Parameters
     ----------
     constants
-        Of the springs (N/m), one a kind, 0 or more.
+        Spring constants (N/m), one per class, >= 0.
     volume
-        κ of the cells (N/m in the plane, Pa in space), 0 where they were not asked for.
+        Volume stiffness κ of the cells (N/m in 2D, Pa in 3D), 0 if it was not fitted.
     residual
-        Root mean square over the load cases of |u - wanted| over |wanted|.
+        Root mean square, over the load cases, of the relative misfit of the displacements.
     condition
-        Largest over least singular value of the slopes by constants in units of the largest: how
-        many times an error of the displacements may come back in some combination of constants.
+        Condition number of the derivatives, with the constants in units of the largest: the largest
+        amplification of an error in the displacements.
     error
-        Largest error of a constant over the largest constant, were what is wanted exact but for its
-        rounding: what the errors of the solutions make of it, and what one more step would.
+        Estimated largest error of a constant, relative to the largest constant, if the given
+        displacements are exact up to rounding.
     """
 
     constants: Constants

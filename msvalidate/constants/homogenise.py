@@ -45,21 +45,21 @@ NO_SPRING = 1e-24
 
 @dataclass(frozen=True, eq=False)
 class Homogenised(ReadOnly):
-    """The solid that an endless lattice is.
+    """Effective stiffness of a periodic lattice.
 
     Parameters
     ----------
     affine, tensor
-        Voigt tensors, (3, 3) in N/m or (6, 6) in Pa: with the points held to the uniform strain, an
-        upper bound, and with them at rest.
+        Voigt tensors, (3, 3) in N/m or (6, 6) in Pa: with affine motion of the points, which is an
+        upper bound, and with the points in equilibrium.
     floppy
-        Number of periodic motions, translations apart, without stiffness; None where it was not
-        counted (none of them is there: the lattice was solved).
+        Number of periodic mechanisms besides translations; None if it was not counted, in which
+        case there are none.
     error
-        Largest error of an entry of the tensor over the root of the two diagonal entries beside it,
-        from the energy of the last correction.
+        Largest error of an entry of the tensor, relative to the root of the product of its two
+        diagonal entries, from the energy of the last correction.
     solver
-        The way it was found, "direct" or "multigrid".
+        "direct" or "multigrid".
     """
 
     affine: Array

@@ -42,10 +42,14 @@ ALIKE = 1e-9
 
 @dataclass(frozen=True)
 class Moduli:
-    """Elastic constants of a tensor along its axes.
+    """Elastic moduli of a tensor along its axes.
 
-    ``E`` (N/m in the plane, Pa in space) and ``nu`` in uniaxial stress along x; ``zener`` =
-    2·C44/(C11 - C12), in the plane 2·C66/(C11 - C12), is 1 for an isotropic tensor.
+    Parameters
+    ----------
+    E, nu
+        Young's modulus (N/m in 2D, Pa in 3D) and Poisson's ratio in uniaxial stress along x.
+    zener
+        Zener ratio 2·C44/(C11 - C12), in 2D 2·C66/(C11 - C12); 1 for an isotropic tensor.
     """
 
     E: float

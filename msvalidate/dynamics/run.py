@@ -47,25 +47,24 @@ SLOWEST = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
-    """A run that came to rest, or that its watcher ended.
+    """Result of a relaxation that converged, or that its `watch` ended.
 
     Parameters
     ----------
     equilibrium
-        Where it rests; its iterations are the steps taken. Its error is infinite where the watcher
-        ended the run.
+        Final state; its iterations are the number of steps. Its error is infinite if `watch` ended
+        the run.
     dt, damping, stability_limit
-        Largest time step (s), largest damping rate (1/s), and the largest stable step (s) at rest;
-        0, 0 and infinite where a method has none, or changes it as it goes.
+        Largest time step (s), largest damping rate (1/s) and stability limit (s) at equilibrium; 0,
+        0 and infinite for a method without them, or one that adapts them.
     history
-        (looks, 3): step, residual force (N), kinetic energy (J), which by a staggered velocity is
-        that of half a step before.
+        Step, residual force (N) and kinetic energy (J) at every check, shape (checks, 3). For a
+        staggered scheme the kinetic energy is that of half a step earlier.
     evaluations
-        Times that the method computed the forces of all springs, or their curvature along a
-        direction; a cycle of multigrid, though several products, counts as one, and a factor as
-        none. Those of the looks are not counted.
+        Number of evaluations of all spring forces, or of their curvature along a direction. A
+        multigrid cycle counts as one, a factorisation as none; checks are not counted.
     seconds
-        Wall-clock time of the steps and looks, without what prepares them and what judges the end.
+        Wall-clock time of the steps and checks, without preparation and final tests.
     """
 
     equilibrium: Equilibrium
@@ -356,17 +355,17 @@ def step_limit(needed: float) -> int:
 
 @dataclass(frozen=True)
 class Method:
-    """A relaxation method.
+    """Relaxation method.
 
     Parameters
     ----------
     name, title
-        Its name in tables, and in sentences.
+        Name in tables, and in sentences.
     walk
-        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
-        first before any step, the others at most `Run.block` steps on.
+        Generator that moves a run without end and yields wherever a check may be made: first before
+        any step, then after at most `Run.block` steps.
     look_every
-        Steps between two looks, at the least.
+        Minimum number of steps between two checks.
     """
 
     name: str

@@ -57,16 +57,17 @@ class CutLattice(PatternLattice):
     Parameters
     ----------
     fraction
-        (c,) part of each cell that lies inside the body.
+        Fraction of each cell inside the body, shape (c,).
     corner_volume
-        (c, corners) area (m²) or volume (m³) of each cell that belongs to each of its corners.
+        Area (m²) or volume (m³) of each cell that belongs to each of its corners, shape
+        (c, corners).
     inside
-        (n,) whether each point lies in the body, its surface included to the body's tolerance.
+        Mask (n,) of the points in the body or on its surface.
     drawing_error
-        Part of the body's area or volume that may lie between its bent sides or facets and the
-        straight or flat pieces that they are drawn by: 0 where all are straight or flat.
+        Upper bound of the area or volume between curved sides and their straight or flat
+        approximation, relative to the body; 0 for straight sides.
     by_surface
-        Whether the body was cut by its surface: a solid that is no prism of whole layers.
+        True for a solid that is no prism of whole layers, and is cut by its surface.
     """
 
     fraction: Array

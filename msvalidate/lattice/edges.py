@@ -65,9 +65,16 @@ EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EdgeLattice(Lattice):
-    """A spring along each edge of a mesh, of a stiffness by a `rule`.
+    """Lattice with a spring along each edge of a mesh.
 
-    Each cell brings `gifts` (c, e) to the factors of its springs, whose numbers are `of` (c, e).
+    Parameters
+    ----------
+    rule
+        Rule for the stiffness: "area", "cotangent" or "equilateral".
+    gifts
+        Contribution of each cell to the factors of its springs, shape (c, e).
+    of
+        Indices of these springs, shape (c, e).
     """
 
     rule: str

@@ -35,37 +35,37 @@ class Lattice(ReadOnly):
     Parameters
     ----------
     name
-        The lattice's name in tables.
+        Name of the lattice in tables.
     domain
-        The body that it fills.
+        Body that the lattice fills.
     points
-        (n, d) positions (m).
+        Positions (m), shape (n, d).
     springs
-        (m, 2) pairs of points, the lower index first.
+        Pairs of points, shape (m, 2), the lower index first.
     cells
-        (c, corners) points of each cell, all of one shape, in VTK order.
+        Points of each cell, shape (c, corners), all of one shape, in VTK order.
     facets
-        (f, corners) points of each boundary facet: 2 in the plane; in space 3, or 4 with the first
-        axis fastest.
+        Points of each boundary facet, shape (f, corners): 2 corners in 2D; in 3D 3, or 4 with the
+        first axis fastest.
     point_volume
-        (n,) area (m²) or volume (m³) of each point.
+        Area (m²) or volume (m³) of each point, shape (n,).
     kind
-        (m,), or one for all: class of each spring, an index into the spring constants.
+        Class of each spring, an index into the spring constants: (m,) or one for all.
     share
-        (m,), or one for all: part of each spring that belongs to the body, 1 inside, 1/2 on a
-        side, 1/4 on an edge of a solid, and so on. The rest stands for what lies beyond.
+        Fraction of each spring that belongs to the body, (m,) or one for all: 1 inside, 1/2 on a
+        side, 1/4 on an edge of a solid, and so on.
     sharing
-        (m,), or one for all: number of cells that a spring like each borders inside the body.
+        Number of cells that an identical spring inside the body borders: (m,) or one for all.
     factor
-        (m,), or one for all: stiffness of springs inside relative to the constant of their kind.
+        Stiffness of springs inside, relative to the constant of their kind: (m,) or one for all.
     regular
-        Whether its facets are those of equal cells, which a load on part of a side can be made to
-        end with.
+        True if the facets belong to equal cells, so that a load on part of a side can end with
+        them.
     boundary
-        Rule by which springs and points count at its boundary: "shared", as `WEIGHTS` has it by
-        default, "cut" by the part of their cells in the body, or "edges" of a mesh.
+        Rule for the boundary: "shared" (the default of `WEIGHTS`), "cut" (by the part of the cells
+        inside the body) or "edges" (of a mesh).
     unit_cell
-        What it repeats, if its constants may be found by that; of a `PatternLattice` its pattern.
+        Pattern that determines the spring constants, if there is one.
     """
 
     name: str

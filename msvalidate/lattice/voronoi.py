@@ -32,10 +32,13 @@ The sum is over the directions n of the point's springs.
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class VoronoiLattice(Lattice):
-    """A random lattice in a box, whose sides are shared out among Voronoi cells.
+    """Random lattice of Voronoi neighbours that fills a box.
 
-    `side_area` (n, 2d) is the part (m or m²) of each side that is a point's own, in the order of
-    `SIDES`: its springs need just that of a traction, whatever the facets.
+    Parameters
+    ----------
+    side_area
+        Length (m) or area (m²) of each side that belongs to each point, shape (n, 2d), in the order
+        of `SIDES`. A traction on a whole side is distributed in proportion to it.
     """
 
     side_area: Array

@@ -47,40 +47,42 @@ BALANCED = 16.0
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """Points joined by springs, with masses, supports and loads. Arrays are made read-only.
+    """Points joined by springs, with masses, supports and loads.
 
-    `spring_network` fills in what is usual; `bodies.lattice_network` builds one from a problem.
+    `spring_network` fills in defaults; `lattice_network` builds one from a problem. Arrays are made
+    read-only.
 
     Parameters
     ----------
     points
-        (n, d) reference positions (m): displacements count from here.
+        Reference positions (m), shape (n, d), from which displacements are measured.
     springs
-        (m, 2) pairs of different points.
+        Pairs of different points, shape (m, 2).
     stiffness
-        (m,) (N/m, thickness included), >= 0; below it for springs that rest at no length.
+        Stiffness (N/m, thickness included), shape (m,), >= 0. It may be negative for zero-length
+        springs.
     rest_length
-        (m,) (m), > 0; a size alone, for springs that rest at no length.
+        Rest lengths (m), shape (m,), > 0. For zero-length springs it is only a length scale.
     mass
-        (n,) (kg), > 0.
+        Masses (kg), shape (n,), > 0.
     held
-        (n, d) components whose displacement is prescribed.
+        Mask (n, d) of the components with prescribed displacement.
     displacement
-        (n, d) prescribed displacement (m), 0 where nothing is held.
+        Prescribed displacements (m), shape (n, d), 0 where the component is free.
     force
-        (n, d) external force (N).
+        External forces (N), shape (n, d).
     volumes
-        Cells of the same points that resist a change of volume, if there are any.
+        Cells with a volume energy on the same points, if any.
     cells
-        (c, corners) points of the cells that a deformed network is looked at for folds by, in VTK
-        order; by default those of `volumes`, or the triangles that springs make in the plane.
+        Points of the cells that are checked for folding, shape (c, corners), in VTK order. Default:
+        those of `volumes`, or the triangles that springs form in 2D.
     law
-        How springs pull; `volumes` have a law of their own.
+        Constitutive law of the springs; `volumes` have a law of their own.
 
     Raises
     ------
     ProblemError
-        Naming the array and its first bad entry.
+        If an array is invalid; the message names it and its first invalid entry.
     """
 
     points: Array

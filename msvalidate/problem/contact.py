@@ -43,18 +43,18 @@ SECOND_MOMENT = {2: 4.0, 3: 2.5}
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A rigid body that does not deform and does not turn.
+    """Rigid obstacle that does not rotate.
 
     Parameters
     ----------
     shape
-        One of `OBSTACLES`.
+        Name in `OBSTACLES`.
     at
-        Its foremost point (m): where it first touches a plane across its way.
+        Coordinates (m) of the foremost point, which touches a perpendicular plane first.
     towards
-        The way in which it is lowered into the body, of any length.
+        Direction of its motion into the body, of any length.
     radius
-        Of curvature at the foremost point (m); None of half-spaces.
+        Radius of curvature (m) at the foremost point; None for a half-space.
     """
 
     shape: str
@@ -148,15 +148,15 @@ class Contact:
     Parameters
     ----------
     region
-        Part of the body's surface, as a load's.
+        Part of the surface, as for a load.
     obstacle
-        What it may touch.
+        Rigid obstacle.
     depth
-        How far (m) it is lowered from where it was placed.
+        Distance (m) by which the obstacle is lowered from its position.
     force
-        With which it is pressed along its way instead (N, over the whole thickness), or None.
+        Force (N, over the whole thickness) along its direction instead of a depth, or None.
     friction
-        Coefficient of friction (1), of motions; bodies at rest touch without.
+        Coefficient of friction in motions; static contact is frictionless.
     """
 
     region: Part

@@ -133,7 +133,13 @@ class Region:
 
 @dataclass(frozen=True)
 class Segment:
-    """Straight line segment between two points (m) of a 2D body."""
+    """Straight line segment between two points of a 2D body.
+
+    Parameters
+    ----------
+    start, end
+        Coordinates (m) of its ends, two each.
+    """
 
     start: tuple[float, float]
     end: tuple[float, float]
@@ -180,8 +186,15 @@ class Segment:
 class Boundary:
     """Facets of a mesh that form a named part of its surface.
 
-    `Mesh.side` makes it. `places` (f, k, d) in m are the nodes of each facet: corners, mid-sides,
-    middle. They run counter-clockwise as seen from outside, in the plane round the body.
+    `Mesh.side` returns one.
+
+    Parameters
+    ----------
+    name
+        Name in messages.
+    places
+        Nodes (m) of each facet, shape (f, k, d): corners, mid-side nodes, centre node. They run
+        counter-clockwise as seen from outside; in 2D the body is on the left.
     """
 
     name: str

@@ -86,10 +86,18 @@ class Ball:
 
 @dataclass(frozen=True, eq=False)
 class CellSet:
-    """The points of some cells of a mesh that have a name; `Mesh.zone` makes it.
+    """Named cells of a mesh, as the region of a `Zone`; `Mesh.zone` returns one.
 
-    Messages call it by the name. The cells have a `shape` of `SHAPES` and nodes `places` (c, k, d)
-    in m; `rim` (f, k, d) are those of the facets that are the side of one of these cells alone.
+    Parameters
+    ----------
+    name
+        Name in messages.
+    shape
+        Cell shape, a name in `SHAPES`.
+    places
+        Nodes (m) of the cells, shape (c, k, d).
+    rim
+        Nodes (m) of the facets that belong to only one of these cells, shape (f, k, d).
     """
 
     name: str

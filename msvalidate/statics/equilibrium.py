@@ -28,34 +28,31 @@ from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A network at rest under its supports and loads.
+    """Equilibrium of a network under its supports and loads.
 
     Parameters
     ----------
     displacement
-        (n, d) from the reference points (m).
+        Displacement (m) from the reference positions, shape (n, d).
     position
-        (n, d) in m.
+        Positions (m), shape (n, d).
     reaction
-        (n, d) force (N) of the supports on the held components, 0 elsewhere.
+        Force (N) of the supports on the fixed components, shape (n, d), 0 elsewhere.
     residual
         Largest out-of-balance force (N) on a free component.
     iterations
-        Linear solves that it took, or time steps.
+        Number of linear solves, or of time steps.
     error
-        Largest error of a component of the displacement over the largest component: an estimate
-        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
-        where it was not estimated.
+        Estimated largest error of a displacement component, relative to the largest component. It
+        covers rounding and the solver, not the difference from elasticity. 0 for zero
+        displacement, NaN without an estimate.
     folded
-        Number of cells that are flat or inside out; None where there was nothing to look at: see
-        `msvalidate.network.folds`.
+        Number of flat or inverted cells; None if there are no cells to check.
     passed_limit
-        Part of the load at which the first limit point was passed, where the stable branch that
-        begins at the start ends and the network snaps through to another. None where none was,
-        and where no path of loads was followed: of linear answers and relaxations.
+        Load factor of the first limit point on the path, where the stable branch ends and the
+        network snaps through. None if there was none, and for linear results and relaxations.
     solver
-        Which was taken, "direct" or "multigrid", and why; None of relaxations, and where nothing
-        had to be solved.
+        "direct" or "multigrid", with the reason; None for relaxations, or if nothing was solved.
     """
 
     displacement: Array
