@@ -74,7 +74,7 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A load case: its network, the parts of its stiffness, and what is wanted where it is free."""
+    """Load case: its network, the parts of its stiffness, and the target displacements."""
 
     network: Network
     kind: Index

@@ -183,7 +183,7 @@ def _read_content(file: Path, said: str) -> Any:
 
 
 class _Growing(bytearray):
-    """Bytes that grow in place: meshio adds block to block, which would copy all each time."""
+    """Bytes that grow in place; meshio would copy all of them for each block."""
 
     def __iadd__(self, more: Any) -> _Growing:  # type: ignore[misc]
         self.extend(more)

@@ -78,7 +78,7 @@ def _direct_moves(run: Run) -> Move:
 
 
 class _Multigrid:
-    """Moves of one run, and what they hand on: the hierarchy, and how far to solve.
+    """Linear solves of one run, with their common hierarchy and tolerance.
 
     Source: [Vanek1996], [EisenstatWalker1996]; hierarchy by [PyAMG2022].
     """

@@ -48,7 +48,7 @@ _CORNERS = {
         (7, 6, 4, 3),
     ),
 }
-"""(axes, corners) of a cell in VTK order -> a corner and its neighbours, for each simplex."""
+"""(axes, corners) of a cell -> corner and neighbours of each simplex, in VTK order."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,7 +40,7 @@ class ReadOnly:
 
 
 class _Short(Repr):
-    """The standard short one, with arrays by shape and range, other things by kind and size."""
+    """Short repr: arrays by shape and range, other objects by kind and size."""
 
     def __init__(self, levels: int) -> None:
         super().__init__()
