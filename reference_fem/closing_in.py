@@ -1,4 +1,4 @@
-"""What values on meshes each twice as fine as the one before close in on, and how far the last is.
+"""Extrapolation of values on meshes that are refined by factors of two.
 
 What they change by shows the order p, u_h = u + C h^p, and what is left (Richardson's
 extrapolation, as in [Roache1994]). Corners, ends of supports and changes of material leave an order
@@ -76,7 +76,7 @@ class Estimate(ReadOnly):
 
     @property
     def extrapolated(self) -> Array:
-        """What the values close in on by the order seen; the last one where none is."""
+        """Limit of the values by the observed order; the last value without one."""
         return self.value + self.added
 
 
@@ -124,7 +124,7 @@ def unlimited(value: Array) -> Estimate:
 
 
 def _added(last: Array, before: Array, order: float) -> Array:
-    """What the last of two changes leaves to add to each component, by the order of all of them.
+    """Extrapolated remainder after the last change of each component.
 
     Or by the component's own, where it closes in from one side and that is lower: next to a corner
     that points inwards a value closes in more slowly than those that rule the order.

@@ -43,20 +43,25 @@ from reference_fem.mesh.subdivide import subdivide
 from reference_fem.systems.solver import Solver
 
 GROWTH = 1.25
-"""Of a cell over its neighbour nearer to the patch."""
+"""Growth of cell sizes with distance from the contact patch."""
 ROOM = 1.5
 """Half-widths to which cells are of one size."""
 TURNS = 60
-"""Of the active set of an obstacle that is pressed, or of a mesh that follows the half-width."""
+"""Maximum number of iterations of the active set, or of the mesh for a half-width."""
 CELLS = {2: (4, 8, 16), 3: (1, 2, 3)}
 """In a half-width, by the number of axes: in space 4 would be 30,000 nodes."""
 NEAR = 1e-4
-"""Part of its depth that a round obstacle may go deeper from where its normals were taken."""
+"""Relative depth that a round obstacle may move from the position of its normals."""
 EXACT, ACCEPTED = 1e-10, 1e-6
-"""Part of a force that the depth may leave, and where rounding of a much larger depth does; then
-pressures are scaled to the force."""
+"""Relative error of the force at a depth, and the limit if rounding is larger.
+
+Pressures are then scaled to the force.
+"""
 BEARING = 1e-3
-"""Of the largest weight, from which a node can bear an obstacle alone: corners of P2 cannot."""
+"""Smallest weight of a node that can carry an obstacle, relative to the largest.
+
+The corners of P2 elements cannot.
+"""
 CLOSE = 0.1
 """Change of the half-width at which its mesh is good for it."""
 
@@ -319,7 +324,7 @@ def press_closely(
 
 
 def converge_contact(problem: Problem, points: Array, accuracy: float) -> Reference:
-    """What elasticity says of a problem with an obstacle, as `converge` does of others."""
+    """Converged solution of a contact problem, as `converge` for other problems."""
     began = time.perf_counter()
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     found, error = press_closely(problem, CELLS[problem.domain.dim])

@@ -79,7 +79,7 @@ class LargeChange(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What elasticity says of a problem, each value with its own error.
+    """Reference solution of a problem by elasticity, with an error for each value.
 
     Parameters
     ----------
@@ -130,12 +130,12 @@ class Reference:
 
     @property
     def resolved(self) -> bool:
-        """Whether the accuracy that was asked for is reached."""
+        """True if the requested accuracy is reached."""
         return self.error <= self.accuracy
 
     @property
     def more(self) -> More | None:
-        """What it takes to know better; None where it is known as asked, or memory is no limit."""
+        """Effort of a finer mesh; None if the accuracy is reached or memory suffices."""
         return None if self.resolved or self.no_limit else self.following
 
     @property
@@ -370,7 +370,7 @@ def _make_ready(
     law: Materials,
     held: Mask,
 ) -> Ready:
-    """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
+    """Make the solver of a mesh: multigrid in 3D unless a factor is fast."""
     if coarser is None or finer is None or solver != "auto" or body.dim == 2:
         return make_solver(body, law, held, solver)
     if len(body.points) <= MOST_DIRECT and favours_factor(body):
@@ -380,7 +380,7 @@ def _make_ready(
 
 
 def is_nearly_incompressible(problem: Problem) -> bool:
-    """Whether displacement and pressure of a problem are sought together."""
+    """Return True if a problem needs the mixed formulation of displacement and pressure."""
     laws = problem.materials
     if not all(isinstance(law, Isotropic) and law.nu > 0 for law in laws):
         return False  # such have no pressure that grows with volume

@@ -63,7 +63,7 @@ def test_a_study_writes_its_files(finished):
 def test_findings_on_stdout_messages_on_stderr(finished):
     done, _ = finished
     summary, findings = (part.splitlines() for part in done.stdout.split("\n\n")[1:])
-    assert done.stdout.startswith("poisson: Poisson's ratio of a lattice")
+    assert done.stdout.startswith("poisson: Poisson's ratio of the square lattice")
     assert summary[1].split()[:4] == ["case", "springs", "scikit-fem", "difference"]
     assert len(summary) == 11
     assert max(map(len, summary)) <= 100
@@ -219,12 +219,12 @@ def test_a_table_that_was_not_made(tmp_path):
     assert (tmp_path / "r" / "poisson" / "block.csv").is_file(), "the results are kept"
 
 
-def test_list_names_each_study_with_its_question():
+def test_list_names_each_study_with_its_title():
     done = run("list")
     assert done.returncode == 0
-    questions = dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
-    assert questions["poisson"].startswith("Poisson's ratio of a lattice")
-    assert questions["displacement"].startswith("Displacement: how far")
+    titles = dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
+    assert titles["poisson"] == "Poisson's ratio of the square lattice"
+    assert titles["displacement"] == "Displacement errors of the report's load cases"
 
 
 def test_help_and_list_import_nothing_heavy():
@@ -399,7 +399,7 @@ def test_python_that_drops_docstrings(tmp_path):
     done = run(cwd=tmp_path, script=script, fresh=True, PYTHONOPTIMIZE="2")
     assert done.returncode == 1, done.stderr
     page = (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
-    assert "which formula is right, and for what?" in page
+    assert "ratio of the square lattice" in page
 
 
 def test_read_only_folder(tmp_path):

@@ -1,1 +1,1 @@
-"""Bodies of springs: from a problem to a network, and the constants that suit one body."""
+"""Networks of bodies, and the spring constants that suit a body."""

@@ -35,13 +35,22 @@ from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
 
 MOST_TRIED = 800
-"""Points of a body that is tried as it is, for a tenth of a second or two. Of a larger one a
-smaller one of the same lattice is."""
+"""Maximum number of points of a body for the tension test.
+
+It takes a tenth of a second or two. A larger body is represented by a smaller one of the same
+lattice.
+"""
 MOST_FACTORED = 30_000
-"""Points of a body without a pattern beyond which nothing is said that takes a factor."""
+"""Maximum number of points of a body without a pattern for a factor.
+
+Larger ones get no result that needs a factor.
+"""
 BALANCED = 1e-9
-"""Forces out of balance over the largest load below which they are rounding: stiffnesses of a ratio
-near 1/2 are a thousand times the rest, and each sum is rounded by 1e-16 of its terms."""
+"""Relative out-of-balance force that is rounding.
+
+At a ratio near 1/2, stiffnesses are a thousand times the rest, and each sum is rounded by 1e-16 of
+its terms.
+"""
 PULL = 1e-3
 """Traction over Young's modulus; answers to first order do not depend on it."""
 NOT_KNOWN = TensionCheck("not known", math.nan, 0)
@@ -57,25 +66,49 @@ def calibrate(
     spacing: float | None = None,
     route: str | None = None,
 ) -> Calibration:
-    """Constants that make a lattice an isotropic material.
+    """Find the constants with which a lattice has given isotropic moduli.
+
+    A lattice of central springs that deforms affinely has nu = 1/3 in plane stress and 1/4 in plane
+    strain and in 3D (Cauchy relation, [BornHuang1954]). Other ratios need a volume energy, or
+    pressure in the cells.
 
     Parameters
     ----------
     E, nu
         Young's modulus (Pa) and Poisson's ratio of the three-dimensional material.
     lattice
-        What repeats, or a body made of it.
+        Unit cell (a function of `patterns` returns one), or a lattice that fills a body.
     plane
-        "plane_stress" or "plane_strain" for a plane lattice, "solid" for one in space.
+        "plane_stress" or "plane_strain" for a 2D lattice, "solid" for a 3D one.
     thickness
-        Out-of-plane thickness (m) of a plane body.
-    spacing, route
-        As for `bodies.calibrate.calibrate_material`.
+        Out-of-plane thickness (m) of a 2D body.
+    spacing
+        Length (m) of the unit of a pattern, default 1; a lattice in a body has its own spacing.
+    route
+        "springs", "volume energy" or "neo-Hookean". Default: springs alone if they suffice,
+        otherwise springs with a volume energy.
+
+    Returns
+    -------
+    Calibration
+        Spring constants (N/m, thickness included), one per kind of spring; stiffness κ of the
+        volume energy (N/m in 2D, Pa in 3D); and the homogenised tensor. For a body, ``body`` states
+        the error under uniform tension.
 
     Raises
     ------
     ProblemError
-        As for `bodies.calibrate.calibrate_material`, or if there is no such material.
+        If the lattice cannot have these moduli by this route; the message names the nearest that it
+        can have.
+
+    Examples
+    --------
+    >>> from msvalidate import calibrate, patterns
+    >>> result = calibrate(1e5, 0.45, patterns.square(), "plane_strain", thickness=0.2)
+    >>> result.route
+    'volume energy'
+    >>> print(f"{result.E:.6g} Pa, nu = {result.nu:.2f}")
+    100000 Pa, nu = 0.45
     """
     material = Isotropic(E=E, nu=nu, state=plane, thickness=thickness)
     return calibrate_material(material, lattice, spacing=spacing, route=route)
@@ -88,7 +121,9 @@ def calibrate_material(
     spacing: float | None = None,
     route: str | None = None,
 ) -> Calibration:
-    """Constants that give a lattice the moduli of a material, by one route or the first possible.
+    """Find the constants with which a lattice has a material's moduli.
+
+    The route is a given one or the first possible.
 
     The endless lattice is that material. Of a body, `Calibration.body` says how far it is.
 
@@ -131,7 +166,7 @@ def _check_uniform_tension(
 def _measure_tension(
     pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool
 ) -> TensionCheck:
-    """What a body of points (n, d) does: networks with their loads, and the strains (d,) wanted."""
+    """Error of a body (n, d) in tension, from networks, loads and target strains (d,)."""
     first, _ = pulls[0]
     K, free = tangent(first, points), np.flatnonzero(~first.held.ravel())
     wanted = [points * strain for _, strain in pulls]

@@ -58,7 +58,7 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import require_type
 
 GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
-"""Places on a piece within one cell: exact for a traction that is linear along it."""
+"""Gauss points on a piece within one cell, exact for a linear traction."""
 
 
 def cut_network(
@@ -68,20 +68,47 @@ def cut_network(
     *,
     volume: float = 0.0,
 ) -> Network:
-    """Network that stands for a problem on a cut lattice.
+    """Build the network of a problem on a lattice that is cut to the body.
+
+    In 2D, a support along a lattice line fixes the points of that line; any other support fixes
+    every point of the cells that it crosses. A curved or inclined boundary adds a small error of
+    first order in the spacing to the displacements.
 
     Parameters
     ----------
-    problem, lattice
-        The lattice must be cut to the problem's domain.
-    constants, volume
-        As for `lattice_network`, of a lattice without end and of a whole cell: a cut cell has the
-        part of κ that it has of the body.
+    problem
+        Boundary value problem in d dimensions.
+    lattice
+        Lattice with n points, cut to the domain of the problem by `cut_lattice`.
+    constants
+        Spring constants (N/m) per kind, or a calibration, or with zones a tuple of one per
+        material. Default: the constants of the problem's isotropic material.
+    volume
+        Stiffness κ of the volume energy of a whole cell (N/m in 2D, Pa in 3D). A cut cell has the
+        fraction that lies inside the body.
+
+    Returns
+    -------
+    Network
+        Network with n points.
 
     Raises
     ------
     ProblemError
-        If the lattice cannot be the material, or a support does not meet its points or holds all.
+        If the lattice is not cut to the domain or cannot represent the material, a support lies on
+        no lattice point, or supports fix every point.
+
+    Examples
+    --------
+    >>> from msvalidate import Isotropic, Polygon, Problem, Region, Support, Weight
+    >>> from msvalidate import cut_lattice, cut_network, patterns
+    >>> wedge = Polygon(((0.0, 0.0), (0.3, 0.0), (0.0, 0.3)))
+    >>> clamp = Support(Region((None, 0.0)), (0.0, 0.0))
+    >>> weight = Weight((0.0, -9.81))
+    >>> problem = Problem(wedge, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(weight,))
+    >>> network = cut_network(problem, cut_lattice(patterns.square(), wedge, spacing=0.1))
+    >>> print(f"{network.mass.sum():.6f} kg")  # 1000 kg/m³, 0.045 m², 1 m thick
+    45.000000 kg
     """
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
@@ -120,7 +147,7 @@ def cut_network(
 
 
 def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
-    """Which points a support holds, as a function of the support."""
+    """Return a function that selects the points that a support fixes."""
 
     def held(support: Support) -> Mask:
         region = support.region
@@ -172,7 +199,10 @@ def _points_along(region: Part, lattice: CutLattice) -> Mask:
 
 
 def _is_wall(region: Part, lattice: CutLattice) -> bool:
-    """Whether a part is a wall of a prism, across no axis: one that its outline tells all about."""
+    """Return True if a region is a vertical wall of a prism.
+
+    The outline alone then describes it.
+    """
     if lattice.by_surface or not isinstance(region, Boundary):
         return False
     size = np.ptp(region.places, axis=1)
@@ -219,7 +249,7 @@ def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]
 
 
 def _is_end(load: Traction, lattice: CutLattice) -> bool:
-    """Whether a traction acts on a whole end of a prism."""
+    """Return True if a traction acts on a whole end of a prism."""
     z = corners_of(load.region, lattice.domain)[:, 2]
     if lattice.by_surface or np.ptp(z) > lattice.domain.tolerance:
         return False

@@ -33,18 +33,23 @@ from msvalidate.problem import (
 )
 
 AWAY = 1e-3
-"""Part of a cell by which bent facets may lie off the triangles that they are drawn by."""
+"""Largest distance between curved facets and their triangles, relative to a cell."""
 DEEPEST = 0.5 + 1e-9
-"""How deep in the body, in cells, a support holds points. What is held then begins as often too
-early as too late. Of a turned block with a hole, clamped at one end and loaded at the other, at 16
-cells a metre, displacements err by 0.5 %; with all points of the cells held, as in the plane, by
-11 %, and with none inside by 10 %. A linear displacement all over the surface, which all points
-would meet exactly, errs by some 1 %."""
+"""Depth in the body, in cells, to which a support fixes points.
+
+The fixed part then begins too early as often as too late. For a turned block with a hole, clamped
+at one end and loaded at the other, with 16 cells per metre, displacements have an error of 0.5 %;
+with all points of the cells fixed, as in 2D, 11 %; and with none inside, 10 %. A linear
+displacement on the whole surface, which all points would reproduce exactly, has an error of some
+1 %.
+"""
 TOUCHED = 1e-9
-"""Part of a cell's side face that a surface needs within the cell to run through it: rounding
-would decide about a cell that it touches along an edge."""
+"""Smallest part of a cell's face in a surface that crosses the cell.
+
+Otherwise rounding would decide about a cell that the surface touches along an edge.
+"""
 AT_ONCE = 20_000
-"""Places in cells that were left out, for which the nearest cell is looked up at once."""
+"""Number of places in removed cells whose nearest cell is searched per batch."""
 
 
 def _numbered(places: Array, low: Array, spacing: float) -> KDTree:
@@ -53,7 +58,7 @@ def _numbered(places: Array, low: Array, spacing: float) -> KDTree:
 
 
 def _find(numbered: KDTree, number: Index) -> Index:
-    """Which place (q,) has a number (q, 3), or -1."""
+    """Index (q,) of the place with each number (q, 3), or -1."""
     found = numbered.query(number, distance_upper_bound=0.5)[1]
     return np.where(found < numbered.n, found, -1)
 

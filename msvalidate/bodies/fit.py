@@ -31,36 +31,38 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import equilibrium
 
 OPEN = 1e-7
-"""Least singular value of the slopes, relative to the largest, above which all is determined: some
-1e-12 of rounding in displacements then leave five digits."""
+"""Smallest relative singular value of the derivatives for a determined fit.
+
+Rounding of 1e-12 in displacements then leaves five digits.
+"""
 NOTHING = 0.99
-"""Residual from which a fit is no better than no displacement at all, which has 1."""
+"""Relative residual from which a fit is no better than zero displacement."""
 WORTH_HAVING = 1e-3
-"""Part of the largest constant from which one is no more at its bound, 0."""
+"""Smallest relative constant that is not at its bound of 0."""
 PART = 1e-12
-"""Of the error of a slope, left by multigrid."""
+"""Relative error of derivatives computed by multigrid."""
 WORTH_NAMING = 0.1
-"""Part of a constant in what is open, relative to the largest, from which it is named."""
+"""Smallest relative part of a constant in an undetermined combination to name it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Constants fitted to displacements.
+    """Result of a fit of spring constants to displacements.
 
     Parameters
     ----------
     constants
-        Of the springs (N/m), one a kind, 0 or more.
+        Spring constants (N/m), one per class, >= 0.
     volume
-        κ of the cells (N/m in the plane, Pa in space), 0 where they were not asked for.
+        Volume stiffness κ of the cells (N/m in 2D, Pa in 3D), 0 if it was not fitted.
     residual
-        Root mean square over the load cases of |u - wanted| over |wanted|.
+        Root mean square, over the load cases, of the relative misfit of the displacements.
     condition
-        Largest over least singular value of the slopes by constants in units of the largest: how
-        many times an error of the displacements may come back in some combination of constants.
+        Condition number of the derivatives, with the constants in units of the largest: the largest
+        amplification of an error in the displacements.
     error
-        Largest error of a constant over the largest constant, were what is wanted exact but for its
-        rounding: what the errors of the solutions make of it, and what one more step would.
+        Estimated largest error of a constant, relative to the largest constant, if the given
+        displacements are exact up to rounding.
     """
 
     constants: Constants
@@ -72,7 +74,7 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A load case: its network, the parts of its stiffness, and what is wanted where it is free."""
+    """Load case: its network, the parts of its stiffness, and the target displacements."""
 
     network: Network
     kind: Index
@@ -85,25 +87,50 @@ class _Case:
 def fitted_constants(
     networks: Sequence[Network], wanted: Sequence[ArrayLike], kind: ArrayLike
 ) -> Fit:
-    """Constants that fit given displacements of networks in least squares.
+    """Fit spring constants to given displacements by least squares.
+
+    The squared differences of the displacements K⁻¹ f are minimised over the constants p of
+    K = Σ p_j K_j, with the exact derivatives -K⁻¹ K_j u.
 
     Parameters
     ----------
     networks
-        One a load case, with the same springs, unstressed, built with all constants 1 (springs'
-        stiffness is then factor times weight), and with κ = 1 if that is to be fitted too: what is
-        found multiplies what they were built with.
+        One network per load case, all with the same springs, n points and zero prestress, built
+        with all spring constants equal to 1. To fit a volume energy as well, build them with κ = 1.
     wanted
-        Displacements (n, d) in m, one array a network: held components do not count.
+        One array of displacements (m) of shape (n, d) per network; fixed components are ignored.
     kind
-        (m,) class of each spring, 0 to the number of constants less one.
+        Class of each spring, shape (m,), numbered from 0.
+
+    Returns
+    -------
+    Fit
+        Spring constants (N/m), one per class, the volume stiffness κ if it was fitted, the relative
+        residual, the condition number and the estimated error.
 
     Raises
     ------
     ProblemError
-        If arrays do not fit, a network is loose, or load cases leave constants open: which ones.
+        If the arrays do not fit, a network can move rigidly, or the load cases leave a constant
+        undetermined.
     SolverError
-        If no stable network is found, or none that comes nearer than no displacement at all.
+        If the iteration fails, no stable network fits better than zero displacement, or the
+        constants are too sensitive to rounding.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Support, Traction
+    >>> from msvalidate import equilibrium, fitted_constants, lattice_network, square
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(pull,))
+    >>> lattice = square(box, (4, 1))
+    >>> target = equilibrium(lattice_network(problem, lattice)).displacement
+    >>> unit = lattice_network(problem, lattice, (1.0, 1.0))
+    >>> fit = fitted_constants([unit], [target], lattice.kind)
+    >>> print(", ".join(f"{k:.0f}" for k in fit.constants), "N/m")
+    75000, 37500 N/m
     """
     number = _count_kinds(networks, kind)
     cases = _load_cases(networks, wanted, np.asarray(kind), number)

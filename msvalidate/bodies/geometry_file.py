@@ -28,7 +28,9 @@ ANGLE = math.radians(40)
 
 @contextlib.contextmanager
 def meshed_geometry(file: Path, size: float | None = None) -> Iterator[Path]:
-    """A Gmsh file of a body's cells, while it is needed; its faces are named "face 1", ….
+    """Context manager of a temporary Gmsh file with the meshed geometry.
+
+    Its faces are named "face 1", "face 2" and so on.
 
     Parameters
     ----------

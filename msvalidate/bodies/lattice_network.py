@@ -40,7 +40,10 @@ from msvalidate.statics.contact import Touching
 
 Kind = TypeVar("Kind", bound=Lattice)
 RIGHT = 1e-9
-"""Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
+"""Negative cotangent up to which an obtuse angle counts as right.
+
+Rounding of coordinates is 1e-16.
+"""
 
 
 def lattice_network(
@@ -52,30 +55,49 @@ def lattice_network(
     weights: str = "shared",
     mass: str = "shared",
 ) -> Network:
-    """Network that stands for a problem on a lattice.
+    """Build the network of a problem on a lattice that fills the body.
 
     Parameters
     ----------
-    problem, lattice
-        The lattice must fill the problem's domain.
+    problem
+        Boundary value problem in d dimensions.
+    lattice
+        Lattice with n points that fills the domain of the problem.
     constants
-        Spring constants (N/m) per kind of spring, or a calibration, which brings what stands
-        beside the springs too; by default those of the problem's isotropic material, if the
-        lattice can be it by springs alone. With zones a tuple of these, one for each of the
-        problem's materials, as `calibrate_zones` gives it.
+        Spring constants (N/m, thickness included) per kind, or a calibration; with zones a tuple of
+        one per material, as `calibrate_zones` returns. Default: the constants of the problem's
+        isotropic material, if springs alone can represent it.
     volume
-        κ of every cell, in N/m with the thickness in the plane, in Pa in space: see
-        `msvalidate.network.laws.volumes`. By default none resists a change of volume.
+        Stiffness κ of the volume energy of every cell (N/m with the thickness in 2D, Pa in 3D).
     weights
-        Boundary rule, one of `msvalidate.lattice.WEIGHTS`.
+        Rule for the boundary weights: "shared" (1/2 on a side, 1/4 on an edge of a solid; the
+        consistent rule), "equal" (1 for all) or "per_cell" (each cell contributes its own springs).
     mass
-        "shared": density × thickness × the point's share of its cells; "equal": the same total,
-        evenly over the points.
+        "shared": the density times the volume that belongs to each point. "equal": the same total
+        mass, distributed evenly. Both are lumped masses.
+
+    Returns
+    -------
+    Network
+        Network with n points, its supports and the nodal forces (n, d) in N of all loads.
 
     Raises
     ------
     ProblemError
-        If the lattice cannot be a material, or a support or load does not meet its points.
+        If the lattice fills another domain or cannot represent the material, a support or load does
+        not coincide with lattice points, or the problem has contacts.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Support, Traction, lattice_network, square
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> material = Isotropic(E=1e5, nu=1 / 3, thickness=0.2)
+    >>> problem = Problem(box, material, supports=(clamp,), loads=(pull,))
+    >>> network = lattice_network(problem, square(box, (4, 1)))
+    >>> network.force.sum(axis=0).round(9).tolist()  # 100 Pa on 0.1 m x 0.2 m
+    [2.0, 0.0]
     """
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, Lattice)
@@ -133,11 +155,17 @@ def _volumes(lattice: Lattice, kappa: Array, pressure: Array) -> Volumes | None:
 
 
 Applied = Callable[[PointForce | Traction, Kind], Array]
-"""Forces (n, d) on a lattice's points of a point force (N), or of a traction (N per thickness)."""
+"""Function of a load and a lattice that returns nodal forces (n, d).
+
+They are in N for a point force, in N per thickness for a traction.
+"""
 
 
 def nodal_force(problem: Problem, lattice: Kind, mass: Array, applied: Applied[Kind]) -> Array:
-    """Loads as forces (n, d) in N on the points of masses (n,) in kg; the thickness enters here."""
+    """Compute the nodal forces (n, d) in N of all loads.
+
+    The masses of the points are (n,) in kg; the thickness is included here.
+    """
     if problem.contacts:
         raise ProblemError(f"{problem.name}: has a contact; take contact_network, or leave it out")
     force = np.zeros(lattice.points.shape)
@@ -235,7 +263,7 @@ def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
 
 
 def _facet_shares(corners: int) -> Array:
-    """Parts (1, corners, corners) of tractions at a facet's corners that go to each of them.
+    """Consistent distribution (1, corners, corners) of tractions over a facet.
 
     The consistent ones of a traction that varies linearly along an edge, or over a rectangle along
     both of its edges.
@@ -245,7 +273,7 @@ def _facet_shares(corners: int) -> Array:
 
 
 def _triangle_shares(facets: Index, corners: Array, area: Array, *, regular: bool) -> Array:
-    """Parts (f, 3, 3) of tractions at triangles' corners that go to each of them.
+    """Distribution (f, 3, 3) of tractions at the corners of triangles.
 
     The consistent parts, (1 + δ)/12, give corners a third of a uniform traction each, so that
     points with more triangles get more, though they be alike in the lattice. What is alike is the

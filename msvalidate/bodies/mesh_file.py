@@ -1,4 +1,4 @@
-"""A `Mesh` from a file of Gmsh, VTK or Abaqus. The only module that knows meshio.
+"""Meshes from files of Gmsh, VTK or Abaqus; no other module uses meshio.
 
 Names of boundaries are what the file holds for them:
 
@@ -50,36 +50,58 @@ FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 LARGEST_FILE = 1_000_000_000
 """Bytes of a mesh file beyond which it is not read."""
 MOST_UNPACKED, UNPACKED = 100_000_000, 20
-"""Bytes that the blocks of any file may have when unpacked, and times its own size."""
+"""Maximum size of unpacked blocks: in bytes, and relative to the file.
+
+The larger of both applies, up to `LARGEST_FILE`.
+"""
 DEEPEST = 100
 """Elements of XML in each other, beyond which a file is refused."""
 PLANE = 1e-9
-"""Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
+"""Relative variation of the third coordinate of a 2D mesh."""
 MOST_ZONES = 200
 """Values of an array of cell data up to which each is a zone's name."""
 
 
 def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) -> Mesh:
-    """Mesh in a file, with the boundaries and zones that it names.
+    r"""Read a mesh with its named boundaries and zones from a file.
 
-    Cells of one kind make the body; lower ones serve as names of its sides. A plane mesh may have a
-    third coordinate, the same at all points, which is dropped; if all its cells run clockwise, as
-    seen from there, they are turned.
+    Cells of the highest dimension form the body; named cells of one dimension less become
+    boundaries. A 2D mesh may have a constant third coordinate, which is dropped.
 
     Parameters
     ----------
     path
-        A .msh (2.2 or 4.1), .vtu, .vtk or .inp file; or .step or .stl where gmsh is installed.
+        File in the format of Gmsh (.msh, 2.2 or 4.1), VTK (.vtu, .vtk) or Abaqus (.inp). STEP and
+        STL files (.step, .stl) are meshed if gmsh is installed.
     unit
-        Length (m) that the file's coordinates are multiples of: 1e-3 if they are in mm.
+        Length (m) of the unit of the file's coordinates: 1e-3 for mm.
     cell
-        Size (m) of the cells that are made of .step and .stl files.
+        Size (m) of the cells that are generated for STEP and STL files.
+
+    Returns
+    -------
+    Mesh
+        Body with its coordinates in m.
 
     Raises
     ------
     ProblemError
         If the file is missing, unreadable, incomplete or of another format, its cells are of
-        several kinds or of one that is not known, or they are no mesh (see `Mesh`).
+        several or of unsupported kinds, or they form no valid `Mesh`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from msvalidate import read_mesh
+    >>> nodes = "*NODE\n1, 0, 0\n2, 370, 0\n3, 0, 200\n"  # in mm
+    >>> elements = "*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n"
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "triangle.inp"
+    ...     _ = file.write_text(nodes + elements)
+    ...     mesh = read_mesh(file, unit=1e-3)
+    >>> print(mesh)
+    mesh of 1 triangle cells, 0.37 x 0.2 m
     """
     positive_number("mesh file: unit", unit, "m")
     file = _check_path(path)
@@ -102,7 +124,9 @@ def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) ->
 
 
 def read_points(path: str | Path) -> tuple[Array, dict[str, Any]]:
-    """Points (n, 3) of a file as it has them, and name -> values (n, ...) of its point data.
+    """Read the points (n, 3) of a file, and its point data by name.
+
+    The values of point data are (n, ...); units are those of the file.
 
     Raises
     ------
@@ -135,7 +159,7 @@ def _check_path(path: object) -> Path:
 
 
 def _read_content(file: Path, said: str) -> Any:
-    """What meshio finds in a file; it prints what it thinks, and leaves the program on an error."""
+    """Read a file with meshio, without its output and its exits."""
     form = FORMATS[file.suffix.lower()]
     _refuse_before_reading(file, form, said)
     heard = io.StringIO()
@@ -159,7 +183,7 @@ def _read_content(file: Path, said: str) -> Any:
 
 
 class _Growing(bytearray):
-    """Bytes that grow in place: meshio adds block to block, which would copy all each time."""
+    """Bytes that grow in place; meshio would copy all of them for each block."""
 
     def __iadd__(self, more: Any) -> _Growing:  # type: ignore[misc]
         self.extend(more)
@@ -170,7 +194,7 @@ class _Growing(bytearray):
 
 
 class _Unpacking:
-    """What unpacks blocks of one file, and no more bytes in all than may be; then it refuses."""
+    """Decompressor of a file's blocks that limits their total size."""
 
     def __init__(self, start: Callable[[], Any], most: int) -> None:
         self._start, self._left, self._most = start, most, most
@@ -264,7 +288,7 @@ def _body_cells(content: Any, said: str) -> tuple[str, Index]:
 
 
 def _remedy(name: str, dim: int) -> str:
-    """What to write instead of cells that are not known, by meshio's name."""
+    """Recommend a replacement for an unsupported cell type of meshio."""
     family, number = name.rstrip("0123456789"), name.lstrip("abcdefghijklmnopqrstuvwxyz")
     shapes = [shape for shape in SHAPES.values() if shape.dim == dim]
     known = [shape.name for shape in shapes]
@@ -279,7 +303,7 @@ def _remedy(name: str, dim: int) -> str:
 
 
 def _group_hint(content: Any) -> str:
-    """What a file of Gmsh with groups may lack: the body, if it has none."""
+    """Explain that a Gmsh file with groups may lack one for the body."""
     if "gmsh:physical" not in content.cell_data:
         return ""
     return " (Gmsh writes what has a physical group alone: give the body one, or Mesh.SaveAll = 1)"

@@ -1,4 +1,4 @@
-"""The critical stretch of a lattice's springs, from the fracture energy that they are to have.
+"""Critical stretch of the springs of a lattice for a given fracture energy.
 
 By rule "springs": springs that cross a crack of normal n hold ½ s² Σ k L² |r·n|/A together when all
 are at the critical stretch s, r their vectors and A the area that has each once. But a spring that
@@ -38,13 +38,13 @@ from msvalidate.statics.breaking import grow
 
 RULES = ("growth", "springs")
 RADII = (20, 40)
-"""Of the disc, in spacings: together within 0.2 % of what larger ones say."""
+"""Radii of the disc, in spacings, for an extrapolation accurate to 0.2 %."""
 BEHIND = 0.3
-"""Of a spacing, behind the tip, up to which crossing springs are cut at first."""
+"""Distance behind the tip, in spacings, up to which crossing springs start cut."""
 CELLS = 6
-"""Of the pattern, in which a row's period is looked for."""
+"""Number of unit cells in which the period of a row is searched."""
 ISOTROPIC = 1e-6
-"""Zener ratio from 1, up to which a crack has the field of an isotropic solid."""
+"""Largest deviation of the Zener ratio from 1 for isotropic crack fields."""
 AT_MOST = 1e12
 """Stress intensity up to which is raised: always beyond what is needed."""
 
@@ -170,7 +170,9 @@ def _growth(pattern: Pattern, constants: Constants, along: tuple[float, ...]) ->
 
 
 def springs_energy(pattern: Pattern, stiffness: Array, direction: tuple[float, ...]) -> float:
-    """Energy (J/m) that springs across a crack hold at a stretch of 1, per length, at spacing 1 m.
+    """Energy (J/m) per length of crack of the springs that cross it.
+
+    They have a stretch of 1, at a spacing of 1 m.
 
     Times the spacing and the square of the stretch it is that of any lattice.
     """
@@ -200,7 +202,7 @@ def starts(patch: Callable[[int], CrackPatch], radii: tuple[int, int] = RADII) -
 
 
 def _events(patch: CrackPatch) -> list[tuple[tuple[float, ...], float]]:
-    """Where springs cross that break together, and the factor that it needs."""
+    """Positions of springs that break together, and the load factors."""
     network, left = patch.network, patch.ahead.copy()
     found: list[tuple[tuple[float, ...], float]] = []
     way = grow(network, patch.stretch, AT_MOST, most_breaks=3 * int(left.sum()))
@@ -223,7 +225,9 @@ def _events(patch: CrackPatch) -> list[tuple[tuple[float, ...], float]]:
 def crack_patch(
     pattern: Pattern, k: Array, along: tuple[float, ...], E: float, nu: float, radius: int
 ) -> CrackPatch:
-    """A crack between two rows of a lattice of spacing 1, in the field of K = 1 on its rim.
+    """Crack between two rows of a lattice of spacing 1, with K = 1.
+
+    The asymptotic field is prescribed on the rim.
 
     `k` (m,) are the pattern's springs, E (N/m) and nu what they make.
     """
@@ -265,7 +269,10 @@ def crack_patch(
 
 
 def crossings(points: Array, springs: Index, height: float = 0.0) -> Array:
-    """Where (m,) in m along x springs (m, 2) between points (n, 2) cross a height; NaN if not."""
+    """Positions (m,) in m along x where springs (m, 2) cross a height, or NaN.
+
+    The points are (n, 2) in m.
+    """
     (x, y), (x_end, y_end) = points[springs].transpose(1, 2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         at = x + (height - y) * (x_end - x) / (y_end - y)
@@ -298,7 +305,9 @@ def _tip(x: Array, reach: float) -> Array:
 
 
 def crack_field(x: Array, E: float, nu: float) -> Array:
-    """Displacement (n, 2) at places around the tip of a crack along x < 0 under K = 1, opening.
+    """Displacement (n, 2) at places around an opening crack tip with K = 1.
+
+    The crack lies along x < 0.
 
     `E` and `nu` are those of the plane: K²/E is the energy release rate.
 

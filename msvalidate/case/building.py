@@ -60,12 +60,37 @@ LOADS = ("traction", "pressure", "force", "gravity")
 
 
 def read_case(path: str | Path) -> Case:
-    """The case in a file.
+    r"""Read a case from a TOML file.
+
+    Parameters
+    ----------
+    path
+        Case file; a mesh file that it names lies beside it or below.
+
+    Returns
+    -------
+    Case
+        Comparison task in SI units.
 
     Raises
     ------
     ProblemError
-        If the file is no case; the message names file, line, key, value and remedy.
+        If the file is no valid case. The message names the file, line, key, value and remedy.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from msvalidate import read_case
+    >>> body = "schema = 1\n[body]\nbox = [400, 100]\nunit = 'mm'\n"
+    >>> material = "[material]\nE = 1e5\nnu = 0.3\nstate = 'plane_strain'\nthickness = 200\n"
+    >>> rest = "[[support]]\non = 'left'\n[[load]]\non = 'right'\ntraction = [0, -10]\n"
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "beam.toml"
+    ...     _ = file.write_text(body + material + rest)
+    ...     case = read_case(file)
+    >>> case.problem.domain.size, case.problem.material.thickness
+    ((0.4, 0.1), 0.2)
     """
     case = build_case(read_source(path))
     return replace(case, linear_theory="frozen") if _is_frozen(Path(path)) else case

@@ -66,50 +66,63 @@ ACCURACY = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A body under loads, and how springs, or any displacements, are compared with elasticity.
+    """Comparison task: a problem, the lattice for the springs, and the comparison's settings.
 
     Parameters
     ----------
     problem
-        What is asked.
+        Boundary value problem in d dimensions.
     lattice
-        A name in `lattice.patterns`, or "mesh edges"; by default square in the plane and cubic18 in
-        space.
-    spacing, cells
-        Side (m) of the lattice's cells (a spring's length where they are no squares or cubes), or
-        their number across the narrowest side; by default 20 in the plane, 8 in space, fewer in
-        slender bodies. Of mesh edges about their mean length, by default the file's own.
+        Name of a lattice, as in `patterns`, or "mesh edges". Default: "square" in 2D, "cubic18" in
+        3D.
+    spacing
+        Side (m) of the lattice cells; for other than square or cubic cells, the length of a spring.
+        For mesh edges, the approximate mean edge length; default: the file's own mesh.
+    cells
+        Number of cells across the narrowest side, instead of `spacing`. Default: 20 in 2D and 8 in
+        3D, fewer in slender bodies.
     route
-        From the material to constants, one of `constants.routes.ROUTES`; None takes springs alone
-        where they will do, or else a volume energy.
+        "springs", "volume energy" or "neo-Hookean". Default: springs alone if they suffice,
+        otherwise springs with a volume energy.
     constants, volume
-        Spring constants (N/m) a kind and κ of a cell (see `network.laws.volumes`) in place of a
-        route's.
+        Spring constants (N/m), one per kind, and κ of the volume energy, instead of a route.
     points
-        Where displacements are compared: "lattice", "mesh" or places (p, d) in m.
+        Points where displacements are compared: "lattice", "mesh" or coordinates (p, d) in m.
     quantities
-        Some of `case.schema.QUANTITIES`.
+        Compared quantities: "displacement", "reactions", "strain energy", "mean stress" and
+        "point stress".
     band
-        Largest difference that agrees, over the largest displacement.
+        Largest relative difference that counts as agreement.
     accuracy
-        Of the elements, over the largest displacement.
+        Target relative error of the finite elements, from 1e-8 to 0.1.
     memory
-        GB that the elements' finest mesh in space may take.
+        Memory (GB) for the finest 3D finite element mesh, from 0.1 to 1000.
     law
-        Of the elements at large strain, one of `case.case.LAWS`.
+        Constitutive law of the elements at large strain: "st-venant-kirchhoff" or "neo-hookean".
     geometry
-        "linear": springs and elements to first order in the displacement; "nonlinear": both at
-        equilibrium however large it is. Then displacements alone are compared.
+        "linear", or "nonlinear" to compare displacements at large displacement.
     linear_theory
-        One of `msvalidate.case.case.LINEAR_THEORY`; "requested" if a file writes
-        geometry = "linear".
+        "", or "requested" or "frozen" to apply linear theory outside its range.
     fracture
-        When springs break as the loads are raised, if they do.
+        Criterion for breaking springs, if they break.
+    notes
+        Name -> remark that the report shows, such as the file and the unit of length.
 
     Raises
     ------
     ProblemError
-        If a value is out of range, or the lattice is none for this body.
+        If a value is out of its range, or the lattice does not suit the body.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Case, Isotropic, Problem, Support, Traction
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(pull,))
+    >>> case = Case(problem, spacing=0.025)
+    >>> case.lattice, case.band
+    ('square', 0.05)
     """
 
     problem: Problem

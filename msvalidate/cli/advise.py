@@ -1,4 +1,4 @@
-"""What ``msvalidate advise`` does: springs for a material, or the solid that springs are."""
+"""Command ``msvalidate advise``: springs for a material, or the solid of given springs."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic]
 
 
 def _letters(m: Isotropic) -> str:
-    """What the formulas' letters are."""
+    """Describe the meaning of the letters in the formulas."""
     E, nu = axes_moduli(m, m.dim, "advise")
     second, mu = lame(m.dim, E / m.thickness, nu)
     said = "λ′ = Eν/(1 - ν²)" if m.state == "plane_stress" else "λ = Eν/((1 + ν)(1 - 2ν))"
@@ -105,7 +105,7 @@ def _letters(m: Isotropic) -> str:
 
 
 def _engines(engine: str | None, advice: Advice) -> list[str]:
-    """How other programs take the numbers of a lattice, or of a material."""
+    """Lines with the constants of a lattice or material as other programs take them."""
     if engine is None:
         return ["how other programs take these: --engine springs, --engine cells"]
     m, springs = advice.material, engine == "springs"
@@ -126,7 +126,7 @@ def _engines(engine: str | None, advice: Advice) -> list[str]:
 
 
 def _identify(args: argparse.Namespace) -> tuple[str, ...]:
-    """Which solid springs are."""
+    """Lines about the elastic solid that given springs represent."""
     thickness = args.thickness
     if args.identify:
         from msvalidate.case.identify_files import identify_files

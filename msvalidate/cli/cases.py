@@ -1,4 +1,4 @@
-"""What ``msvalidate case`` does: run, judge, export, schema."""
+"""Command ``msvalidate case``: run, judge, export and schema."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from msvalidate_check.verdict import AGREES
 COMMAND = ("msvalidate", "case", "judge", "FILE", "RESULT")
 PAGE = "case.html"
 overflowing = np.errstate(over="ignore", invalid="ignore")
-"""What overflows is refused in words."""
+"""Context without NumPy's warnings of overflow, which messages report."""
 
 
 def of_case(file: Path) -> AbstractContextManager[None]:
@@ -93,7 +93,7 @@ def export(args: argparse.Namespace) -> int:
 
 
 def request_of(case: Case, args: argparse.Namespace) -> Request:
-    """What a simulator is asked."""
+    """Request that a simulator receives for a case."""
     if args.springs and not args.quiet:
         tell_ratio(case)
     shape = {"cells": args.cells, "shape": args.shape, "springs": args.springs}

@@ -1,4 +1,4 @@
-"""What ``case new``, ``study new`` and ``adapter new`` do: a first file, which runs as it is."""
+"""Commands ``case new``, ``study new`` and ``adapter new``, which write a runnable file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One study from its run to its files: judged, compared with the baseline, drawn.
+"""Execution of a study: verdict, comparison with the baseline, figures and files.
 
 What comes of it can be sent from one process to another, so that studies may run side by side.
 """
@@ -50,7 +50,7 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How a study ended: its name, docstring, seconds without figures, and provenance.
+    """Outcome of a study: name, docstring, seconds without figures, and provenance.
 
     One that finished has a result, without its figures, and files (name -> content); it may lack
     a baseline that its tables could be held to. One that did not has an exit `code`, and why, for
@@ -71,12 +71,12 @@ class Outcome:
 
     @property
     def verdict(self) -> pd.DataFrame:
-        """Its judgement; without rows if it did not finish."""
+        """Verdict of the study, without rows if it did not finish."""
         return stored.nothing_judged() if self.result is None else self.result.verdict
 
     @property
     def held(self) -> bool:
-        """Whether it finished, judged something, and all that it judged passed."""
+        """True if the study finished, judged something, and all of it passed."""
         return not self.error and all_passed(self.verdict)
 
     def files_beside(self, folder: Path) -> dict[str, bytes]:
@@ -129,7 +129,7 @@ def _since(started: datetime) -> float:
 
 
 def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
-    """What a study found, and its verdict by its own limits, or by those for a candidate."""
+    """Evidence of a study and its verdict, by its own limits or a candidate's."""
     run, args = catalogue.load(task.name).run, task.args
     setting = Setting(quick=args.form == "quick", seed=args.seed, progress=task.progress)
     if args.questions is not None and "questions" not in inspect.signature(run).parameters:

@@ -1,4 +1,4 @@
-"""What ``run``, ``check``, ``list`` and ``report`` do: studies run, judged, told and written."""
+"""Commands ``run``, ``check``, ``list`` and ``report``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from msvalidate.problem.records import replace
 from msvalidate_check import exchange
 
 WIDTH = 100
-"""Of findings, in characters."""
+"""Width of findings, in characters."""
 FINDINGS = 8
 """Lines of findings a study: with its question and what was left out, ten."""
 FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
@@ -101,7 +101,10 @@ def _refuse(args: argparse.Namespace) -> None:
 
 
 def _refuse_unknown_tables(args: argparse.Namespace) -> None:
-    """What studies may make is in their baseline, or named in their sources."""
+    """Refuse names of tables that no study makes.
+
+    The possible tables are in the baseline, or named in the sources of a study.
+    """
     known = {"verdict"}.union(*map(baseline.tables, args.studies))
     words = known.union(*map(catalogue.words, args.studies))
     for name in args.tables if len(known) > 1 else ():  # else there is nothing to go by
@@ -111,7 +114,9 @@ def _refuse_unknown_tables(args: argparse.Namespace) -> None:
 
 
 def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
-    """How each study ended, in the order asked, said as it ends; `codes` get those of exit.
+    """Run studies and return their outcomes in order, with a message for each.
+
+    `codes` receives the exit codes.
 
     One that fails does not keep the others from running; those that read results come last.
     """
@@ -161,7 +166,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
 
 
 def _tell_ending(study: Stored | Outcome, args: argparse.Namespace) -> int:
-    """What a study missed, and how it ended, to stderr; its exit code if it finished."""
+    """Print failures and the ending of a study to stderr; return its exit code."""
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
         tell(line)
     if not args.quiet:
@@ -173,7 +178,7 @@ def _tell_ending(study: Stored | Outcome, args: argparse.Namespace) -> int:
 
 
 def _lines(result: Result, args: argparse.Namespace) -> list[str]:
-    """What stdout says of a study, line by line: its findings, or the tables asked for."""
+    """Lines of a study for stdout: its findings, or the requested tables."""
     if args.quiet or args.verb == "check":
         return []
     if args.tables:
@@ -230,7 +235,10 @@ def table_lines(result: Result, names: Sequence[str]) -> list[str]:
 
 
 def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
-    """What a study missed, the worst first and at most five, and where the others are."""
+    """Lines with at most five failures of a study, the worst first.
+
+    The last line states where the others are.
+    """
     missed = missed_rows(study)
     lines = []
     for row in missed[:FAILURES]:
@@ -250,7 +258,7 @@ def missed_rows(study: Stored | Outcome) -> list[dict[Any, Any]]:
 
 
 def ending(study: Stored | Outcome) -> str:
-    """How a study ended, in one line."""
+    """Ending of a study in one line."""
     rows = 0 if study.error else len(study.verdict)
     missed = len(missed_rows(study))
     said = f"{rows - missed} of {rows} held"
@@ -266,7 +274,7 @@ def ending(study: Stored | Outcome) -> str:
 
 
 def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
-    """How several studies ended together, layer by layer."""
+    """Ending of several studies together, layer by layer."""
     judged, held = Counter[str](), Counter[str]()
     for outcome in outcomes:
         judged.update(outcome.verdict["layer"])

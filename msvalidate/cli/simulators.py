@@ -1,4 +1,4 @@
-"""What ``msvalidate simulate`` and ``msvalidate adapter`` do."""
+"""Commands ``msvalidate simulate`` and ``msvalidate adapter``."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def simulate(args: argparse.Namespace) -> int:
 
 
 def _name(args: argparse.Namespace, told: list[str]) -> str:
-    """Of the folder of results, one for each of case, adapter and settings."""
+    """Name of the results folder for a case, adapter and settings."""
     name = f"{files.folder_name(args.file.stem)}-{files.folder_name(label_of(args.adapter))}"
     name = files.folder_name("-".join([name, *told]).replace("=", "-").replace('"', ""))
     if not told:
@@ -213,7 +213,7 @@ def _known_law(given: str) -> str:
 
 
 def _folder_of_check(args: argparse.Namespace, name: str) -> Path | None:
-    """Where the page goes, if that and the record can be written."""
+    """Folder of the page, if page and record are writable."""
     if args.json is not None and not args.json.parent.is_dir():
         raise ProblemError(f"--json {args.json}: no folder {args.json.parent}; make it first")
     if args.out is None:

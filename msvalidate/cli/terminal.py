@@ -1,4 +1,4 @@
-"""What is said on the terminal: results to stdout, messages to stderr, both in few lines."""
+"""Terminal output: results to stdout and messages to stderr, both short."""
 
 from __future__ import annotations
 

@@ -14,21 +14,20 @@ Verdict = Literal["exact", "first order", "unstable", "not known"]
 
 @dataclass(frozen=True)
 class TensionCheck:
-    """Response of a body of a calibrated lattice to uniform tension along each axis.
+    """Response of a calibrated lattice body to uniform tension along each axis.
 
     Parameters
     ----------
     verdict
-        "exact": it follows the material to rounding, whatever its size. "first order": its sides
-        cut springs, which leaves an error that halves with the spacing. "unstable": its tangent
-        has a negative or no stiffness for some motion, so that it has no equilibrium to show.
-        "not known": it was not tried.
+        "exact": the body follows the material to rounding at any size. "first order": springs are
+        cut at its sides, with an error proportional to the spacing. "unstable": its tangent is not
+        positive definite. "not known": it was not tested.
     error
-        The largest error of a displacement's component over the largest displacement, of the worst
-        axis, where the verdict is of first order; 0 where it is exact, or else NaN.
+        Largest error of a displacement component, relative to the largest displacement, for the
+        worst axis, if the verdict is "first order"; 0 if it is "exact", otherwise NaN.
     points
-        Of the body that was tried: that one, or a smaller one of the same lattice, whose error is
-        then taken to be in proportion to the spacing over the body's least length.
+        Number of points of the tested body. A large body is represented by a smaller one of the
+        same lattice, whose error is scaled with the spacing relative to the shortest side.
     """
 
     verdict: Verdict
@@ -50,34 +49,33 @@ class TensionCheck:
 
 @dataclass(frozen=True, eq=False)
 class Calibration(ReadOnly):
-    """Constants of a lattice, and the isotropic material that they make.
+    """Spring constants of a lattice, and the isotropic material that they produce.
 
     Parameters
     ----------
     constants
-        Of the central springs (N/m, thickness included), one a kind.
+        Constants of the central springs (N/m, thickness included), one per kind.
     volume
-        κ of the energy of a cell's volume, 0 if there is none: N/m in the plane (thickness
-        included), Pa in a solid; the same for cells of any size. λ where they are under pressure.
+        Stiffness κ of the volume energy of a cell (N/m with the thickness in 2D, Pa in 3D), the
+        same for any cell size; 0 without one. With pressure in the cells it is λ.
     E, nu
-        Young's modulus (Pa) and Poisson's ratio of the material that the tensor is.
+        Young's modulus (Pa) and Poisson's ratio of the material.
     zener
-        2·C44/(C11 - C12) of the tensor, 1 where it is isotropic.
+        Zener ratio 2·C44/(C11 - C12) of the tensor, 1 if it is isotropic.
     route
-        One of `ROUTES`.
+        "springs", "volume energy" or "neo-Hookean".
     tensor
-        Voigt tensor, (3, 3) in N/m or (6, 6) in Pa, of the endless lattice, its points at rest.
+        Effective Voigt tensor of the periodic lattice, (3, 3) in N/m or (6, 6) in Pa.
     lattice, spacing, thickness
-        What all of this is for: the pattern's name, its unit's length (m), and the thickness (m).
-        In the plane it serves any spacing.
+        Name of the pattern, length of its unit (m) and thickness (m) to which the constants apply.
+        In 2D they apply to any spacing.
     body
-        What the body does that was given; None of a pattern, and all of the above is of endless
-        lattices.
+        Response of the given body to uniform tension; None for a pattern.
     pressure
-        Of cells at rest, in the units of `volume`: then springs have no rest length, and pull
-        against it (`laws.zero_length`, `laws.logarithmic`).
+        Pressure in the cells at the reference positions, in the units of `volume`. If it is not 0,
+        the springs are zero-length springs.
     pushing
-        Springs of negative stiffness, of how many: none but along a mesh's edges.
+        Number of springs with negative stiffness, and number of all springs.
     """
 
     constants: Constants

@@ -39,36 +39,46 @@ DENSE = 300
 MULTIGRID = {2: 200_000, 3: 6_000}
 """Motions, by axes, above which conjugate gradients take less time than a factor."""
 AFFORDED = {2: 600_000, 3: 15_000}
-"""Motions, by axes, up to which a factor is made where conjugate gradients do not answer: half
-a minute of work."""
+"""Maximum number of motions for a factor if conjugate gradients fail, by axes.
+
+It takes half a minute.
+"""
 NO_STIFFNESS = 1e-10
 """Stiffness of a motion, relative to the stiffest, below which it has none."""
 WELL_POSED = 1e-6
 """Reciprocal condition, as LAPACK estimates it, above which no motion is without stiffness: it
 is `DENSE` times off at the most, and the estimate some tens."""
 NEAR = 1e4
-"""Times that stiffnesses may be apart for `NO_STIFFNESS`: rounding is 1e-12 of the softest."""
+"""Largest ratio of stiffnesses for which `NO_STIFFNESS` holds.
+
+Rounding is 1e-12 of the softest.
+"""
 SOFTEST = 1e-6
 """Root of a motion's stiffness over the softest spring's, below which it has none."""
 CORRECTIONS = 8
 ENOUGH = 1e-15
-"""Part of an energy that a correction takes, at which it was the last."""
+"""Relative energy of a correction that ends the iteration."""
 LEAST_PART = 1e-24
 """Energy over the largest strain's, below which a strain has none."""
 ROUNDING = 1e-13
-"""Of sums over springs."""
+"""Relative rounding of sums over springs."""
 BLIND = 1e-3
-"""Part of a known motion's elongations that may be missed."""
+"""Relative error allowed for the elongations of a known motion."""
 PART = 1e-4
-"""Part of an elongation's error that conjugate gradients leave of what is relieved. Asked three
-times, that is rounding; of a motion that is known it is a tenth of what may be missed."""
+"""Relative error of the elongations that conjugate gradients leave.
+
+Three solves reduce it to rounding; for a known motion it is a tenth of `BLIND`.
+"""
 HIGHEST = 2.0
-"""Of the stiffness of springs over its diagonal blocks: a spring between two points costs at most
-twice what it would with either of them held."""
+"""Upper bound of the spring stiffness, relative to its diagonal blocks.
+
+A spring between two free points costs at most twice the energy that it costs with one of them
+fixed.
+"""
 MEETS_NONE = "some motion meets no stiffness but rounding"
 
 Relieve = Callable[[Array], Array]
-"""Motions (f, v) that relieve elongations (m, v): the least energy that is left, or nearly."""
+"""Motions (f, v) that relieve elongations (m, v) to nearly the least energy."""
 
 
 class RelaxedCell(NamedTuple):
@@ -160,7 +170,7 @@ def stiffness_ratio(k: Array) -> float:
 
 
 def energy_threshold(k: Array) -> float:
-    """Energy of a motion, over what its components would cost one by one, below which it has none.
+    """Relative stiffness of a motion below which its energy counts as zero.
 
     By the springs' own elongations, which rounding of a stiffness's entries does not hide.
     """

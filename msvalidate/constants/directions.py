@@ -11,7 +11,9 @@ from msvalidate.problem.checks import finite, finite_angle, finite_number
 
 
 def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
-    """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
+    """Rotate a stiffness tensor by a counter-clockwise angle or a matrix (d, d).
+
+    The angle is in rad.
 
     Source: the law of transformation of tensors, [Nye1957], chapter VIII.
 
@@ -32,7 +34,7 @@ def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
 
 
 def directional_modulus(tensor: Array, directions: Array) -> Array:
-    """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
+    """Young's modulus (q,), in Pa or N/m, along unit vectors (q, d).
 
     1/E = v S v, v the Voigt vector of n⊗n and S the compliance.
 
@@ -53,7 +55,7 @@ def directional_modulus(tensor: Array, directions: Array) -> Array:
 
 
 def directional_ratio(tensor: Array, angle: float) -> float:
-    """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
+    """Poisson's ratio of a 2D body in tension at `angle` (rad) to x.
 
     nu = -w S v/(v S v), v and w the Voigt vectors of n⊗n along and across, and S the compliance.
 

@@ -45,21 +45,21 @@ NO_SPRING = 1e-24
 
 @dataclass(frozen=True, eq=False)
 class Homogenised(ReadOnly):
-    """The solid that an endless lattice is.
+    """Effective stiffness of a periodic lattice.
 
     Parameters
     ----------
     affine, tensor
-        Voigt tensors, (3, 3) in N/m or (6, 6) in Pa: with the points held to the uniform strain, an
-        upper bound, and with them at rest.
+        Voigt tensors, (3, 3) in N/m or (6, 6) in Pa: with affine motion of the points, which is an
+        upper bound, and with the points in equilibrium.
     floppy
-        Number of periodic motions, translations apart, without stiffness; None where it was not
-        counted (none of them is there: the lattice was solved).
+        Number of periodic mechanisms besides translations; None if it was not counted, in which
+        case there are none.
     error
-        Largest error of an entry of the tensor over the root of the two diagonal entries beside it,
-        from the energy of the last correction.
+        Largest error of an entry of the tensor, relative to the root of the product of its two
+        diagonal entries, from the energy of the last correction.
     solver
-        The way it was found, "direct" or "multigrid".
+        "direct" or "multigrid".
     """
 
     affine: Array
@@ -72,21 +72,43 @@ class Homogenised(ReadOnly):
 def homogenise(
     pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
 ) -> Homogenised:
-    """Compute the solid that an endless lattice is, its points at rest.
+    """Compute the effective (homogenised) stiffness tensor of a periodic lattice.
 
-    The method is that of `constants.homogenise.homogenise_network`.
+    The unit cell (representative volume element) is in equilibrium under each uniform strain, with
+    periodic boundary conditions. Sources: [Hill1963] (energy of the mean strain), [BornHuang1954]
+    (equilibrium of the points inside the cell).
 
     Parameters
     ----------
-    pattern, constants
-        What repeats, and its spring constants (N/m), one a kind.
+    pattern
+        Unit cell of the lattice, such as ``patterns.square()``.
+    constants
+        Spring constants (N/m), one per kind of spring.
     spacing
-        Length (m) of the pattern's unit; a plane tensor does not depend on it.
+        Length (m) of the unit of the pattern; a 2D tensor does not depend on it.
+    solver
+        "auto", "direct" or "multigrid".
+
+    Returns
+    -------
+    Homogenised
+        Its field ``tensor`` is the Voigt tensor, (3, 3) in N/m in 2D or (6, 6) in Pa in 3D;
+        ``affine`` is the upper bound without relaxation of the points inside the cell.
 
     Raises
     ------
     ProblemError
-        If the constants are not one a kind, or the spacing is no length; and as there.
+        If there is not one constant per kind, a constant is negative, or the spacing is not
+        positive.
+    SolverError
+        If a large unit cell has a mechanism, or the tensor cannot be determined.
+
+    Examples
+    --------
+    >>> from msvalidate import homogenise, isotropic_moduli, patterns
+    >>> moduli = isotropic_moduli(homogenise(patterns.triangular(), (1.0,)).tensor)
+    >>> print(f"{moduli.E:.6f} N/m, nu = {moduli.nu:.6f}")  # 2/√3 k and 1/3
+    1.154701 N/m, nu = 0.333333
     """
     require_type("pattern", pattern, Pattern)
     a = length_in_metres("spacing", spacing)
@@ -102,7 +124,9 @@ def homogenise(
 
 
 def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Array:
-    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
+    """Effective tensor of the *interior* of a lattice, built by a rule for weights.
+
+    It is (3, 3) in N/m or (6, 6) in Pa.
 
     Of a piece of a pattern it is the solid of what repeats, its points at rest. A `diagonal_square`
     has lost the springs that its boundary cut, and comes near its interior's tensor only as it
@@ -137,7 +161,7 @@ def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arr
 
 
 def deforms_affinely(pattern: Pattern) -> bool:
-    """Whether all points deform affinely under a uniform strain, for any spring constants.
+    """Return True if every point follows a uniform strain, for any constants.
 
     They do where each kind of spring by itself leaves no force on them: where every point is a
     centre of symmetry. The affine tensor is then exact, and linear in the constants.

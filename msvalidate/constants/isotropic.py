@@ -22,7 +22,10 @@ from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Array, Isotropic, ProblemError
 
 START = 1e-3
-"""Least constant to start a search from, relative to the largest: at zero springs are gone."""
+"""Smallest constant at the start of a search, relative to the largest.
+
+At zero a spring would be missing.
+"""
 
 
 def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
@@ -119,7 +122,7 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
 
 
 def _describe_tensor(tensor: Array) -> str:
-    """What a tensor is, in words."""
+    """Describe a tensor in words."""
     try:
         mean = isotropic_moduli(tensor)
     except ProblemError:

@@ -1,4 +1,6 @@
-"""Constants that make a lattice an isotropic material, by two routes, or why none leads there.
+"""Routes from an isotropic material to the constants of a lattice.
+
+A route that fails gives the reason.
 
 The first is taken where it leads to the material, or else the second:
 
@@ -66,7 +68,7 @@ ORDINARY = 1e100
 def calibrate_by_route(
     material: Material, lattice: Pattern | Lattice, spacing: float | None, route: str | None
 ) -> Calibration:
-    """What `bodies.calibrate.calibrate_material` returns, but for what it says of the body.
+    """Calibrate a lattice as `bodies.calibrate.calibrate_material`, without its body.
 
     Raises
     ------
@@ -95,7 +97,7 @@ def calibrate_by_route(
 def constants_of(
     material: Material, lattice: Lattice, given: Constants | Calibration | None, volume: float
 ) -> tuple[Array, float]:
-    """Spring constants (kinds,) and κ of a material: those given, checked, or its own by springs.
+    """Check the constants (kinds,) and κ of a material, or compute the default.
 
     Parameters
     ----------
@@ -130,7 +132,9 @@ def constants_of(
 
 
 def default_constants(material: Material, lattice: Lattice) -> Constants:
-    """Spring constants (N/m), one a kind, of the lattice that is the material by springs alone.
+    """Spring constants (N/m) per kind of the lattice with the material's moduli.
+
+    Springs alone suffice for it.
 
     Raises
     ------
@@ -170,7 +174,7 @@ def _refuse_other_material(given: Calibration, lattice: Lattice, material: Mater
 
 
 def _repeating_cell(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
-    """What repeats, and the length (m) of its unit."""
+    """Unit cell of a lattice, and the length (m) of its unit."""
     require_type("lattice", lattice, Pattern | Lattice)
     if isinstance(lattice, Pattern):
         return lattice, length_in_metres("spacing", 1.0 if spacing is None else spacing)

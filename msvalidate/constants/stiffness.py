@@ -27,8 +27,10 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.records import dataclass
 
 CAUCHY = {2: 1 / 3, 3: 1 / 4}
-"""Axes -> the only ratio of an isotropic solid of central springs whose points follow the strain:
-they force C12 = C66 or C44 (Cauchy's relation), and isotropy C11 = C12 + 2·C66 or C44."""
+"""Number of axes -> Poisson's ratio of affine lattices of central springs.
+
+Cauchy's relation C12 = C66 (C44 in 3D) and isotropy, C11 = C12 + 2·C66 (C44), leave no other.
+"""
 
 
 AXES_OF = {3: 2, 6: 3}
@@ -40,10 +42,14 @@ ALIKE = 1e-9
 
 @dataclass(frozen=True)
 class Moduli:
-    """Elastic constants of a tensor along its axes.
+    """Elastic moduli of a tensor along its axes.
 
-    ``E`` (N/m in the plane, Pa in space) and ``nu`` in uniaxial stress along x; ``zener`` =
-    2·C44/(C11 - C12), in the plane 2·C66/(C11 - C12), is 1 for an isotropic tensor.
+    Parameters
+    ----------
+    E, nu
+        Young's modulus (N/m in 2D, Pa in 3D) and Poisson's ratio in uniaxial stress along x.
+    zener
+        Zener ratio 2·C44/(C11 - C12), in 2D 2·C66/(C11 - C12); 1 for an isotropic tensor.
     """
 
     E: float
@@ -52,7 +58,7 @@ class Moduli:
 
 
 def voigt_directions(normals: Array) -> Array:
-    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, 2) or (m, 3).
+    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, d).
 
     Contracted with engineering strains they give the elongation along n: nᵀεn.
 
@@ -93,7 +99,9 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
 
 
 def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Array:
-    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of an endless lattice under affine motion.
+    """Stiffness tensor of a periodic lattice under affine motion.
+
+    It is (3, 3) in N/m or (6, 6) in Pa.
 
     Source: [BornHuang1954], for central forces.
 
@@ -118,7 +126,9 @@ def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0)
 
 
 def square_tensor(k1: float, k2: float) -> Array:
-    """Tensor (3, 3) in N/m of the square lattice: C11 = k1 + k2, C12 = C66 = k2, any spacing.
+    """Tensor (3, 3) in N/m of the square lattice, at any spacing.
+
+    C11 = k1 + k2 and C12 = C66 = k2.
 
     Source: `spring_tensor` of its springs in closed form; [BornHuang1954], central forces.
 
@@ -141,7 +151,9 @@ def springs_ratio(law: Material) -> float:
 
 
 def central_modulus(material: Isotropic, dim: int, what: str) -> float:
-    """Modulus of the d axes, N/m in the plane or Pa, of a material that central springs can be.
+    """Modulus (N/m in 2D, Pa in 3D) of a material with the Cauchy relation.
+
+    It is the modulus of the d axes.
 
     Raises
     ------
@@ -187,7 +199,9 @@ def in_plane_moduli(material: Isotropic) -> tuple[float, float]:
 
 
 def axes_moduli(material: Isotropic, dim: int, what: str) -> tuple[float, float]:
-    """E and ratio of the d axes of `what`: in-plane ones (E in N/m), or the solid's (Pa).
+    """Young's modulus and Poisson's ratio of the d axes of a material.
+
+    They are the in-plane ones (E in N/m) in 2D, or those of the solid (Pa).
 
     Raises
     ------
@@ -202,7 +216,9 @@ def axes_moduli(material: Isotropic, dim: int, what: str) -> tuple[float, float]
 
 
 def lame(dim: int, E: float, nu: float) -> tuple[float, float]:
-    """Lamé's constants λ, infinite at nu = 1/(d - 1), and μ, of E and nu of d axes.
+    """Lamé constants λ and μ from E and nu of d axes.
+
+    λ is infinite at nu = 1/(d - 1).
 
     λ = E nu/((1 + nu)(1 - (d - 1) nu)), μ = E/(2(1 + nu)).
 
@@ -213,7 +229,9 @@ def lame(dim: int, E: float, nu: float) -> tuple[float, float]:
 
 
 def moduli(tensor: Array) -> Moduli:
-    """E, nu along x and Zener ratio of a tensor of cubic (in the plane square) symmetry.
+    """Young's modulus, Poisson's ratio and Zener ratio of a cubic or square tensor.
+
+    They are those along x.
 
     Source: [Nye1957], chapter VIII; the ratio of anisotropy is that of [Zener1948].
 
@@ -243,22 +261,36 @@ def moduli(tensor: Array) -> Moduli:
 
 
 def isotropic_moduli(tensor: Array) -> Moduli:
-    """E and nu of the isotropic tensor nearest to a tensor, and how far the tensor is from it.
+    """Compute the moduli of the isotropic tensor nearest to a stiffness tensor.
 
-    Nearest in the sum of squares of all components: the mean over all rotations [Voigt1889]. From
-    the invariants a = C_iijj and b = C_ijij, in d axes: bulk modulus a/d², and shear modulus
-    (b - a/d)/((d - 1)(d + 2)), in Pa, or N/m in the plane.
+    The nearest tensor in the sum of squares of all components is the mean over all rotations
+    [Voigt1889]. With the invariants a = C_iijj and b = C_ijij in d dimensions, the bulk modulus is
+    a/d² and the shear modulus (b - a/d)/((d - 1)(d + 2)).
+
+    Parameters
+    ----------
+    tensor
+        Voigt tensor with engineering shear strains, (3, 3) in N/m in 2D or (6, 6) in Pa in 3D.
 
     Returns
     -------
     Moduli
-        Its zener is 2·C44/(C11 - C12) with C11, C12, C44 the means over the axes: it shows an
-        anisotropy of cubic kind along them, and 1 of an isotropic tensor.
+        Young's modulus E (N/m in 2D, Pa in 3D), Poisson's ratio nu (C12/C11 in 2D) and the Zener
+        ratio 2·C44/(C11 - C12), in 2D 2·C66/(C11 - C12), of the cubic mean over the axes, which is
+        1 for an isotropic tensor.
 
     Raises
     ------
     ProblemError
-        If it is no Voigt tensor, or a uniform strain costs no energy.
+        If the tensor has another shape, or is not positive definite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import isotropic_moduli
+    >>> moduli = isotropic_moduli(np.array([[9.0, 3.0, 0.0], [3.0, 9.0, 0.0], [0.0, 0.0, 3.0]]) / 8)
+    >>> print(f"{moduli.E:.3f} {moduli.nu:.3f} {moduli.zener:.3f}")
+    1.000 0.333 1.000
     """
     C = check_voigt(tensor)
     d = AXES_OF[len(C)]
@@ -286,7 +318,10 @@ def _invariant_moduli(C: Array) -> tuple[float, float]:
 
 
 def shear_modulus(material: Material) -> float:
-    """μ, N/m with the thickness in the plane or Pa in space; of a tensor its isotropic part's."""
+    """Shear modulus μ of a material, N/m with the thickness in 2D, Pa in 3D.
+
+    For a tensor it is that of the nearest isotropic tensor.
+    """
     if isinstance(material, Isotropic):
         return material.thickness * lame(material.dim, material.E, material.nu)[1]
     return material.thickness * _invariant_moduli(material.C)[1]
@@ -305,13 +340,16 @@ def isotropic_part(tensor: Array) -> Array:
 
 
 def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
-    """Voigt tensor of E and nu of its own axes: C12 = λ, C44 = μ, C11 = λ + 2μ (see `lame`)."""
+    """Voigt tensor of the moduli of the d axes (see `lame`).
+
+    C12 = λ, C44 = μ and C11 = λ + 2μ.
+    """
     C12, C44 = lame(dim, E, nu)
     return cubic_tensor(dim, C12 + 2 * C44, C12, C44)
 
 
 def cubic_part(tensor: Array) -> Array:
-    """Mean of a Voigt tensor over all turns of the axes into each other: square or cubic.
+    """Project a Voigt tensor on square (2D) or cubic (3D) symmetry along the axes.
 
     Raises
     ------
@@ -326,12 +364,15 @@ def cubic_part(tensor: Array) -> Array:
 
 
 def is_same_tensor(tensor: Array, other: Array) -> bool:
-    """Whether two tensors are one to within `ALIKE` of the largest entry."""
+    """Return True if two tensors agree within `ALIKE` of the largest entry."""
     return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
 
 
 def is_of_material(tensor: Array, material: Isotropic) -> bool:
-    """Whether a tensor (N/m in the plane, else Pa) is that of a material, to within `ALIKE`."""
+    """Return True if a tensor is that of a material, within `ALIKE`.
+
+    It is in N/m in 2D, in Pa in 3D.
+    """
     d = AXES_OF[len(tensor)]
     E, nu = axes_moduli(material, d, "tensor")
     return (d - 1) * nu < 1 and is_same_tensor(tensor, isotropic_tensor(d, E, nu))

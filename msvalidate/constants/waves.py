@@ -1,4 +1,4 @@
-"""Waves of an endless lattice: the highest frequency, and how soft its cells' volumes may be.
+"""Plane waves in a periodic lattice: highest frequency and smallest stable κ.
 
 κ of cells' volumes may be below zero as long as every wave costs energy. Long waves ask for
 λ + 2μ > 0, less than the bulk modulus does. Where the corners of the cells are all the points there
@@ -27,13 +27,16 @@ from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite_number, refuse_too_many, require_type
 
 PHASES = 8
-"""Of waves along each axis, even, so that pi is one."""
+"""Number of wave phases along each axis, even so that π is one."""
 LONG = 1e-3
-"""Phase of long waves, in rad a cell: what is left of the short ones is its square."""
+"""Phase of long waves, in rad per cell.
+
+The effect of short waves is its square.
+"""
 SAME_HEIGHT = 1e-9
 """Relative difference at which two squared frequencies count as different; rounding is 1e-14."""
 LARGEST_CELL = 1000
-"""Points of a cell up to which all frequencies of all waves are found: dense matrices."""
+"""Maximum number of points per cell for dense matrices of all waves."""
 LARGEST_SOFT = 100
 """Points of a cell up to which `least_stable_volume` looks at all waves."""
 
@@ -89,7 +92,7 @@ def highest_frequency(pattern: Pattern, constants: Constants, volume: float = 0.
 
 
 def least_stable_volume(pattern: Pattern, constants: Constants) -> float:
-    """κ above which every wave of an endless lattice costs energy, at a spacing of 1 m.
+    """Smallest κ for which every wave has positive energy, at a spacing of 1 m.
 
     Of cells as `msvalidate.lattice.fill` makes them: the pattern's own, from corner to corner. In
     the plane in N/m, at any spacing; in space in Pa, over the spacing.

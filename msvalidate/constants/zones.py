@@ -45,7 +45,7 @@ from msvalidate.problem.checks import finite_number, format_value, require_type
 from msvalidate.problem.shapes import STRAIGHT
 
 SAMPLES: Mapping[int, int] = {2: 16, 3: 8}
-"""Places along each axis of a cell that a zone ends in; fractions are then off by a hundredth."""
+"""Sample points per axis of a cell at a zone's end, for 1 % accuracy."""
 
 OneOrEach = Constants | Calibration | tuple[Constants | Calibration, ...]
 """Constants of a body: one entry, or one for each of its materials."""
@@ -58,20 +58,39 @@ def calibrate_zones(
     spacing: float | None = None,
     route: str | None = None,
 ) -> tuple[Calibration, ...]:
-    """Calibrate each of `Problem.materials` by one route, in their order.
+    """Find the constants of a lattice for each material of a problem.
 
     Parameters
     ----------
-    problem, lattice, spacing
-        What is to be, of what, and the length (m) of a pattern's unit; a body has its own.
+    problem
+        Boundary value problem; its isotropic materials are those of the body and of each zone.
+    lattice
+        Unit cell, or a lattice that fills the body.
+    spacing
+        Length (m) of the unit of a pattern; a lattice in a body has its own spacing.
     route
-        One of `constants.routes.ROUTES`; None takes springs alone where they will do for all, or
-        else a volume energy for all.
+        "springs", "volume energy" or "neo-Hookean", for all materials. Default: springs alone if
+        they suffice for all, otherwise springs with a volume energy for all.
+
+    Returns
+    -------
+    tuple of Calibration
+        One calibration per material, in the order of `Problem.materials`.
 
     Raises
     ------
     ProblemError
-        If a material is not isotropic, or has no way.
+        If a material is not isotropic, or the lattice cannot have its moduli by this route.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Region, Zone, calibrate_zones, square
+    >>> box = Box((1.0, 1.0))
+    >>> inclusion = Zone(Region(((0.5, 1.0), None)), Isotropic(E=1e6, nu=1 / 3))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(), zones=(inclusion,))
+    >>> soft, stiff = calibrate_zones(problem, square(box, 10))
+    >>> print(f"{stiff.constants[0] / soft.constants[0]:.6f}")
+    10.000000
     """
     require_type("problem", problem, Problem)
 
@@ -89,7 +108,9 @@ def calibrate_zones(
 def constants_by_zone(
     problem: Problem, lattice: Lattice, given: OneOrEach | None = None, volume: float = 0.0
 ) -> tuple[Array, Array, Array, Array]:
-    """Constants of springs (m,) in N/m, κ and pressure of cells (c,), density at points (n,).
+    """Constants of springs and cells, and the density at points, by zone.
+
+    Spring constants are (m,) in N/m, κ and pressure (c,), the density (n,).
 
     Parameters
     ----------
@@ -130,7 +151,7 @@ def constants_by_zone(
 def spring_shares(
     problem: Problem, lattice: Lattice, constants: OneOrEach | None = None
 ) -> csr_array:
-    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+    """Fraction (m, c) of each spring's stiffness from each cell; rows sum to 1.
 
     Which of the force of a spring on an interface is whose: `msvalidate.statics.stress.cell_stress`
     takes them. A spring without stiffness has none.
@@ -200,7 +221,7 @@ def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) 
 
 
 def _gifts(lattice: Lattice, soft: Array, k: Array) -> csr_array:
-    """What each cell brings (m, c) to each spring's constant.
+    """Contribution (m, c) of each cell to each spring constant.
 
     Of each material's fraction over its shear modulus (c, materials), and its constants
     (materials, kinds).

@@ -1,4 +1,4 @@
-"""The viscous damping with which a loaded network comes to rest soonest, and how long that takes.
+"""Viscous damping for the fastest relaxation of a loaded network.
 
 To first order the way to rest is a sum of modes, which a damping F = -c·m·v does not couple. Let go
 at the distance 1 from rest with no velocity, with s = c/2 and r = √(s² - ω²), real or imaginary, a
@@ -28,14 +28,20 @@ from msvalidate.problem.records import dataclass
 from msvalidate.statics.refinement import SOFTEST_REFINED, explain_rounding
 
 VECTORS = 8
-"""Ritz vectors, a solve each. The rate is within 1 % of that of sixty and the time within 2 %, also
-of a force at one point of a strip 67 times as long as high that is held along its length."""
+"""Number of Ritz vectors, each of which needs a solve.
+
+The rate is within 1 % of that with sixty vectors, the time within 2 %, also for a force at one
+point of a strip that is 67 times as long as high and fixed along its length.
+"""
 EXHAUSTED = 1e-8
-"""Part of a vector outside the span of those before it that is rounding."""
+"""Relative size of a new Ritz vector that is rounding."""
 STEP = 1.005
-"""Ratio of the rates that are tried: from 0.2 of 2ω of the slowest mode to 3 of the largest's."""
+"""Ratio of successive trial rates.
+
+They range from 0.2 of 2ω of the slowest mode to 3 times that of the largest one.
+"""
 LOOKS = 500
-"""Times, at equal ratios, at which the distance is looked at."""
+"""Number of times at equal ratios where the distance is evaluated."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,9 @@ class Damping:
 
 
 def quickest_damping(network: Network, *, accuracy: float = 1e-3) -> Damping:
-    """The rate with which a network, let go at its start with no velocity, is soonest at rest.
+    """Damping rate (1/s) with which a network reaches equilibrium fastest.
+
+    It starts with zero velocity.
 
     To first order and for small time steps, loads and prescribed displacements applied at once.
     The distance from rest is √(Σ m|u|²), in which modes add up by their squares. Just below the

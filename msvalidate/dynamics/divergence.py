@@ -27,21 +27,36 @@ from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 from msvalidate.problem.records import dataclass
 
 SPECTRUM_ERROR = 1e-4
-"""Of the squared frequencies from which limits are told: their last digits cost the most."""
+"""Relative error of the squared frequencies that determine limits.
+
+Their last digits cost the most.
+"""
 RUNAWAY = 1e6
-"""Times the body's size, and the distance that a free point would go in a run: a motion that is
-farther from its start has blown up."""
+"""Relative distance from the start beyond which a motion has diverged.
+
+It is relative to the size of the body plus the distance that a free point would move.
+"""
 LONGEST_STEP = 1e7
-"""h·ω of a scheme without a limit: masses beside h²/4 times the stiffness are 4e-14 there."""
+"""Largest h·ω of an unconditionally stable scheme.
+
+There, masses are 4e-14 of h²/4 times the stiffness.
+"""
 FARTHEST = 1e12
-"""Lengths of the shortest spring that a point may go: three digits of that length are left."""
+"""Largest distance of a point in lengths of the shortest spring.
+
+Three digits of that length remain.
+"""
 DIGITS = 1e-2
-"""Part of the largest displacement that rounding may hide: two digits are left, what a plot shows.
-Velocities have more. Runs that a pulse begins with e^-18 of its height have that and are ordinary;
-below, what is found is soon no motion."""
+"""Largest relative rounding of a displacement, so that two digits remain.
+
+A plot shows no more, and velocities have more digits. Ordinary runs that start with a pulse of
+e^-18 of its height have that much rounding; below it, the result is soon meaningless.
+"""
 AT_REST = 8.0
-"""Roundings up to which what nothing loads is at rest: as many springs meet at a lattice's points,
-each rounded by itself."""
+"""Force, in units of rounding, up to which an unloaded network is in equilibrium.
+
+It is the number of springs at a lattice point, each rounded by itself.
+"""
 
 
 class StabilityWarning(UserWarning):
@@ -50,10 +65,10 @@ class StabilityWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class Stepping:
-    """What a run's steps are.
+    """Time stepping parameters of a run.
 
-    `network`, `scheme`: what moves, and by which scheme. `dt`, `steps`: time step (s) and how many
-    there are. `rate`: damping (n,) in 1/s. `ground`: ground springs, if there are any.
+    `network` and `scheme` are what moves and by which scheme; `dt` and `steps` the time step (s)
+    and the number of steps; `rate` the damping (n,) in 1/s; `ground` the ground springs, if any.
     """
 
     network: Network
@@ -119,14 +134,16 @@ def largest_reach(run: Stepping, start: MotionState) -> float:
 
 
 def refuse_diverged(run: Stepping, start: MotionState, now: MotionState, reach: float) -> None:
-    """Refuse what is farther than its reach (m) from its start, before its numbers are NaN."""
+    """Refuse a motion that exceeds its reach (m), before its numbers are NaN."""
     near = (np.abs(now.x - start.x) <= reach).all()  # not so where it is NaN
     if not (near and np.isfinite(now.v).all()):
         raise SolverError(_describe(run, start))
 
 
 def refuse_long_step(run: Stepping, start: MotionState, error: SolverError) -> None:
-    """Refuse a step that failed for being too long; what else it failed for, its error tells.
+    """Refuse a step that failed because it is too long.
+
+    Other causes keep their own error.
 
     A motion that grows leaves no digits of a spring's length, say, long before its bounds.
     """
@@ -172,7 +189,10 @@ def _largest_ordinary_step(run: Stepping, start: MotionState) -> float:
 
 
 def is_at_rest(network: Network, start: MotionState) -> bool:
-    """Whether the network stays at rest: no load, velocity or displacement, springs in balance."""
+    """Return True if the network stays in equilibrium.
+
+    It then has no load, velocity or displacement, and the springs are in balance.
+    """
     free = ~network.held
     if start.x.any() or start.v.any() or network.force[free].any():
         return False

@@ -1,4 +1,4 @@
-"""What an implicit scheme solves in a step: accelerations, and increments by Newton's method.
+"""Solvers of an implicit time step: accelerations, and increments by Newton's method.
 
 A scheme whose new acceleration depends on the new position x + δ asks for the δ of
 
@@ -28,7 +28,7 @@ from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
 MOST = 30
 """Newton iterations of a step: with a fresh tangent each they converge quadratically, or not."""
 SLOW = 0.1
-"""Ratio of two corrections from which the tangent is too old, or the second is rounding."""
+"""Ratio of two corrections that indicates an outdated tangent or rounding."""
 ROUNDED = 1e-9
 """Correction with a fresh tangent over the largest coordinate that rounding may leave: where stiff
 parts stand beside soft ones the rounding of forces moves these by more than that of positions."""
@@ -52,7 +52,10 @@ class SolvableAcceleration(Protocol):
     def solve(
         self, x: Array, residual: Array, p: Array | float, q: float, /, *, fresh: bool
     ) -> Array:
-        """The δ in m of (p - q·∂a/∂x)·δ = residual; unless `fresh`, ∂a/∂x of an earlier x maybe."""
+        """Solve (p - q·∂a/∂x)·δ = residual for δ in m.
+
+        Unless `fresh`, ∂a/∂x may be that of an earlier x.
+        """
 
 
 class ModeAcceleration:
@@ -73,7 +76,10 @@ class ModeAcceleration:
 
 
 class NetworkAcceleration:
-    """Accelerations (n, d) in m/s² of a network's free components, by displacements (n, d) in m."""
+    """Accelerations (n, d) in m/s² of the free components of a network.
+
+    They are a function of displacements (n, d) in m.
+    """
 
     linear = False
 
@@ -93,7 +99,10 @@ class NetworkAcceleration:
         return np.where(self.free, pull, 0)
 
     def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
-        """The δ (n, d) in m of (p·m + q·K)·δ = m·residual; zero where the network is held."""
+        """Solve (p·m + q·K)·δ = m·residual for δ (n, d) in m.
+
+        δ is zero on fixed components.
+        """
         if not np.isfinite(residual).all():
             raise SolverError("implicit step: it is beyond all numbers; take smaller steps")
         mass = np.broadcast_to(self.network.mass[:, None], x.shape)

@@ -45,15 +45,23 @@ from msvalidate.problem.records import dataclass
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Positions and velocities of a motion.
+    """Positions and velocities of a network at one time.
 
     Parameters
     ----------
-    position, velocity
-        (n, d) in m and m/s, at the same time.
+    position
+        Positions (m) of the points, shape (n, d).
+    velocity
+        Velocities (m/s) of the points at the same time, shape (n, d).
     folded
-        Of the end of a motion: number of cells that are flat or inside out. None where there was
-        nothing to look at (`msvalidate.network.folds`), and of states on the way.
+        Number of flat or inverted cells at the end of a motion. None if there are no cells to
+        check, and in states before the end.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import State
+    >>> start = State(position=np.array([[0.0, 0.0], [0.37, 0.0]]), velocity=np.zeros((2, 2)))
     """
 
     position: Array
@@ -74,37 +82,62 @@ def motion(
     ground: Ground | None = None,
     breakage: Breakage | None = None,
 ) -> State:
-    """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
+    """Integrate the equations of motion of a network over a number of time steps.
 
-    The plain NumPy form, for studies of schemes; `integrate.euler_cromer` is the compiled one of
-    its scheme. Both advance displacements, which have digits that positions far from the origin
-    lack.
+    This is the NumPy reference implementation for every scheme; fixed components do not move.
+    ``euler_cromer`` of this module is the compiled implementation of its scheme.
+    Source: the schemes are those of [HairerLubichWanner2006] and [Cromer1981], among others.
 
     Parameters
     ----------
-    network, state, dt, steps, damping
-        As in `integrate.euler_cromer`. Velocities of all states, also those that `watch` receives,
-        belong to the time of their positions. For a staggered integrator they are shifted by half a
-        step at the start, and back for every state that is returned.
+    network
+        Network with n points in d dimensions.
+    state
+        Initial state. Position and velocity belong to the same time; a staggered scheme shifts the
+        velocity by half a step at the start and back in every state that it returns.
     integrator
-        One of `integrators.INTEGRATORS`.
+        Time integration scheme, a record of `INTEGRATORS`.
+    dt
+        Time step (s), > 0.
+    steps
+        Number of steps, 0 or more.
+    damping
+        Rate c (1/s) of mass-proportional (Rayleigh) damping, one number or shape (n,), >= 0. The
+        viscous force on a point of mass m is -c·m·v.
     watch
-        Called after every step with its number and the state.
+        Function of the step number and the `State`, called after every step.
     warn
-        Whether to warn, before the first step, that steps are beyond the stability limit at the
-        reference positions (`dynamics.divergence.StabilityWarning`).
+        True to warn if the time step exceeds the stability limit at the reference positions.
     ground
-        Ground springs of an obstacle, by schemes with one velocity a step; their friction
-        remembers, so that each motion begins with its own.
+        Penalty springs of an obstacle, for schemes with one velocity per step. Friction has a
+        memory, so that each motion needs a new one.
     breakage
-        Springs that break, of this network: looked at before every step.
+        Springs of this network that break; they are checked before every step.
+
+    Returns
+    -------
+    State
+        State after the last step, with positions (n, d) in m and velocities (n, d) in m/s.
 
     Raises
     ------
     ProblemError
-        If an argument is out of range.
+        If an argument is out of its range, or an array does not have the shape of the network.
     SolverError
-        If the motion grows beyond all numbers, or rounding of positions hides it.
+        If the motion diverges, or rounding of the positions hides it.
+
+    Examples
+    --------
+    Two points of 1 kg, joined by a spring of 4 N/m, reach the opposite state after half a period:
+
+    >>> import numpy as np
+    >>> from msvalidate import INTEGRATORS, State, motion, spring_network
+    >>> network = spring_network([[0.0, 0.0], [0.37, 0.0]], [[0, 1]], 4.0, mass=1.0)
+    >>> start = State(network.points + [[-0.01, 0.0], [0.01, 0.0]], np.zeros((2, 2)))
+    >>> half_period = np.pi / np.sqrt(2 * 4.0 / 1.0)  # s
+    >>> end = motion(network, start, INTEGRATORS["velocity_verlet"], half_period / 100, 100)
+    >>> (end.position - network.points)[:, 0].round(4).tolist()
+    [0.01, -0.01]
     """
     require_integrator("integrator", integrator)
     if not (watch is None or callable(watch)):
@@ -158,17 +191,48 @@ def recommended_time_step(
     damping: ArrayLike = 0.0,
     ground: Ground | None = None,
 ) -> float:
-    """Stable time step (s) of a network at its reference positions.
+    """Return 0.9 of the critical time step of a scheme for a network.
 
-    It is `step_limits.SAFETY` times the `step_limits.stability_limit` at the highest frequency,
-    with ground springs at their bound.
+    The critical time step (stability limit, CFL condition) follows from the highest natural
+    frequency at the reference positions; explicit Euler needs the lowest one too. For undamped
+    leapfrog it is 2 over the highest angular frequency. Source: roots of the one-step matrix inside
+    the unit circle [Jury1964].
+
+    Parameters
+    ----------
+    network
+        Network with n points.
+    integrator
+        Conditionally stable scheme, a record of `INTEGRATORS`.
+    damping
+        Rate (1/s) of mass-proportional damping, one number or shape (n,), >= 0.
+    ground
+        Penalty springs of an obstacle, counted with their largest stiffness.
+
+    Returns
+    -------
+    float
+        Time step (s).
 
     Raises
     ------
     ProblemError
-        If no step is stable, or every one.
+        If the scheme is stable at no time step or at every one, or a rigid-body motion is free.
     SolverError
-        If the network is a mechanism.
+        If the network is a mechanism or unstable.
+
+    Examples
+    --------
+    >>> from msvalidate import INTEGRATORS, Box, Isotropic, Problem, Support
+    >>> from msvalidate import lattice_network, natural_frequencies, recommended_time_step, square
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,))
+    >>> network = lattice_network(problem, square(box, (4, 1)))
+    >>> dt = recommended_time_step(network, INTEGRATORS["leapfrog"])
+    >>> _, highest = natural_frequencies(network, 1)
+    >>> print(f"{dt * highest:.3f}")
+    1.800
     """
     require_integrator("integrator", integrator)
     rate = damping_rate(network, damping)

@@ -1,4 +1,4 @@
-"""The time integration schemes, each a record of its step and of what it claims (`scheme`).
+"""Time integration schemes as records of their step and properties (`scheme`).
 
 With one more scheme, add its record to `INTEGRATORS`: tests and the study `stability` hold every
 record to its order, limit, error, and to what it conserves.
@@ -168,7 +168,10 @@ def _runge_kutta(
 
 
 REAL_LIMIT = 2.785293563405282
-"""Where 1 - z + z²/2 - z³/6 + z⁴/24 is 1 again: of a motion that decays without a swing."""
+"""Stability limit of Runge-Kutta for overdamped motion.
+
+It is the positive root of 1 - z + z²/2 - z³/6 + z⁴/24 = 1.
+"""
 
 
 def _runge_kutta_limit(zeta: float) -> float:
@@ -240,14 +243,16 @@ AVERAGE_ACCELERATION = Integrator(
     keeps_energy=True,
     undamped_motion=_average_acceleration_motion,
 )
-"""Newmark's method with β = 1/4 and γ = 1/2, the trapezoidal rule. Of large rotations it keeps the
-angular momentum to its order only.
+"""Newmark's method with β = 1/4 and γ = 1/2, the trapezoidal rule.
+
+In large rotations it conserves the angular momentum only to its order.
 
 Stable at any step is not damped: a mode with large h·ω keeps its amplitude, and changes its sign
 at nearly each step; of viscosity it feels 4ζ/(h·ω) a step, from the determinant of its matrix. What
 steps do not resolve should be left out of the start and of sudden loads.
 
-Source: [Newmark1959]."""
+Source: [Newmark1959].
+"""
 
 
 INTEGRATORS = {
@@ -271,7 +276,7 @@ def require_integrator(name: str, value: object) -> None:
 
 
 def step_factors(scheme: Integrator) -> Factors:
-    """What `kernels.Motion.advance` needs of a scheme.
+    """Factors of a scheme's step, for `kernels.Motion.advance`.
 
     Raises `ProblemError` if it does not move with one new velocity.
     """

@@ -1,4 +1,6 @@
-"""Where the energy goes while springs break in motion: what a motion's `watch` books.
+"""Energy balance of a motion with breaking springs.
+
+A motion calls it as its `watch`.
 
 Which springs break depends on the time step, so their number is told with its spread over steps;
 what the ledger leaves does not: by velocity Verlet, whose springs break between two half kicks, it
@@ -36,7 +38,9 @@ class Ledger:
         self.book(0, state)
 
     def dissipated(self, before: Array, half: Array, after: Array) -> float:
-        """Work (J) of viscosity in a step, by the velocities (n, d) before, amid and after it.
+        """Viscous work (J) in a step.
+
+        It follows from the velocities (n, d) before, in and after the step.
 
         Each half kick damps by the velocity before it, and goes on at the mean of its two.
         """

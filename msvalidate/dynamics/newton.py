@@ -23,15 +23,21 @@ from msvalidate.statics.tangents import LARGEST_TURN, refuse_mechanism, tangent_
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""
 FIRST_PART = 1e-3
-"""Of the first load, left by its solve: a strain of 1e-3 is as far as its tangent is right."""
+"""Relative residual of the first solve.
+
+The tangent is accurate only up to a strain of 1e-3.
+"""
 LEAST_PART = 1e-9
-"""What no linear solve goes below: rounding, of which a stiff system has more than an eps."""
+"""Smallest relative residual of a linear solve: the rounding of a stiff system."""
 ENOUGH = 0.2
-"""Part of the residual allowed at rest that the last solve leaves."""
+"""Fraction of the allowed residual that the last solve leaves."""
 _LESS = "reduce the load, or use equilibrium, which raises it in increments"
 
 Move = Callable[[Array, Array], Array]
-"""Move (n, d) in m that balances a load (n, d) in N, what is held moving as (n, d) says."""
+"""Motion (n, d) in m that balances a load (n, d) in N.
+
+Fixed components move by a given (n, d).
+"""
 
 
 def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
@@ -72,7 +78,7 @@ def _direct_moves(run: Run) -> Move:
 
 
 class _Multigrid:
-    """Moves of one run, and what they hand on: the hierarchy, and how far to solve.
+    """Linear solves of one run, with their common hierarchy and tolerance.
 
     Source: [Vanek1996], [EisenstatWalker1996]; hierarchy by [PyAMG2022].
     """
@@ -111,7 +117,7 @@ class _Multigrid:
         return np.asarray(found.solution + held).reshape(load.shape)
 
     def needed(self, residual: float) -> float:
-        """Part of a load, whose largest force (N) is given, that its solve may leave.
+        """Relative residual that a solve may leave, from the largest force (N).
 
         The square of what the last step left (choice 2 of Eisenstat and Walker, with γ = 1, α = 2),
         but no less than rest asks for.

@@ -44,17 +44,19 @@ from msvalidate.statics.refinement import error_of_displacement
 from msvalidate.statics.tangents import is_stable
 
 STOPOVER = 1e-4
-"""Tolerance of rest at stops of a path: what is left there is a ten-thousandth of what a stop adds,
-and the next begins with it."""
+"""Tolerance of equilibrium at intermediate stops of a path.
+
+The residual is a ten-thousandth of the next load step.
+"""
 FEW_UNITS = 16.0
 """Units of rounding of positions, of which a displacement is no motion."""
 BALANCED = 1e-6
-"""Part of a load that prestress may leave out of balance."""
+"""Fraction of a load that prestress may leave out of balance."""
 LOOSEST = 0.01
 """Largest tolerance: above it a start under full load would soon count as rest."""
 
 Watch = Callable[[Run], bool]
-"""Shown the run at every look; True ends it there. It must not change the run."""
+"""Function of an unchanged run, called at every check; True ends the run."""
 
 
 def relax(
@@ -70,47 +72,63 @@ def relax(
     start: Equilibrium | Array | None = None,
     allow_folded: bool = False,
 ) -> Relaxation:
-    """Bring a network to rest by any method.
+    """Find the static equilibrium of a network by dynamic relaxation or iteration.
 
-    It starts at rest, with the prescribed displacements imposed at once: on what is held alone
-    where it moves little beside the springs there, else on all points, in between by the mean of
-    neighbours (`statics.imposing`). Newton's method imposes them with its first steps.
+    The run starts at zero velocity with the prescribed displacements imposed: on the fixed
+    components only if they move little, otherwise also on the free points by interpolation.
 
     Parameters
     ----------
     network
-        Its supports must hold every rigid motion.
+        Network with n points in d dimensions, whose supports prevent every rigid-body motion.
     method
-        One of `relaxations.RELAXATIONS`.
+        Relaxation method, a record of `RELAXATIONS`.
     tolerance
-        The run ends when the largest residual force is below `tolerance` times the forces that
-        meet at a point, and the kinetic energy below `tolerance`² times the energy stored in the
-        springs; neither is asked to fall below rounding.
+        Convergence criterion, 0 < tolerance <= 0.01. The residual force must fall below `tolerance`
+        times the largest sum of force magnitudes at a point, and the kinetic energy below
+        `tolerance`² times the elastic energy; rounding is allowed for.
     max_steps
-        By default 20 times what the slowest mode is predicted to need; a number of their own where
-        methods ask for no frequencies.
+        Maximum number of steps, for each stage of a path. Default: 20 times the predicted number,
+        or a limit of the method's own.
     watch
-        Shown every look; it may end the run before rest.
+        Function of the run, called at every check; the run ends if it returns True.
     look_every
-        Steps between two looks; by default the method's own, or more where the way is long.
+        Number of steps between two checks. Default: chosen by the method.
     frequencies
-        Lowest and highest natural frequency (rad/s), where they are known; else they are solved for
-        if the method asks for them.
+        Lowest and highest natural frequency (rad/s) if they are known.
     path
-        As in `equilibrium`: at each stop it comes to rest, more loosely before the last. Steps,
-        looks and seconds are of all of them together; `max_steps` is for each.
+        Load path, as for `equilibrium`. Steps and seconds of all stages are added.
     start
-        An equilibrium or a displacement (n, d) in m from which it begins.
+        Equilibrium, or displacement (m) of shape (n, d), at which the run starts.
     allow_folded
-        Whether cells may be flat or inside out at rest.
+        True to accept flat or inverted cells at the end.
+
+    Returns
+    -------
+    Relaxation
+        Its field `equilibrium` has the displacement (n, d) in m; ``steps``, ``evaluations``,
+        ``seconds`` and ``history`` describe the run.
 
     Raises
     ------
     ProblemError
-        If an argument is out of range, a rigid motion is free, or path or start do not fit.
+        If an argument is out of its range, or a rigid-body motion is free.
     SolverError
-        If the run diverges, is not at rest within `max_steps`, rests where it is unstable, with
-        cells that are folded, or where it is off by all of its displacement.
+        If the run diverges, does not converge within `max_steps`, or converges to an unstable
+        state, to folded cells or to a displacement whose error is as large as itself.
+
+    Examples
+    --------
+    >>> from msvalidate import RELAXATIONS, Box, Isotropic, Problem, Support, Traction
+    >>> from msvalidate import lattice_network, relax, square
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(pull,))
+    >>> network = lattice_network(problem, square(box, (8, 2)))
+    >>> result = relax(network, RELAXATIONS["fire"])
+    >>> print(f"{result.equilibrium.displacement[:, 0].max():.3e} m")
+    3.970e-04 m
     """
     require_type("network", network, Network)
     require_entry("method", method, Method, "RELAXATIONS", RELAXATIONS)
@@ -140,11 +158,48 @@ def algorithm1(
     tolerance: float = 1e-10,
     max_steps: int | None = None,
 ) -> Relaxation:
-    """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
+    """Relax a network by Algorithm 1 of the report: Euler-Cromer with viscous damping.
 
-    Its arguments are those of `relax`, `dt` and `damping` those of `viscous.viscous`.
+    Source: [Report], section 4, Algorithm 1; Euler-Cromer (semi-implicit Euler) is that of
+    [Cromer1981].
 
-    Source: [Report], section 4, Algorithm 1.
+    Parameters
+    ----------
+    network
+        Network with n points, whose supports prevent every rigid-body motion.
+    dt
+        Time step (s). Default: 0.9 of the stability limit.
+    damping
+        Rate (1/s) of mass-proportional damping, one number or shape (n,). Default: twice the lowest
+        natural frequency, the critical damping of that mode.
+    tolerance, max_steps
+        Convergence criterion and maximum number of steps, as for `relax`.
+
+    Returns
+    -------
+    Relaxation
+        Its field `equilibrium` has the displacement (n, d) in m; `dt`, `damping` and ``steps``
+        describe the run.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of its range, or a rigid-body motion is free.
+    SolverError
+        If the run diverges or does not converge, as for `relax`.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Support, Traction
+    >>> from msvalidate import algorithm1, lattice_network, square
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> problem = Problem(box, Isotropic(E=1e5, nu=1 / 3), supports=(clamp,), loads=(pull,))
+    >>> network = lattice_network(problem, square(box, (8, 2)))
+    >>> result = algorithm1(network)
+    >>> result.steps > 100, result.dt < result.stability_limit
+    (True, True)
     """
     if damping is not None:
         damping_rate(network, damping)
@@ -204,7 +259,7 @@ def _load_stages(path: LoadPath) -> list[Network]:
 def _check_stopping(
     tolerance: float, max_steps: int | None, look_every: int | None, watch: Watch | None
 ) -> None:
-    """What ends a run, or looks at it, out of range."""
+    """Check the arguments that control the end and the monitoring of a run."""
     if positive_number("tolerance", tolerance) > LOOSEST:
         raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
     for name, steps in (("max_steps", max_steps), ("look_every", look_every)):
@@ -272,7 +327,10 @@ class HistoryRow(NamedTuple):
 
 
 class Monitor:
-    """Watches a run, which is not changed; `history` has all rows so far, the first of no step."""
+    """Monitor of a run, with a `history` from step 0 on.
+
+    It does not change the run.
+    """
 
     def __init__(self, run: Run) -> None:
         self.run = run
@@ -280,7 +338,7 @@ class Monitor:
         self._reach = DIVERGED * max(float(np.ptp(x)) for x in run.network.points.T)
 
     def record(self) -> HistoryRow:
-        """Add the run as it is now to the history; raise `SolverError` if it has diverged."""
+        """Add the state of a run to the history; raise `SolverError` on divergence."""
         run = self.run
         seen = HistoryRow(run.steps, max_abs(run.balance()), run.kinetic)
         near = max_abs(run.displacement) < self._reach
@@ -301,7 +359,7 @@ class Monitor:
 
     @property
     def unfinished(self) -> str:
-        """What to say of a run that has used up its steps."""
+        """Error message for a run that has used all its steps."""
         run, last = self.run, self.history[-1]
         return (
             f"{run.title} is not at rest after {run.steps} steps: {run.time_step}residual "

@@ -1,4 +1,4 @@
-"""Ways to rest, one generator each, with the papers that they and their numbers are from.
+"""Relaxation methods, one generator each, with the sources of their parameters.
 
 Those that weigh points against each other use the network's own masses: in the coordinates √m·u
 they are what their papers write for equal masses.
@@ -32,19 +32,26 @@ FIRE_MIX, FIRE_MIX_DECAY = 0.1, 0.99
 FIRE_FIRST = 0.1
 """First time step over the largest one."""
 FIRE_LARGEST = 1.0
-"""Largest time step times the highest frequency, which the paper leaves to its user. Near 2, the
-limit of stability, stiff modes hardly decay, and their uphill moves stop the slow ones."""
+"""Largest time step times highest frequency, a parameter that FIRE leaves open.
+
+Near 2, the limit of stability, stiff modes hardly decay, and their uphill motion stops the slow
+ones.
+"""
 STEPS_A_POINT = 50
-"""Adaptive relaxation's own estimate of its steps, over the points: √κ is at most of their number,
-but for beams of one row of cells."""
+"""Estimated number of steps of adaptive relaxation, per point.
+
+√κ is at most of the order of the number of points, except for beams with one row of cells.
+"""
 STRONGEST = 1.9
 """Adaptive damping in pseudo-time, whose critical value for the stiffest mode is 2."""
 SLOPE_LEFT = 0.5
-"""Part of the slope that a line search may leave: the second Wolfe condition. The first, a fall of
-the energy, is not asked for: near rest it is lost in rounding."""
+"""Largest relative slope after a line search: the second Wolfe condition.
+
+The first condition, a decrease of the energy, is not required: near equilibrium rounding hides it.
+"""
 TRIALS = 40
 ROUNDED = 100
-"""Multiple of the rounding of forces at which a search that finds no better place has arrived."""
+"""Residual, in units of rounding, at which an unsuccessful search has converged."""
 
 
 def _kinetic_damping(run: Run) -> Iterator[None]:

@@ -1,4 +1,4 @@
-"""A run to rest: what a relaxation moves, when it is at rest, and what comes of it."""
+"""State, convergence test and result of a relaxation run."""
 
 from __future__ import annotations
 
@@ -29,9 +29,12 @@ from msvalidate.statics.tangents import refuse_mechanism
 LOOK_EVERY = 20
 """Steps between two looks at residual and energy, at the least."""
 LOOK_AFTER = 0.2
-"""Steps between two looks over √κ, the ratio of the highest frequency to the lowest: critically
-damped motion needs ½√κ·ln(1/tolerance) steps, so that looks come every few per cent of the way. A
-look sums forces and energies of all springs, as long as ten steps take on a uniform lattice."""
+"""Number of steps between two checks, relative to √κ.
+
+κ is the squared ratio of the highest frequency to the lowest. Critically damped motion needs
+½√κ·ln(1/tolerance) steps, so that a check comes every few per cent of the run. A check sums forces
+and energies of all springs and takes as long as ten steps on a uniform lattice.
+"""
 PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
 MOST_STEPS = 10**9
@@ -39,30 +42,29 @@ MOST_STEPS = 10**9
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
 SLOWEST = 1e-7
-"""Of the highest frequency: below it a lowest one may be the rounding of none at all."""
+"""Relative frequency below which the lowest one may be rounding of zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
-    """A run that came to rest, or that its watcher ended.
+    """Result of a relaxation that converged, or that its `watch` ended.
 
     Parameters
     ----------
     equilibrium
-        Where it rests; its iterations are the steps taken. Its error is infinite where the watcher
-        ended the run.
+        Final state; its iterations are the number of steps. Its error is infinite if `watch` ended
+        the run.
     dt, damping, stability_limit
-        Largest time step (s), largest damping rate (1/s), and the largest stable step (s) at rest;
-        0, 0 and infinite where a method has none, or changes it as it goes.
+        Largest time step (s), largest damping rate (1/s) and stability limit (s) at equilibrium; 0,
+        0 and infinite for a method without them, or one that adapts them.
     history
-        (looks, 3): step, residual force (N), kinetic energy (J), which by a staggered velocity is
-        that of half a step before.
+        Step, residual force (N) and kinetic energy (J) at every check, shape (checks, 3). For a
+        staggered scheme the kinetic energy is that of half a step earlier.
     evaluations
-        Times that the method computed the forces of all springs, or their curvature along a
-        direction; a cycle of multigrid, though several products, counts as one, and a factor as
-        none. Those of the looks are not counted.
+        Number of evaluations of all spring forces, or of their curvature along a direction. A
+        multigrid cycle counts as one, a factorisation as none; checks are not counted.
     seconds
-        Wall-clock time of the steps and looks, without what prepares them and what judges the end.
+        Wall-clock time of the steps and checks, without preparation and final tests.
     """
 
     equilibrium: Equilibrium
@@ -80,7 +82,7 @@ class Relaxation:
 
 
 class Run:
-    """What a method moves: a network on its way to rest, and what method and judges agree on.
+    """State of a relaxation, and the settings that methods and checks share.
 
     A method changes `displacement` and `velocity` in place, tells `moved` of it, and asks `balance`
     for forces. Before its first `yield` it may set `dt`, `rate` and `limit`, in seconds, that
@@ -128,7 +130,7 @@ class Run:
 
     @cached_property
     def motion(self) -> kernels.Motion:
-        """What advances displacement and velocity, and knows the forces."""
+        """Compiled loops that advance the run and compute its forces."""
         return kernels.Motion(self.network)
 
     @property
@@ -204,7 +206,7 @@ class Run:
 
     @property
     def time_step(self) -> str:
-        """Its time step beside the limit, in words; nothing where a method has none."""
+        """Time step and stability limit in words; empty without a time step."""
         if not self.dt:
             return ""
         return (
@@ -239,7 +241,9 @@ class ConvergenceTest:
         self._met = math.inf, run.displacement
 
     def met(self, residual: float, kinetic: float) -> bool:
-        """Whether the run is at rest, of this residual force (N) and kinetic energy (J).
+        """Return True if the run has reached equilibrium.
+
+        The arguments are the residual force (N) and the kinetic energy (J).
 
         A bound of the forces that meet at a point is asked first: to sum them takes as long as
         many steps.
@@ -256,7 +260,7 @@ class ConvergenceTest:
         return self._balanced()
 
     def _balanced(self) -> bool:
-        """Whether no force is left at any point, by the sums of forces that meet there."""
+        """Return True if every point is in balance, relative to the forces there."""
         run = self.run
         small = np.maximum(run.tolerance * self._force_met(), self._floor)
         excess = np.abs(run.balance()) - small
@@ -281,7 +285,10 @@ class ConvergenceTest:
         return max(self.run.tolerance * self._force_met(), self.rounding)
 
     def target(self) -> float:
-        """As `allowed`, from the last sum of forces there is: enough to show the way by."""
+        """Approximate `allowed` from the last sum of forces.
+
+        It is accurate enough to choose the method's parameters.
+        """
         met = self._met[0]
         known = math.isfinite(met)
         return max(self.run.tolerance * met, self.rounding) if known else self.allowed()
@@ -293,7 +300,9 @@ class ConvergenceTest:
         return self._met[0]
 
     def _most_met(self) -> float:
-        """What that sum (N) cannot exceed: a spring's force changes by k times its ends' moves.
+        """Upper bound (N) of the sum of forces at a point.
+
+        A spring's force changes by k times the motion of its ends.
 
         Where cells stand beside springs they stiffen as they are deformed; rest is then seen a few
         looks later, never too early.
@@ -320,7 +329,7 @@ def _largest_point_stiffness(network: Network) -> float:
 
 
 def join_runs(runs: list[Relaxation]) -> Relaxation:
-    """Several runs in sequence as one: the final state of the last, the work of all."""
+    """Combine consecutive runs: final state of the last, total work of all."""
     last = runs[-1]
     if len(runs) == 1:
         return last
@@ -346,17 +355,17 @@ def step_limit(needed: float) -> int:
 
 @dataclass(frozen=True)
 class Method:
-    """A relaxation method.
+    """Relaxation method.
 
     Parameters
     ----------
     name, title
-        Its name in tables, and in sentences.
+        Name in tables, and in sentences.
     walk
-        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
-        first before any step, the others at most `Run.block` steps on.
+        Generator that moves a run without end and yields wherever a check may be made: first before
+        any step, then after at most `Run.block` steps.
     look_every
-        Steps between two looks, at the least.
+        Minimum number of steps between two checks.
     """
 
     name: str

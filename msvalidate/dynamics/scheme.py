@@ -1,4 +1,4 @@
-"""What a time integration scheme is: a record of its step and of what it claims.
+"""Record that defines a time integration scheme: its step and its properties.
 
 A scheme advances a state (x, v, a): position (m), velocity (m/s) and the acceleration (m/s²) of
 springs and loads *without* damping at that position. The viscous acceleration is -c·v, c in 1/s.
@@ -29,9 +29,15 @@ class MotionState(NamedTuple):
 
 
 Step = Callable[[Acceleration, MotionState, float, Array | float], MotionState]
-"""One step of `h` (s) with damping `c` (1/s), a number or one a component."""
+"""Function that advances a state by a step `h` (s) with damping `c` (1/s).
+
+The damping is a number or one per component.
+"""
 Factors = Callable[[float, Array], tuple[Array, Array]]
-"""(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
+"""Factors (keep, push) of a step `h` (s) with damping `c` (1/s).
+
+v = keep·v + push·a and x += h·v.
+"""
 
 
 def stagger(now: MotionState, half: float, c: Array | float) -> MotionState:
@@ -51,50 +57,54 @@ def synchronise(now: MotionState, half: float, c: Array | float) -> MotionState:
 
 
 States = NDArray[np.complex128]
-"""States x + i·v/ω (n,) of an oscillator, both of the same time, over the amplitude (1)."""
+"""States x + i·v/ω (n,) of an oscillator, relative to its amplitude.
+
+Position and velocity belong to the same time.
+"""
 UndampedMotion = Callable[[float, Array], States]
 """States from rest at 1 by h·ω (rad) and numbers of steps (n,)."""
 
 
 @dataclass(frozen=True)
 class Integrator:
-    """A time integration scheme.
+    """Time integration scheme: its step and its properties.
 
     Parameters
     ----------
     name, title
-        Its name in code and tables, and in words.
+        Name in code and tables, and in sentences.
     order, damped_order
-        Power of the step with which its error on a smooth motion falls, without damping and with
-        it: a viscous force from an old velocity is of first order.
+        Order of convergence for a smooth motion, without and with damping. A viscous force from an
+        old velocity gives order 1.
     symplectic
-        Whether it preserves areas in phase space without damping: its energy then only fluctuates.
+        True if the undamped scheme preserves areas in phase space, so that the energy only
+        fluctuates.
     keeps_energy
-        Whether the energy of a linear undamped motion does not even fluctuate.
+        True if the energy of a linear undamped motion is constant.
     step
-        One step.
+        Function that performs one step.
     damping
-        In words: from which velocity it takes the viscous force.
+        Description of the velocity that determines the viscous force.
     limit
-        Largest stable h·ω of one mode with damping ratio ζ = c/(2ω), in closed form; the whole
-        range below it is stable. 0 where no step is stable, infinite where all are.
+        Function of the damping ratio ζ = c/(2ω) that returns the largest stable h·ω of a mode. 0 if
+        no step is stable, infinite if every step is.
     evaluations
-        Evaluations of the force that a step takes; of an implicit one, where the force is linear.
+        Force evaluations per step; for an implicit scheme, those with a linear force.
     implicit
-        Whether a step solves for the new position (`dynamics.implicit`).
+        True if a step solves for the new position.
     staggered
-        Whether its step takes the velocity of half a step before the position (`stagger`).
+        True if a step uses the velocity of half a step before the position.
     variant
-        Whether it is kept for comparison: a scheme as it was misprinted or is mistaken.
+        True for a misprinted or mistaken scheme that is included for comparison.
     share
-        Part of all forces that it follows (1): below 1 of a misprint.
+        Fraction of all forces that the scheme applies; below 1 for a misprint.
     swelling
-        What (h·ω)² times it is added to an area of phase space in an undamped step, of a scheme
-        that no step makes stable (1).
+        Growth of an area in phase space per undamped step, in units of (h·ω)², for a scheme that is
+        unstable at every step.
     undamped_motion
-        Closed form of its undamped motion, where there is one.
+        Closed form of the undamped motion, if known.
     factors
-        Of a scheme that moves with one new velocity: what `kernels.Motion.advance` needs of it.
+        Factors of the step, for a scheme that moves positions with one new velocity.
     """
 
     name: str

@@ -36,15 +36,21 @@ LARGEST_DENSE = 10_000
 FEW = 40
 """Lowest frequencies that large networks are asked for without a factor."""
 SAME = 1e-9
-"""Of the largest singular value of a part's motions, below which two of them are one."""
+"""Smallest relative singular value of independent rigid-body motions."""
 RIGID = 1e-9
 """Square of a rigid motion's frequency over the highest, that is rounding."""
 UNSURE = 1e-11
-"""Lowest square over the highest at which the digits of an eigenvalue run out: five are left."""
+"""Ratio of the lowest to the highest squared frequency that leaves five digits.
+
+Below it the energy of the mode is computed.
+"""
 SWEEPS = 8
 """Inverse iterations on a few modes more than are asked for."""
 FIRST_STEPS, MOST_STEPS = 5, 200
-"""Of the iteration for large networks: to tell a square from its neighbours, and in all."""
+"""Number of first and of all iterations for large networks.
+
+The first ones separate a squared frequency from its neighbours.
+"""
 
 
 def natural_frequencies(
@@ -56,40 +62,62 @@ def natural_frequencies(
     rigid: bool = False,
     solver: str = "auto",
 ) -> tuple[Array, float]:
-    """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
+    """Compute the lowest natural frequencies and the highest one of a network.
 
-    K φ = ω² M φ on the free components, with the full tangent at the reference points (geometric
-    stiffness included); elsewhere, of a network whose points are there. An ω² is rounded by some
-    1e-16 of the highest; where that is more than 1e-5 of it, its mode's energy, spring by spring,
-    gives it.
-
-    Source: [Rayleigh1877]; the symmetric generalised problem, [GolubVanLoan2013], section 8.7.
+    The undamped eigenvalue problem K φ = ω² M φ is solved on the free degrees of freedom, with a
+    lumped mass matrix and the tangent stiffness at the reference positions, geometric stiffness
+    included. If rounding of the highest eigenvalue hides a low one, the elastic energy of its mode
+    shape determines it. Source: [Rayleigh1877]; the generalised eigenvalue problem,
+    [GolubVanLoan2013], section 8.7.
 
     Parameters
     ----------
     network
-        At least one free component; every mode must have stiffness, but for rigid motions that are
-        asked for.
+        Network with at least one free component.
     count
         Number of lowest frequencies, at most the number of free components.
     tolerance
-        Relative error of the squares at which large networks stop iterating; 0 is rounding. The
-        highest frequencies of a lattice lie close together, and their last digits cost the most.
+        Relative error of ω² at which the iteration for large networks stops; 0 iterates to
+        rounding.
     cycle
-        Of multigrid, for this network close by, where there is one.
+        Multigrid cycle of this or a similar network, if there is one.
     rigid
-        Whether parts may be free: each of their rigid motions counts as a frequency of exactly 0.
+        True to allow free rigid-body motions: each counts as a frequency of exactly 0.
     solver
-        As in `equilibrium`, for the lowest frequencies of more than a few hundred components. More
-        than 40 of them, and those of bodies that may move rigidly, take a factor in any case.
+        "auto", "direct" or "multigrid", as for `equilibrium`; it matters for large networks only.
+
+    Returns
+    -------
+    lowest : ndarray
+        The `count` lowest angular frequencies (rad/s), shape (count,), in ascending order.
+    highest : float
+        The highest angular frequency (rad/s).
 
     Raises
     ------
     ProblemError
-        If an argument is out of range, nothing can move, or a part is free and `rigid` is not set.
+        If an argument is out of its range, every component is fixed, or a rigid-body motion is free
+        and `rigid` is False.
     SolverError
-        If a mode has negative stiffness (the position is unstable) or none, the iteration fails, or
-        rigid motions of a part change its energy: it is not at rest.
+        If a mode has negative or zero stiffness, the iteration fails, or a rigid-body motion
+        changes the energy because the network is not in equilibrium.
+
+    Examples
+    --------
+    The first longitudinal mode of a clamped bar has the frequency π/2 √(E/ρ)/L:
+
+    >>> import numpy as np
+    >>> from msvalidate import Box, Isotropic, Problem, Region, Support
+    >>> from msvalidate import lattice_network, natural_frequencies, square
+    >>> bar = Box((0.4, 0.1))
+    >>> clamp = Support(bar.side("left"), (0.0, 0.0))
+    >>> guide = Support(Region((None, None)), (None, 0.0))  # longitudinal motion only
+    >>> problem = Problem(bar, Isotropic(E=1e5, nu=1 / 3), supports=(clamp, guide))
+    >>> network = lattice_network(problem, square(bar, (16, 4)))
+    >>> (lowest,), _ = natural_frequencies(network, 1)
+    >>> speed = np.sqrt(1e5 / (1 - 1 / 9) / 1000.0)  # m/s, without lateral contraction
+    >>> print(f"{lowest / (np.pi / 2 * speed / 0.4):.3f}")
+    1.000
     """
     require_type("network", network, Network)
     require_type("rigid", rigid, bool)

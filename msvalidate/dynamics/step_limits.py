@@ -1,4 +1,4 @@
-"""How large a step of a scheme may be: limits of stability, and what one step does to a mode."""
+"""Stability limits of time integration schemes, and their one-step matrices."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite, finite_number, format_value, positive_number
 
 SAFETY = 0.9
-"""Part of the stability limit used: the tangent stiffens a little as the network deforms."""
+"""Ratio of the recommended time step to the stability limit.
+
+The tangent stiffens a little as the network deforms.
+"""
 RATIOS = 400
 """Damping ratios at which the limit is asked for between two: its minimum is flat."""
 
@@ -76,7 +79,9 @@ def _limit(integrator: Integrator, omega: float, rates: Array) -> float:
 
 
 def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> Array:
-    """Matrix (2, 2) by which a step takes (x, v) of the mode x'' = -ω²x - c·x' to the next.
+    """Matrix (2, 2) of a step of the mode x'' = -ω²x - c·x'.
+
+    It maps (x, v) to the next (x, v).
 
     Made by two steps of the scheme itself, which is linear in the state.
 

@@ -1,1 +1,1 @@
-"""What was observed, how it is judged, and how a study is run."""
+"""Observed values, tolerances and verdicts, and the execution of studies."""

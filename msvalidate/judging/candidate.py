@@ -1,4 +1,4 @@
-"""What a study judges: a way to predict displacements; by default the spring network.
+"""Candidates of a study: predictors of displacements, by default the spring network.
 
 A candidate may be anybody's, so every study passes its own through here, once, where it begins
 (`check_displacements`, `check_actuator`, `check_motion`, `check_functions`, `check_table`): what it
@@ -22,21 +22,31 @@ from msvalidate.problem.checks import format_value, numbers, require_one_of, req
 from msvalidate.statics.equilibrium import equilibrium
 
 AT_REST = 3e-11
-"""Residual over the forces that meet at a point: a slow mode makes up to a hundred times as much
-relative displacement of it."""
+"""Largest relative residual of a candidate's equilibrium.
+
+A slow mode has up to a hundred times as much relative displacement.
+"""
 Answer = Literal["linear", "nonlinear", "relaxed"]
 """Static equilibrium to first order, or in full, or where Algorithm 1 comes to rest."""
 DisplacementSolver = Callable[[Problem, Network, Answer], Array]
-"""Predicts the displacement (n, d) in m at a network's points, from the problem or the network."""
+"""Function that predicts the displacement (n, d) in m of a network's points.
+
+Its argument is the problem or the network.
+"""
 Kind = TypeVar("Kind")
 SUPPORTED = 1e-6
-"""Part of what a support is missed by that another reading of the answer may leave: solvers meet
-supports to rounding, the readings asked about differ by the whole coordinate or a thousandfold."""
+"""Relative violation of a support that another interpretation may leave.
+
+Solvers satisfy supports to rounding; other interpretations differ by the coordinate or by a factor
+of a thousand.
+"""
 THOUSAND = 1000.0
 """Millimetres in a metre."""
 NEARLY = 2.0
-"""Factor within which an answer's energy has to be that of its loads to be taken for meant: elastic
-bodies and lattices of other constants differ by less from the network asked about."""
+"""Largest ratio of an answer's energy to that of its loads for a valid interpretation.
+
+Elastic bodies and lattices with other constants differ by less from the network of the study.
+"""
 FAR = 10.0
 """Factor beyond which it is not."""
 
@@ -127,7 +137,7 @@ def check_functions(candidate: object, kind: type[Kind]) -> Kind:
 
 
 def check_table(candidate: object, kind: type[Kind], own: Mapping[str, Kind]) -> Mapping[str, Kind]:
-    """A candidate that is a table of records, with all names of the study's own; else as above."""
+    """Check a candidate that is a table of records with all names of the study."""
     if not isinstance(candidate, Mapping):
         raise ProblemError(
             f"candidate: {format_value(candidate)}; give a table, name -> {kind.__name__}, the "
@@ -143,7 +153,7 @@ def check_table(candidate: object, kind: type[Kind], own: Mapping[str, Kind]) ->
 
 
 def check_displacement(found: object, network: Network) -> Array:
-    """An answer as displacements (n, d) in m of a network's points; lists of numbers will do.
+    """Check an answer and return it as displacements (n, d) in m.
 
     Raises
     ------
@@ -187,7 +197,7 @@ def _check_array(what: str, found: object, network: Network, unit: str) -> Array
 
 
 def _guess_shape(array: Array, network: Network) -> str:
-    """What an array of the wrong shape may be."""
+    """Guess the meaning of an array of the wrong shape."""
     n, d = network.points.shape
     if array.shape == (d, n):
         return " (this is the transpose)"
@@ -201,7 +211,7 @@ def _guess_shape(array: Array, network: Network) -> str:
 
 
 def _guess_mistake(move: Array, network: Network) -> str:
-    """What given displacements probably are if they are not displacements; "" if there is no sign.
+    """Guess what the given numbers are, if not displacements; "" without a sign.
 
     Held components tell it where they are not at 0. The energy of a linear answer is the work of
     its loads, motionᵀ K motion = force · motion, so their ratio tells it where nothing is moved by
@@ -231,7 +241,7 @@ def _guess_mistake(move: Array, network: Network) -> str:
 
 
 def _is_met_by(missed: Array, otherwise: Array) -> bool:
-    """Whether held components that are missed are all met by another reading."""
+    """Return True if another interpretation satisfies every violated support."""
     off = float(np.abs(missed).max(initial=0.0))
     return off > 0 and float(np.abs(otherwise).max()) <= SUPPORTED * off
 

@@ -1,4 +1,4 @@
-"""Which studies there are: ours, those in a user's folders, and those of installed packages.
+"""Catalogue of studies: built-in, in a user's folders, and in installed packages.
 
 Names and questions are read from the sources; a study is imported when it is run.
 """
@@ -71,7 +71,7 @@ def docstring(name: str) -> str:
 
 
 def words(name: str) -> set[str]:
-    """All texts that stand as such in a study's sources: names of tables are among them."""
+    """All string constants in a study's sources, including names of tables."""
     place = _source(name)
     sources = sorted(place.rglob("*.py")) if place.is_dir() else [place]
     nodes = [node for source in sources for node in ast.walk(_parse(name, source))]
@@ -80,7 +80,7 @@ def words(name: str) -> set[str]:
 
 
 def alone(name: str) -> bool:
-    """Whether a study must run alone: its constant `ALONE` is true.
+    """Return True if a study must run alone, by its constant `ALONE`.
 
     One that compares times does, as what runs beside it would take some of them.
     """
@@ -88,7 +88,7 @@ def alone(name: str) -> bool:
 
 
 def reads_results(name: str) -> bool:
-    """Whether a study puts together what others found: its constant `READS_RESULTS` is true.
+    """Return True if a study combines results of others, by `READS_RESULTS`.
 
     It runs after them, and its candidate is their `output.results.Results`.
     """
@@ -96,12 +96,12 @@ def reads_results(name: str) -> bool:
 
 
 def is_ours(name: str) -> bool:
-    """Whether a study comes with this package, and so has a baseline in it."""
+    """Return True if a study, and its baseline, is part of this package."""
     return name in _in_folder(str(studies.OURS))
 
 
 def suggestion(name: str, known: Sequence[str] = ()) -> str:
-    """Words that point from an unknown name to the nearest known one, of a study or a command."""
+    """Suggest the known name of a study or command nearest to an unknown one."""
     near = difflib.get_close_matches(name.lower(), known or [*names(), *RESERVED], 1, cutoff=0.5)
     choices = ", ".join(known or names())
     return f"did you mean {near[0]!r}?" if near else f"choose from: {choices}"
@@ -128,7 +128,7 @@ def load(name: str) -> ModuleType:
 
 
 def join(folder: Path) -> None:
-    """Let the studies of a folder be found, here and in processes that are started from here.
+    """Add a folder of studies, for this process and its child processes.
 
     Every module in it that defines `run` is a study; one whose name begins with ``_`` is none.
 
@@ -148,7 +148,7 @@ def join(folder: Path) -> None:
 
 
 def check_joined() -> None:
-    """Raise ImportError if a folder of the environment holds no studies, or one of a known name."""
+    """Raise ImportError for a folder of the environment without valid studies."""
     known = set(_in_folder(str(studies.OURS)))
     for folder in studies.joined():
         check_folder(f"{studies.VARIABLE} {folder}", folder, known)
@@ -156,7 +156,7 @@ def check_joined() -> None:
 
 
 def check_folder(said: str, folder: str, known: set[str]) -> None:
-    """Raise ImportError, with what is `said` first, if a folder has no study, or one known."""
+    """Raise ImportError, starting with `said`, for a folder without valid studies."""
     if not Path(folder).is_dir():
         raise ImportError(f"{said}: no such folder")
     found = _in_folder(folder)
@@ -199,7 +199,7 @@ def _in_folder(folder: str) -> dict[str, Path]:
 
 @cache
 def _runs(source: Path) -> bool:
-    """Whether a module binds the name `run` as it is imported."""
+    """Return True if a module defines the name `run` at import."""
     try:
         tree = ast.parse(_text(source))
     except (SyntaxError, ValueError):  # said when it is run

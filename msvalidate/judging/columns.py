@@ -1,4 +1,4 @@
-"""What columns of tables mean: words of all studies, and those that a study adds, as data."""
+"""Meanings of table columns: those of all studies, and those of one study."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FILE = "columns.toml"
 
 @dataclass(frozen=True)
 class Column:
-    """What a column means, with its unit.
+    """Meaning of a column, with its unit.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Column:
 
 
 def column_key(table: str, column: str, known: Mapping[str, object]) -> str:
-    """Key of a column in a file of columns: "table.column" if that is there, else "column"."""
+    """Key of a column in a file of columns: "table.column" or "column"."""
     key = f"{table}.{column}"
     return key if key in known else column
 

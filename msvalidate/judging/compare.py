@@ -13,16 +13,25 @@ from msvalidate.problem.checks import finite, numbers
 from msvalidate.problem.records import dataclass
 
 Layer = Literal["theory", "agreement", "regression", "baseline"]
-"""What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
-a band between springs and elasticity, whose width has a reason of its own; a limit that was set
-from a measurement, which notices a change and proves nothing; or the value as it was."""
+"""Basis of a tolerance: theory, agreement, regression or baseline.
+
+*Theory* is a formula, an order, an identity or the accuracy of the reference; *agreement* a band
+between springs and elasticity whose width has its own reason; *regression* a limit from a
+measurement, which detects a change and proves nothing; *baseline* the previous value.
+"""
 CONFIDENCE = 0.95
-"""Of the interval in which the true exponent of a fitted power lies, were its scatter random."""
+"""Probability that the interval of a fitted power contains the true exponent.
+
+The scatter is assumed to be random.
+"""
 
 
 @dataclass(frozen=True)
 class Observed:
-    """An observed number and its reference; of how many rows it is the farthest, and of which."""
+    """Observed value with its reference.
+
+    It is the farthest of a number of `rows`, the one described by `at`.
+    """
 
     value: float
     reference: float = 0.0

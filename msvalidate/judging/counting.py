@@ -1,4 +1,4 @@
-"""Steps of a relaxation to a displacement error: predicted, and counted as it comes to rest."""
+"""Number of relaxation steps to a displacement error, predicted and counted."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ TIGHT = min(THRESHOLDS)
 AT_REST = 1e-13
 """Tolerance of a run, far below what the thresholds need: they end it."""
 LOOKS = 100
-"""Looks on the way to the first threshold: the count of steps is then known to about 1 %."""
+"""Number of checks before the first threshold, for a count accurate to about 1 %."""
 BUDGET = 50
-"""Times the predicted steps after which a run has failed."""
+"""Ratio of actual to predicted steps after which a run has failed."""
 
 
 def predict_steps(root_kappa: float, threshold: float) -> int:
@@ -41,7 +41,7 @@ def count_steps(
     error: Callable[[Array], float],
     thresholds: tuple[float, ...] = THRESHOLDS,
 ) -> dict[float, tuple[int, int]]:
-    """Steps and evaluations of force until the error is first below each threshold that was met.
+    """Count steps and force evaluations until the error is below each threshold.
 
     `frequencies` are the lowest and the highest (rad/s), `error` is that of displacements (n, d).
     `thresholds` are errors that `error` is compared with.

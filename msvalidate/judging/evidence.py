@@ -1,4 +1,4 @@
-"""What a study hands over, and how it is judged. Knows numbers and tables, no solver."""
+"""Evidence of a study and its verdict, independent of any solver."""
 
 from __future__ import annotations
 
@@ -21,16 +21,17 @@ from msvalidate_check.verdict import AGREES, NOT_AT_REST, NOT_RESOLVED
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
 HELD, OPEN = ("pass", AGREES), (NOT_RESOLVED, NOT_AT_REST)
-"""Verdicts of rows that held, and of those that say neither that they held nor that they did not.
-Any other is a miss."""
+"""Verdicts of passed rows, and of rows that are not resolved.
+
+Any other verdict is a failure.
+"""
 UNGATED = ("_seconds", "_per_second", "_bytes", "_here")
-"""Endings of columns that depend on the machine, or on its rounding: in the tables, and not held to
-the baseline."""
+"""Endings of columns that depend on the machine and are not compared with the baseline."""
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a study found.
+    """Result of a study: tables, observed values, tolerances, figures and findings.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ class Evidence:
 
 
 def merge(*parts: Evidence) -> Evidence:
-    """One study's evidence from that of its questions.
+    """Combine the evidence of a study's questions.
 
     Raises
     ------
@@ -196,12 +197,37 @@ def gather_evidence(
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:
-    """Verdict: one row per tolerance; see `judging.evidence.judge_one`.
+    """Compare every observed quantity of a study with its tolerance.
+
+    Parameters
+    ----------
+    evidence
+        Tables, observed values and tolerances that a study returns.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per tolerance, with the observed value, reference, error and limit in the unit of
+        the quantity, and "pass" or "fail" in the column ``verdict``. A value that is not finite
+        fails.
 
     Raises
     ------
     ProblemError
-        If it is no evidence.
+        If the argument is no `kit.Evidence`.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from msvalidate import judge, kit
+    >>> measured = kit.Observed(1.02, reference=1.0)
+    >>> reason = "the ruler has marks every 10 mm"
+    >>> length = kit.Tolerance("length", limit=0.01, unit="m", because=reason, observed=measured)
+    >>> table = pd.DataFrame({"length_m": [1.02]})
+    >>> columns = {"length_m": "measured length in m"}
+    >>> evidence = kit.Evidence(tables={"lengths": table}, tolerances=(length,), columns=columns)
+    >>> judge(evidence)["verdict"].tolist()
+    ['fail']
     """
     require_type("evidence", evidence, Evidence)
     rows = [judge_one(each, evidence.observed[each.quantity]) for each in evidence.tolerances]
@@ -237,14 +263,14 @@ def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
 
 
 def all_passed(verdict: pd.DataFrame) -> bool:
-    """Whether a judgement has rows that held, and none was missed; see `HELD`."""
+    """Return True if rows of a verdict passed and none failed; see `HELD`."""
     if verdict.empty:
         return False
     return bool(verdict["verdict"].isin(HELD).any()) and not is_missed(verdict).any()
 
 
 def is_missed(verdict: pd.DataFrame) -> pd.Series:
-    """Which rows of a judgement were missed."""
+    """Mask of the failed rows of a verdict."""
     return ~verdict["verdict"].isin((*HELD, *OPEN))
 
 

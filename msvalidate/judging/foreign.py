@@ -31,27 +31,31 @@ from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
 
 Run = Callable[..., Evidence]
 SINGLE, DOUBLE = float(np.finfo(np.float32).eps) / 2, float(np.finfo(float).eps)
-"""Accuracies of single precision, which a candidate has unless it is said to have another, and of
-double precision, for which the limits were set (1)."""
+"""Relative accuracies of single and double precision.
+
+A candidate has single precision by default; limits are set for double precision.
+"""
 SEEDS = (1, 2, 3, 4)
-"""Of the perturbations."""
+"""Seeds of the perturbations."""
 MARGIN = 4.0
-"""Times the largest move of them by which a limit is widened: the next draw may be larger. In 150
-draws of ten rows of `poisson` it was up to 2.9 times as large."""
+"""Safety factor of the largest change that widens a limit.
+
+In 150 draws of ten rows of `poisson`, the next change was up to 2.9 times as large.
+"""
 FAULT = 0.01
-"""Size of the faults that a row must still notice if it did by its own limit."""
+"""Relative size of faults that a row must still detect, if its own limit does."""
 FAULTS: Mapping[str, tuple[Callable[[Network, float], Network], float]] = {
     "every spring 1 % softer": (faults.stiffen_all, -FAULT),
     "diagonals 1 % softer": (faults.stiffen_diagonals, -FAULT),
 }
 """Controls: name -> what is done to the network, and how much of it."""
 CLOSE = 1.0
-"""Widening over its own limit up to which a limit stands for itself, whatever the controls do."""
+"""Largest widening, relative to a row's own limit, that needs no control."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A study's evidence of a candidate, the verdict, and the accuracy that it went by (1)."""
+    """Evidence of a candidate, its verdict, and the relative accuracy assumed."""
 
     evidence: Evidence
     verdict: pd.DataFrame
@@ -111,7 +115,10 @@ def judge_candidate(
 
 
 def asks_displacements(run: Run) -> bool:
-    """Whether a study's candidate predicts displacements of a network: by default the springs."""
+    """Return True if a study's candidate predicts displacements of a network.
+
+    The default candidate is then the springs.
+    """
     parameters = inspect.signature(run).parameters
     return "candidate" in parameters and parameters["candidate"].default is solve_springs
 
@@ -119,7 +126,7 @@ def asks_displacements(run: Run) -> bool:
 def measure_widenings(
     ask: Run, evidence: Evidence, accuracy: float
 ) -> tuple[dict[str, float], dict[str, tuple[str, ...]]]:
-    """What an accuracy does to each number of a study, and which faults it hides.
+    """Change of each number of a study by an accuracy, and faults that it hides.
 
     Parameters
     ----------
@@ -231,7 +238,7 @@ def _reason(lost: tuple[str, ...]) -> str:
 
 
 def _tell(verdict: pd.DataFrame, accuracy: float, *, stated: bool) -> str:
-    """How many rows have each verdict, and by which accuracy, in words."""
+    """Describe the number of rows with each verdict, and the accuracy."""
     counts = verdict["verdict"].value_counts()
     words = ", ".join(f"{word}: {counts.get(word, 0)}" for word in (AGREES, DIFFERS, NOT_RESOLVED))
     if accuracy <= DOUBLE:

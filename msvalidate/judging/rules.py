@@ -1,4 +1,4 @@
-"""Rules: which rows of which table are judged, by which value and reference, to which limit."""
+"""Rules: the rows of a table that are judged, their reference and limit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_NAMED = 6  # columns that say which row is meant
 
 @dataclass(frozen=True)
 class Quotient:
-    """One column, or number, over another, row by row."""
+    """Row-wise quotient of two columns or numbers."""
 
     top: str | float
     bottom: str | float
@@ -25,19 +25,22 @@ class Quotient:
 
 @dataclass(frozen=True)
 class Difference:
-    """One column, or number, less another, row by row."""
+    """Row-wise difference of two columns or numbers."""
 
     first: str | float
     second: str | float
 
 
 Term = str | float | Quotient | Difference | Callable[[pd.DataFrame], ArrayLike]
-"""A column by name, a number, or what a function makes of the rows: one number a row, or one."""
+"""Column name, number, or function of the rows.
+
+A function returns one number per row, or one.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rule(Tolerance):
-    """A tolerance whose value is read off a table: the row that is farthest from its reference.
+    """Tolerance of the row of a table that is farthest from its reference.
 
     Parameters
     ----------
@@ -71,7 +74,7 @@ class Rule(Tolerance):
 
 
 def read_rule(rule: Rule, tables: Mapping[str, pd.DataFrame]) -> Observed:
-    """The value of the farthest row, its reference, how many rows were judged, and which it is.
+    """Observed value of the farthest row, with its reference and description.
 
     Raises
     ------
@@ -140,7 +143,7 @@ def _choices(known: Mapping[str, object] | pd.DataFrame) -> str:
 
 
 def _describe(rule: Rule, table: pd.DataFrame, row: pd.DataFrame) -> str:
-    """Which row: columns left of what is judged, or words and whole numbers; none that is one."""
+    """Describe a row by its key columns, or by words and whole numbers."""
     terms = (rule.value, rule.reference)
     parts = [p for t in terms for p in (vars(t).values() if hasattr(t, "__dict__") else [t])]
     used = [list(table).index(p) for p in parts if isinstance(p, str) and p in table]

@@ -1,4 +1,4 @@
-"""How strongly stress is singular at a corner of a plane elastic body.
+"""Exponents of stress singularities at corners of a 2D elastic body.
 
 At a corner the displacement is a sum of terms r^λ f(θ), r the distance to it. The smallest λ > 0 is
 its exponent: below 1 the stress grows like r^(λ-1), and the displacement far from the corner has on
@@ -30,7 +30,7 @@ from msvalidate.problem.checks import finite, positive_number
 DISPLACEMENT, STRESS = slice(0, 2), slice(2, 4)
 """The halves of a state (u, φ)."""
 DEGREE = 32
-"""Of the polynomials for w: the smallest exponents come out to rounding."""
+"""Degree of the polynomials for w; the smallest exponents are exact to rounding."""
 RESOLVED = 0.75 * DEGREE
 """Largest growth |λ| ρ(M) across the wedge that polynomials of that degree follow."""
 NARROWEST = 1e-3
@@ -159,7 +159,9 @@ def _exponents(generator: Array) -> NDArray[np.complex128]:
 
 
 def clamped_edge_exponent(tensor: Array) -> float:
-    """Exponent at an edge of a box, its sides along the axes of a cubic body, one of them clamped.
+    """Stress exponent at an edge of a cubic body with one clamped side.
+
+    The sides lie along the axes of the material.
 
     In planes across the edge the strain is plane; shear along the edge has 1 there, as in any right
     angle between a clamped side and a free one.

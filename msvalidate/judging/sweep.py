@@ -1,4 +1,4 @@
-"""How a study is run: small or full, from which seed, on which workers."""
+"""Execution of a study: quick or full mode, seed and workers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ORPHANED = 1
 
 @dataclass(frozen=True)
 class Setting:
-    """How a study is run. The numbers depend on `quick` and `seed` alone.
+    """Settings of a study. The numbers depend on `quick` and `seed` alone.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ FULL = Setting()
 
 
 def end_with_parent() -> None:
-    """End this process, a worker's, with the one that started it, even where that is killed."""
+    """End this worker process together with its parent, even if that is killed."""
     parent = multiprocessing.parent_process()
 
     def end() -> None:

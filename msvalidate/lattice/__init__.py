@@ -1,4 +1,4 @@
-"""Where the points sit, which of them are joined, and what of a spring a body shares.
+"""Lattices: positions of points, their springs, and the boundary weights in a body.
 
 A lattice is a function that returns a `Pattern`, what repeats; `patterns` has one a lattice, and
 `voronoi` makes random ones. As a `Lattice`, a body: `fill` puts whole cells of any pattern in a

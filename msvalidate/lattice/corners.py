@@ -1,4 +1,4 @@
-"""Cells with their corners: steps to them, and what of a cell's area or volume belongs to each."""
+"""Corners of cells, and the part of a cell's volume that belongs to each."""
 
 from __future__ import annotations
 
@@ -12,17 +12,22 @@ from msvalidate.problem import Array, Index, Shape
 from msvalidate.problem.shapes import STRAIGHT
 
 GAUSS = 3
-"""Gauss's places along each axis: exact to degree 5; a hexahedron's integrals have 3, those of
-products over a flat quadrilateral 3."""
+"""Gauss points along each axis, exact to degree 5.
+
+Integrals over a hexahedron and products over a flat quadrilateral have degree 3.
+"""
 
 
 def corners_of_cell(dim: int) -> Index:
-    """Steps (2^d, d) from a cell's low corner to each of its corners, in VTK's order."""
+    """Steps (2^d, d) from the low corner of a cell to every corner.
+
+    They are in VTK order.
+    """
     return STRAIGHT[dim, 2**dim].nodes.astype(np.intp)
 
 
 def corner_volumes(points: Array, cells: Index) -> Array:
-    """Integrals (c, corners) in m² or m³ of the functions that are 1 at one corner of a cell.
+    """Integrate the corners' shape functions over each cell: (c, corners) in m² or m³.
 
     They are 0 at the others: linear on triangles and tetrahedra, and linear along each axis of
     quadrilaterals and hexahedra. Corners are in VTK's order; Gauss's places are exact.
@@ -40,7 +45,9 @@ def corner_volumes(points: Array, cells: Index) -> Array:
 
 
 def quadrilateral_shares(corners: Array) -> Array:
-    """Integrals (f, 4, 4) in m² of products of the corners' functions, over facets (f, 4, 3) in m.
+    """Integrate products of the corners' shape functions over facets: (f, 4, 4) in m².
+
+    The facets have corners (f, 4, 3) in m.
 
     The consistent parts of a traction that is known at the corners, the first axis fastest.
     """

@@ -1,4 +1,4 @@
-"""A lattice cut to a body: cells of a grid laid over it, each as far as it lies inside.
+"""Lattice cut to a body: grid cells, each weighted by its part inside the body.
 
 A spring of a whole cell belongs to it as the boundary weights of a filled box have it: half of a
 side in the plane, a quarter of an edge in space, all of a diagonal inside. That part is an integral
@@ -38,33 +38,36 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.records import dataclass
 
 BESIDE = 0.1
-"""Part of a cell from bent facets within which the body itself is asked whether it holds a point:
-far more than lies between a bent facet and what it is drawn by."""
+"""Distance from curved facets, relative to a cell, within which the exact body decides.
+
+It is far more than the distance between a curved facet and its flat approximation.
+"""
 
 
 FILLED = 0.25
-"""Part of a cell from which it is no sliver beside a curve."""
+"""Fraction of a cell inside a curved body from which it is no sliver."""
 NARROW = 2.0
-"""Cells across a hole below which it is hardly one: no whole cell lies in it wherever it is."""
+"""Width of a hole, in cells, below which no whole cell may lie in it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CutLattice(PatternLattice):
-    """A lattice whose boundary cells are cut; points may lie up to one cell outside the body.
+    """Lattice with cut boundary cells, whose points may lie up to one cell outside.
 
     Parameters
     ----------
     fraction
-        (c,) part of each cell that lies inside the body.
+        Fraction of each cell inside the body, shape (c,).
     corner_volume
-        (c, corners) area (m²) or volume (m³) of each cell that belongs to each of its corners.
+        Area (m²) or volume (m³) of each cell that belongs to each of its corners, shape
+        (c, corners).
     inside
-        (n,) whether each point lies in the body, its surface included to the body's tolerance.
+        Mask (n,) of the points in the body or on its surface.
     drawing_error
-        Part of the body's area or volume that may lie between its bent sides or facets and the
-        straight or flat pieces that they are drawn by: 0 where all are straight or flat.
+        Upper bound of the area or volume between curved sides and their straight or flat
+        approximation, relative to the body; 0 for straight sides.
     by_surface
-        Whether the body was cut by its surface: a solid that is no prism of whole layers.
+        True for a solid that is no prism of whole layers, and is cut by its surface.
     """
 
     fraction: Array
@@ -87,7 +90,9 @@ class CutLattice(PatternLattice):
 
 
 def cell_weights(points: Array, cells: Index, side: float, places: Array) -> tuple[Index, Array]:
-    """Points (q, corners) and weights (q, corners) of square or cubic cells (c, corners) in a grid.
+    """Find the cell of each place, and its interpolation weights (q, corners).
+
+    The grid consists of square or cubic cells (c, corners).
 
     As `CutLattice.weights_at`: `points` (n, d), `side` of the cells and `places` (q, d) in m.
     """
@@ -125,25 +130,44 @@ def cut_lattice(
     *,
     origin: tuple[float, ...] | None = None,
 ) -> CutLattice:
-    """Lattice cut to a body.
+    """Cut a square or cubic lattice to the outline or surface of a body.
+
+    Points may lie up to one cell outside the body. Each spring of a cut cell has the share of
+    stiffness that lies inside, an integral over the part of the cell in the body.
 
     Parameters
     ----------
     pattern
-        With one point a cell and springs to corners of the same cell: square, cubic 18 and such.
+        Unit cell with one point, square or cubic, whose springs join corners of the same cell, such
+        as ``patterns.square()`` or ``patterns.cubic18()``.
     domain
-        Any body, of the pattern's dimension.
+        Body of the same dimension d.
     spacing
         Side (m) of the cells.
     origin
-        A place (m) of the lattice, by default (0, 0): lines or planes of it should run along
-        supports. In space z may be given too; by default it is where the body begins.
+        Coordinates (m) of one lattice point, default (0, 0). Lattice lines should coincide with
+        supports. In 3D, z is optional; by default a lattice plane lies at the lower end of the
+        body.
+
+    Returns
+    -------
+    CutLattice
+        Points (n, d) in m, springs (m, 2) and cells; ``fraction`` (c,) is the part of each cell
+        that lies inside the body.
 
     Raises
     ------
     ProblemError
-        If the pattern is not such a one, no cell is left, the points or the triangles of a bent
-        surface are too many, the surface crosses itself, or a value is out of range.
+        If the pattern or the dimension does not fit, no cell remains, there are too many points,
+        the surface crosses itself, or a value is out of its range.
+
+    Examples
+    --------
+    >>> from msvalidate import Polygon, cut_lattice, patterns
+    >>> wedge = Polygon(((0.0, 0.0), (0.3, 0.0), (0.0, 0.3)))
+    >>> lattice = cut_lattice(patterns.square(), wedge, spacing=0.1)
+    >>> lattice.fraction.round(6).tolist()
+    [1.0, 1.0, 0.5, 1.0, 0.5, 0.5]
     """
     require_type("pattern", pattern, Pattern)
     if not joins_corners(pattern):
@@ -210,7 +234,9 @@ def _inside(
 
 
 def joins_corners(pattern: Pattern) -> bool:
-    """Whether a pattern's points are a square or cubic grid and its springs join corners of a cell.
+    """Return True if a pattern is a grid whose springs join corners of one cell.
+
+    The grid is square or cubic.
 
     Such can be cut to a body, and interpolated in each cell.
     """
@@ -283,7 +309,7 @@ def _gifts(pattern: Pattern, cells: Index, part: Array) -> tuple[Index, Index, A
 
 
 def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
-    """Whether two corners are alike in all axes along which a spring makes no step."""
+    """Return True if two corners agree along all axes across a spring."""
     return all(a == b or s for a, b, s in zip(other, corner, step, strict=True))
 
 
@@ -291,7 +317,7 @@ def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
 
 
 def narrow_holes(lattice: CutLattice) -> Array:
-    """Middle (h, 2) and width (h,) in m, as rows (h, 3), of holes narrower than `NARROW` cells.
+    """Centre and width (m) of holes narrower than `NARROW` cells, as rows (h, 3).
 
     Of bodies in the plane, and of prisms along z; none are looked for in others.
     """

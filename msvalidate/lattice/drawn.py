@@ -17,7 +17,10 @@ from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import FACETS, SHAPES, Shape, area_vectors
 
 MOST_TRIANGLES = 2_000_000
-"""Flat triangles that a surface is drawn by at most: 150 MB of corners, 600 while they are made."""
+"""Maximum number of flat triangles that approximate a surface.
+
+They take 150 MB, and 600 MB while they are made.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +60,7 @@ def draw_surface(
 
 
 def solid_facets(domain: Domain) -> Array:
-    """Facets (f, k, 3) in m of a box or mesh, counter-clockwise as seen from outside."""
+    """Facets (f, k, 3) in m of a box or mesh, counter-clockwise from outside."""
     if isinstance(domain, Mesh):
         return np.asarray(domain.points[domain.surface])
     cube = SHAPES["hexahedron"]
@@ -66,7 +69,10 @@ def solid_facets(domain: Domain) -> Array:
 
 
 def true_areas(places: Array, drawn: DrawnSurface) -> Array:
-    """Area (t,) in m² that each triangle stands for: a facet's own, in proportion to theirs."""
+    """Area (t,) in m² that each triangle represents.
+
+    The exact area of a facet is distributed in proportion to the areas of its triangles.
+    """
     area = triangle_areas(drawn.corners)
     wanted = facet_areas(places)
     found = np.bincount(drawn.facet, area, len(places))
@@ -107,7 +113,7 @@ def _split_flat(shape: Shape, places: Array, facet: Index) -> tuple[Array, Index
 def _draw_bent_enough(
     shape: Shape, places: Array, gap: float, away: float, flat: int
 ) -> tuple[int, Array, float]:
-    """Parts of each edge with which no more than a volume and a distance lie between.
+    """Number of subdivisions of each edge that keeps volume and distance errors small.
 
     With them the triangles (t, 3, 3), and the volume (m³) between.
     """
@@ -151,7 +157,7 @@ def _unit_triangles(shape: Shape, n: int) -> Array:
 
 
 def prism_layers(domain: Domain, spacing: float, base: float) -> int:
-    """Layers of cells of a prism along z that is a whole number of spacings (m) high; else 0.
+    """Number of layers of cells in a prism along z, or 0 if not whole.
 
     They begin at z = `base` (m). A prism's facets are flat where z is least or most, or stand along
     z.

@@ -1,4 +1,4 @@
-"""A spring along each edge of a mesh: networks of any outline, and how accurate they are.
+"""Spring networks of the edges of a mesh, and their accuracy.
 
 **The rule** ``area`` takes a cell's edges, and the diagonals of quadrilaterals and of hexahedra's
 faces, with stiffness w E V/L²: V the cell's area (times the thickness) or volume, L the edge's
@@ -53,18 +53,28 @@ from msvalidate.problem.records import dataclass
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
 REST_SHARE = {2: 3 / 2, 3: 2.0}
-"""Of E, times -V ∇φi·∇φj: the stiffness of a spring at rest by "cotangent", by axes."""
+"""Number of axes -> stiffness of a "cotangent" spring, in units of -E V ∇φi·∇φj.
+
+The springs have a rest length; V is the volume of the cell.
+"""
 ROUNDING = 1e-14
-"""Of what cells bring to a spring, what is left of it at least."""
+"""Smallest stiffness of a spring, relative to the magnitudes of its contributions."""
 EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
-"""Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
+"""Factors of edges and of face diagonals that make squares and cubes isotropic."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EdgeLattice(Lattice):
-    """A spring along each edge of a mesh, of a stiffness by a `rule`.
+    """Lattice with a spring along each edge of a mesh.
 
-    Each cell brings `gifts` (c, e) to the factors of its springs, whose numbers are `of` (c, e).
+    Parameters
+    ----------
+    rule
+        Rule for the stiffness: "area", "cotangent" or "equilateral".
+    gifts
+        Contribution of each cell to the factors of its springs, shape (c, e).
+    of
+        Indices of these springs, shape (c, e).
     """
 
     rule: str
@@ -74,29 +84,47 @@ class EdgeLattice(Lattice):
 
 
 def mesh_lattice(mesh: Mesh, rule: str = "area", *, positive: bool = True) -> EdgeLattice:
-    """Lattice of a mesh's points with a spring along every edge; its one constant is E·t, or E.
+    """Make a lattice with a spring along every edge of a mesh.
 
-    Quadrilaterals and hexahedra would shear freely without their diagonals. Facets are the mesh's
-    own, so loads and supports may be on named boundaries.
-
-    Source: on triangles [vanGelder1998]; its counterparts are derived above.
+    Quadrilaterals and hexahedra also get springs along diagonals. The lattice has one spring
+    constant, E·t (N/m) in 2D or E (Pa) in 3D; ``factor`` relates each spring to it. Source:
+    [vanGelder1998] for triangles.
 
     Parameters
     ----------
     mesh
-        Of triangles, quadrilaterals, tetrahedra or hexahedra without mid-sides.
+        Mesh of triangles, quadrilaterals, tetrahedra or hexahedra without mid-side nodes.
     rule
-        "area" and "cotangent" for any cells; "equilateral" for triangles.
+        Stiffness of an edge of length L in a cell of area or volume V: "area" is proportional to
+        V/L²; "cotangent" is proportional to -V times the scalar product of the shape functions'
+        gradients; "equilateral", for triangles only, is √3/4 E·t per triangle.
     positive
-        Whether every spring must have a stiffness above zero, as springs at rest must: by
-        "cotangent" some have none or less, where two angles opposite an edge add up to 180 degrees
-        or more. Springs of no rest length, by the route "neo-Hookean", need not.
+        True to reject springs with zero or negative stiffness. By "cotangent" such springs occur if
+        the angles opposite an edge add up to 180 degrees or more. They are valid for zero-length
+        springs, by the route "neo-Hookean" of `calibrate`.
+
+    Returns
+    -------
+    EdgeLattice
+        The points (n, d) of the mesh and its springs (m, 2); facets are those of the mesh, so that
+        supports and loads can refer to named boundaries.
 
     Raises
     ------
     ProblemError
-        If the cells have mid-sides, the rule is not for them, or it makes a spring of no stiffness
-        or less where that is not to be.
+        If the cells have mid-side nodes, the rule does not apply to them, or `positive` is True and
+        a stiffness is not positive.
+
+    Examples
+    --------
+    >>> from msvalidate import Mesh, mesh_lattice
+    >>> corners = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> mesh = Mesh(points=corners, cells=[[0, 1, 2], [0, 2, 3]], shape="triangle")
+    >>> lattice = mesh_lattice(mesh)
+    >>> lattice.springs.tolist()
+    [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]
+    >>> lattice.factor.round(6).tolist()
+    [0.5, 0.5, 0.5, 0.5, 0.5]
     """
     require_type("mesh", mesh, Mesh)
     _refuse_other_cells(mesh, rule)

@@ -25,7 +25,7 @@ from msvalidate.problem.records import ReadOnly, dataclass, field
 
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
-"""Axes -> corners of a box, listed x fastest, in VTK's order: round the low side, then the high."""
+"""Number of axes -> corners of a box in VTK order, from x-fastest order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,37 +35,37 @@ class Lattice(ReadOnly):
     Parameters
     ----------
     name
-        The lattice's name in tables.
+        Name of the lattice in tables.
     domain
-        The body that it fills.
+        Body that the lattice fills.
     points
-        (n, d) positions (m).
+        Positions (m), shape (n, d).
     springs
-        (m, 2) pairs of points, the lower index first.
+        Pairs of points, shape (m, 2), the lower index first.
     cells
-        (c, corners) points of each cell, all of one shape, in VTK order.
+        Points of each cell, shape (c, corners), all of one shape, in VTK order.
     facets
-        (f, corners) points of each boundary facet: 2 in the plane; in space 3, or 4 with the first
-        axis fastest.
+        Points of each boundary facet, shape (f, corners): 2 corners in 2D; in 3D 3, or 4 with the
+        first axis fastest.
     point_volume
-        (n,) area (m²) or volume (m³) of each point.
+        Area (m²) or volume (m³) of each point, shape (n,).
     kind
-        (m,), or one for all: class of each spring, an index into the spring constants.
+        Class of each spring, an index into the spring constants: (m,) or one for all.
     share
-        (m,), or one for all: part of each spring that belongs to the body, 1 inside, 1/2 on a
-        side, 1/4 on an edge of a solid, and so on. The rest stands for what lies beyond.
+        Fraction of each spring that belongs to the body, (m,) or one for all: 1 inside, 1/2 on a
+        side, 1/4 on an edge of a solid, and so on.
     sharing
-        (m,), or one for all: number of cells that a spring like each borders inside the body.
+        Number of cells that an identical spring inside the body borders: (m,) or one for all.
     factor
-        (m,), or one for all: stiffness of springs inside relative to the constant of their kind.
+        Stiffness of springs inside, relative to the constant of their kind: (m,) or one for all.
     regular
-        Whether its facets are those of equal cells, which a load on part of a side can be made to
-        end with.
+        True if the facets belong to equal cells, so that a load on part of a side can end with
+        them.
     boundary
-        Rule by which springs and points count at its boundary: "shared", as `WEIGHTS` has it by
-        default, "cut" by the part of their cells in the body, or "edges" of a mesh.
+        Rule for the boundary: "shared" (the default of `WEIGHTS`), "cut" (by the part of the cells
+        inside the body) or "edges" (of a mesh).
     unit_cell
-        What it repeats, if its constants may be found by that; of a `PatternLattice` its pattern.
+        Pattern that determines the spring constants, if there is one.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Lattice(ReadOnly):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PatternLattice(Lattice):
-    """A lattice that is a piece of a `pattern`, whose unit of length is `spacing` (m)."""
+    """Lattice of repeated unit cells: a `pattern` whose unit of length is `spacing` (m)."""
 
     pattern: Pattern
     spacing: float
@@ -139,29 +139,39 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
 
 
 def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLattice:
-    """Whole cells of a pattern in a box along the axes.
+    """Fill a box with whole cells of a lattice pattern.
 
-    Springs that would leave the box are left out; a spring in a side counts the half that lies
-    inside, one in two sides a quarter. Where every spring of the pattern runs inside a cell or
-    along its sides, uniform tension is then exact at any size, and so is shear but for diagonals
-    of the cube, which leave forces at the box's eight corners. Where some run from a cell to the
-    next across a side (triangular, BCC, second neighbours in FCC), those are missing at the
-    boundary, an error of first order in the spacing.
+    Springs that would leave the box are removed. A spring in a side has boundary weight 1/2, one on
+    an edge of a solid 1/4. Uniform tension is then exact at any size if every spring of the pattern
+    lies inside a cell or on its sides. For other patterns (triangular, BCC, FCC with second
+    neighbours) the boundary causes an error of first order in the spacing.
 
     Parameters
     ----------
     pattern
-        With a point in the corner of its cell.
+        Unit cell with a point in its corner.
     box
-        Of the pattern's dimension.
+        Box of the same dimension d.
     cells
-        Number of cells along each axis; one number serves all.
+        Number of cells along each axis, d integers; one integer applies to all axes.
+
+    Returns
+    -------
+    PatternLattice
+        Points (n, d) in m, springs (m, 2), cells and facets.
 
     Raises
     ------
     ProblemError
-        If the box does not fit the pattern, a count is not a positive integer, the cells do not
-        come out in the pattern's proportions, or the points are too many.
+        If the box has another dimension, a count is not a positive integer, the cells do not have
+        the proportions of the pattern, or there are too many points.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, fill, patterns
+    >>> lattice = fill(patterns.cubic18(), Box((0.2, 0.2, 0.1)), (4, 4, 2))
+    >>> lattice.points.shape, lattice.spacing
+    ((75, 3), 0.05)
     """
     require_type("pattern", pattern, Pattern)
     d = pattern.dim
@@ -254,7 +264,9 @@ def number_springs(pattern: Pattern, number: Index) -> tuple[Index, Index]:
 
 
 def side_share(points: Array, together: Index, box: Box) -> Array:
-    """Part (k,) of what joins some points (k, p) that lies in the box: half for each common side.
+    """Fraction (k,) inside the box of each group of points (k, p).
+
+    It is 1/2 for each side that all points of the group share.
 
     Of single points, p = 1, the part of their volume.
     """
@@ -263,7 +275,10 @@ def side_share(points: Array, together: Index, box: Box) -> Array:
 
 
 def weakly_supported(points: Array, springs: Index, least: float) -> Mask:
-    """Mask (n,) of points where the smallest eigenvalue of Σ n nᵀ over springs is below `least`."""
+    """Mask (n,) of points with a smallest eigenvalue of Σ n nᵀ below `least`.
+
+    The sum is over the directions n of the springs of a point.
+    """
     vector = points[springs[:, 1]] - points[springs[:, 0]]
     normal = vector / np.linalg.norm(vector, axis=1)[:, None]
     held = np.zeros((len(points), points.shape[1], points.shape[1]))
@@ -273,7 +288,7 @@ def weakly_supported(points: Array, springs: Index, least: float) -> Mask:
 
 
 def missing_springs(springs: Index, cells: Index, at: Mask) -> Index:
-    """Edges (b, 2) of simplices, with an end at given points (mask, n), that are no springs yet."""
+    """Edges (b, 2) of simplices at marked points that are not springs yet."""
     edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
     edges = np.sort(edges[at[edges].any(axis=1)], axis=1)
     known = set(map(tuple, springs.tolist()))
@@ -282,7 +297,7 @@ def missing_springs(springs: Index, cells: Index, at: Mask) -> Index:
 
 
 def cells_bordered(pattern: Pattern) -> Index:
-    """Number (m,) of cells that each spring borders: two for each side that it runs in."""
+    """Number (m,) of cells at each spring, doubled by each side that contains it."""
     inside_sides = np.zeros(len(pattern.springs), dtype=int)
     i, j = pattern.springs.T
     for axis in range(pattern.dim):
@@ -351,10 +366,10 @@ def _layer_view(grid: NDArray[Kind], dim: int, axis: int, layer: int) -> NDArray
 
 
 def _on_low_side(pattern: Pattern, axis: int) -> Mask:
-    """Which points (n,) of the pattern lie in the low side of its cell across an axis."""
+    """Mask (n,) of the points in the low side of the cell along an axis."""
     return np.asarray(np.abs(pattern.points[:, axis]) <= 1e-9 * pattern.size[axis])
 
 
 def _at_corner(pattern: Pattern) -> Mask:
-    """Which points (n,) lie in the corner of the cell."""
+    """Mask (n,) of the pattern's points in the corner of the cell."""
     return np.asarray((np.abs(pattern.points) <= 1e-9 * np.array(pattern.size)).all(axis=1))

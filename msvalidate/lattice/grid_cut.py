@@ -1,4 +1,4 @@
-"""Cells of a grid laid over a body, and the part of each that belongs to each of its corners.
+"""Grid cells over a body, and the part of each that belongs to its corners.
 
 By the outline in the plane and in prisms along z. The surface of any other solid is drawn by
 triangles, which are cut along the planes of the grid.
@@ -26,10 +26,15 @@ from msvalidate.problem.checks import refuse_too_many
 from msvalidate.problem.records import dataclass
 
 PIECES = 60_000
-"""Pieces that are looked into at once, about, but for those of one triangle: some 60 MB."""
+"""Approximate number of pieces per batch, some 60 MB.
+
+The pieces of one triangle are never split.
+"""
 SHIFT = 1e-7 * np.array([0.7548776662466927, 0.5698402909980532])
-"""Part of a cell, along x and y, by which upright lines miss the points that they stand for: no
-edge of a triangle that follows the grid meets them."""
+"""Shift of vertical test lines along x and y, relative to a cell.
+
+No edge of a triangle that follows the grid intersects a shifted line.
+"""
 SLAB = 500_000
 """Cells of the grid that are looked into at once: 100 MB."""
 
@@ -42,23 +47,32 @@ RULE = (
 """Barycentric places (6, 3) and weights (6,) that are exact to degree 4 [Dunavant1985]."""
 
 ROUNDING = 1e-9
-"""Part of a cell, or of its side, that is rounding: a cell of which just half or just a sliver is
-inside counts as one of those that have no more, and no less, whatever its coordinates round to."""
+"""Relative size of rounding in a cell or its side.
+
+A cell that is half inside, or a sliver, is then classified the same for all roundings of its
+coordinates.
+"""
 SLIVER = 1e-2
-"""Cells with less than this part of them inside are left out: the tangent is then as well
-conditioned as an uncut lattice's, and errors are as without; from 0.1 on what is lost shows. Loads
-on the outline there go to the nearest cell that is left."""
+"""Fraction inside the body below which a cell is removed.
+
+The tangent is then as well conditioned as that of an uncut lattice, with the same errors; from 0.1
+on the loss is noticeable. Loads on the outline there go to the nearest remaining cell.
+"""
 DRAWING = 1e-4
-"""Part of a solid's volume that may lie between its bent facets and the flat triangles they are
-drawn by. A sphere takes some 1e5 triangles; its radius then errs by 3e-5, less than springs do."""
+"""Largest volume between curved facets and their flat triangles, relative to a solid.
+
+A sphere takes some 1e5 triangles; the error of its radius is then 3e-5, below that of the springs.
+"""
 CROSSED = 1e-6
-"""Part of a cell by which a body may have more than all of it, or less than none: far above what
-rounding leaves."""
+"""Tolerance for fractions below 0 or above 1, which reveal a self-crossing surface.
+
+It is far above rounding.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Parts of triangles, each within one cell of the grid: `corners` (p, 3, 3) in cells.
+    """Pieces of triangles, each within one grid cell: `corners` (p, 3, 3) in cells.
 
     `owner` (p,) is the number of the triangle, `cell` (p, 3) the indices of the cell.
     """
@@ -132,7 +146,7 @@ def _halve(corners: Array, owner: Index, axis: int, plane: Array) -> tuple[Array
 
 
 def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
-    """Where lines from a to b, each (t, 3), meet a plane."""
+    """Intersect lines from a to b, each (t, 3), with a plane."""
     s = ((plane - a[:, axis]) / (b[:, axis] - a[:, axis]))[:, None]
     met = (1 - s) * a + s * b  # b itself where s is 1
     met[:, axis] = plane  # or a corner less than rounding away would be cut off again and again
@@ -142,7 +156,7 @@ def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
 def cell_parts(
     corners: Array, count: Index, least: float
 ) -> tuple[Index, Array, tuple[float, float], Array]:
-    """Cells (c, 3) of a grid with more than `least` of them inside a closed surface.
+    """Grid cells (c, 3) with more than a fraction `least` inside a closed surface.
 
     The grid has `count` (3,) cells from 0, the surface triangles (t, 3, 3) in cells,
     counter-clockwise from outside. With the cells' indices come the part (c, 2, 2, 2) of a whole
@@ -168,7 +182,7 @@ def cell_parts(
 
 
 def _fill_columns(key: Index, own: Array, over: Array, shape: tuple[int, int, int]) -> Array:
-    """Parts (cells, 2, 2, 2) of a slab: what lies in each cell, and under what is above it."""
+    """Fractions (cells, 2, 2, 2) of a slab in each cell and below its surface."""
     above = np.zeros((shape[0] * shape[1] * shape[2], 2, 2))
     above[key] = over
     column = above.reshape(-1, shape[2], 2, 2)
@@ -219,7 +233,7 @@ def _integrals(pieces: Pieces) -> Array:
 
 
 def _crossings(pieces: Pieces, count: Index) -> Array:
-    """Where pieces meet the upright line beside the low corner of their column of cells.
+    """Intersect pieces with the vertical line at the low corner of their column.
 
     Rows (m, 3): number of the column, height, and 1 where the line leaves the body, or -1.
     """
@@ -234,7 +248,9 @@ def _crossings(pieces: Pieces, count: Index) -> Array:
 
 
 def are_enclosed(points: Index, crossings: Array, count: Index) -> Mask:
-    """Mask (n,) of the points (n, 3) of a grid, from 0 to `count` (3,), within a closed surface.
+    """Mask (n,) of the grid points (n, 3) inside a closed surface.
+
+    Coordinates are integers from 0 to `count` (3,).
 
     On a line upwards from a point inside, the surface is left once more than it is entered. Points
     within a cell's 1e-7 of the surface may count as either.
@@ -270,7 +286,7 @@ class CutCells:
 
 
 def cut_cells(domain: Domain, h: float, base: Array) -> CutCells:
-    """Cells of side h (m) of a grid from `base` (d,) with more than a sliver inside.
+    """Grid cells with side h (m) from `base` (d,) that are not slivers.
 
     Raises `ProblemError` if there is none, there are too many, or the body's surface crosses
     itself.

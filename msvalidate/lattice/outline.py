@@ -1,4 +1,4 @@
-"""The outline of a plane body, and how much of each square of a grid lies inside it."""
+"""Outline of a 2D body, and the part of each grid square inside it."""
 
 from __future__ import annotations
 
@@ -23,17 +23,21 @@ from msvalidate.problem.checks import format_value
 from msvalidate.problem.shapes import FACETS
 
 ARC = 32
-"""Straight pieces that a bent side is drawn by: their area is off by some 1e-4 of what lies between
-the side and its chord."""
+"""Number of straight pieces that approximate a curved side.
+
+Their area error is about 1e-4 of the area between the side and its chord.
+"""
 TOUCHED = 1e-9
-"""Part of a square's side within which a line runs along it or through its corner."""
+"""Relative distance within which a line touches the side or corner of a square."""
 NO_PRISM = 1e-3
-"""Part of its volume by which a solid may miss base × height: more than the drawing of bent sides
-takes."""
+"""Largest relative deviation of a prism's volume from base × height.
+
+It exceeds the error of the approximation of curved sides.
+"""
 
 
 def outline(domain: Domain) -> shapely.Geometry:
-    """The area that a plane body covers, or the base of a box in space, as a shapely geometry.
+    """Area of a 2D body, or base of a 3D prism, as a shapely geometry.
 
     Raises `ProblemError` if the body has no one outline.
     """
@@ -61,7 +65,7 @@ def _straight_lines(sides: Array) -> Array:
 
 
 def outline_gap(domain: Domain) -> float:
-    """Area (m²) between the bent sides of a body's outline and the pieces they are drawn by.
+    """Area (m²) between curved sides of an outline and their straight pieces.
 
     Two thirds of sagitta times chord, and that less n² times for n pieces (Archimedes).
     """
@@ -102,7 +106,7 @@ def _refuse_no_prism(mesh: Mesh, base: shapely.Geometry) -> None:
 
 
 def area_moments(body: shapely.Geometry, low: Array, side: float) -> Array:
-    """Integrals (c, 2, 2) over the body's part of each square, relative to the square's area.
+    """Integrals (c, 2, 2) over the body's part of each square, relative to its area.
 
     Entry [i, j] is that of N_i(ξ) N_j(η), with N_0(s) = 1 - s and N_1(s) = s, and ξ and η from 0 to
     1 along a square's sides, from the corner `low` (c, 2) in m to `side` (m) further: the area that
@@ -125,7 +129,7 @@ def is_outside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
 
 
 def straight_pieces(part: Part, domain: Domain) -> Array:
-    """Ends (q, 2, 2) in m of the straight lines that a part of an outline is drawn by.
+    """Ends (q, 2, 2) in m of the straight pieces of part of an outline.
 
     In space the part is one of a mesh's walls.
 
@@ -148,7 +152,9 @@ def straight_pieces(part: Part, domain: Domain) -> Array:
 
 
 def crossed_cells(pieces: Array, low: Array, side: float) -> Index:
-    """Indices of the squares, of low corners (c, 2) in m, that lines (q, 2, 2) run through.
+    """Indices of the grid squares that lines (q, 2, 2) cross.
+
+    The low corners of the squares are (c, 2), in m.
 
     Or touch: rounding would decide whether a line through a corner meets the squares beside it.
     """

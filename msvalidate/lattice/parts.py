@@ -1,4 +1,4 @@
-"""What each cell brings to a lattice's springs and points, where cells are not alike."""
+"""Contribution of each cell to the springs and points of a lattice."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from msvalidate.problem.shapes import STRAIGHT, incident_pairs
 
 
 def spring_parts(lattice: Lattice) -> csr_array:
-    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+    """Fraction (m, c) of each spring's stiffness from each cell; rows sum to 1.
 
     A mesh's edges and a cut lattice's springs have it from the rule that made them. In a lattice
     that repeats every cell that holds the spring's middle brings the same: half in each of the two
@@ -36,7 +36,7 @@ def spring_parts(lattice: Lattice) -> csr_array:
 
 
 def point_parts(lattice: Lattice) -> csr_array:
-    """Part (n, c) of each point's area or volume that lies in each cell; a point's sum to 1.
+    """Fraction (n, c) of each point's volume in each cell; rows sum to 1.
 
     Raises `ProblemError` if the lattice has no cells that its points belong to.
     """

@@ -1,4 +1,4 @@
-"""What repeats: the points and springs of one cell of an endless lattice, as data."""
+"""Unit cell of a periodic lattice: its points and springs as data."""
 
 from __future__ import annotations
 
@@ -54,7 +54,9 @@ class SpringFormulas(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """One rectangular cell of an endless lattice, its edges along the axes; lengths in spacings.
+    """Rectangular unit cell of a periodic lattice, with lengths in units of the spacing.
+
+    The edges of the cell lie along the axes.
 
     A lattice is a function without arguments that returns one; `patterns.all_patterns` finds it.
 
@@ -261,7 +263,9 @@ def pattern_by_shells(
 
 
 def repeat_cell(pattern: Pattern, times: int) -> Pattern:
-    """The same lattice with a cell of `times` the edges: its points may move apart from each other.
+    """Return the same lattice with a unit cell of `times` the edges.
+
+    Its points have more freedom to move relative to each other.
 
     Raises `ProblemError` if `times` is not a positive integer.
     """

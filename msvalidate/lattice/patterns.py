@@ -75,7 +75,9 @@ def triangular() -> Pattern:
 
 
 def honeycomb() -> Pattern:
-    """Honeycomb, spacing its nearest distance: 3 nearest k1, 6 next k2; isotropic for all k1, k2.
+    """Honeycomb with springs to 3 nearest (k1) and 6 next neighbours (k2), isotropic.
+
+    The spacing is the nearest distance.
 
     Its points are no centres of symmetry. A uniform shear moves the two sublattices apart until the
     nearest springs bear nothing of it: they resist a change of area alone, by √3/6·k1, while each
@@ -158,7 +160,7 @@ def fcc() -> Pattern:
 
 
 def cubic_tensor(dim: int, C11: float, C12: float, C44: float | None = None) -> Array:
-    """Voigt tensor, (3, 3) or (6, 6), of cubic (in the plane square) symmetry along the axes.
+    """Voigt tensor, (3, 3) or (6, 6), with square or cubic symmetry along the axes.
 
     `C44` defaults to C12, Cauchy's relation for central forces; in the plane it is C66.
 

@@ -1,4 +1,4 @@
-"""Lattices of the plane: squares along the axes and at 45 degrees, triangles in an outline."""
+"""2D lattices: square, square at 45 degrees, and triangular."""
 
 from __future__ import annotations
 
@@ -16,9 +16,32 @@ SIN60 = math.sin(math.pi / 3)
 
 
 def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
-    """Square lattice with eight neighbours: axial springs (kind 0) and diagonals (kind 1).
+    """Fill a 2D box with a square lattice with eight neighbours per point.
 
-    Cells and errors are as for `fill`; in the plane, they must come out square.
+    Parameters
+    ----------
+    box
+        2D box.
+    cells
+        Number of cells along x and y; one integer applies to both. The cells must be square.
+
+    Returns
+    -------
+    PatternLattice
+        Points (n, 2) in m and springs (m, 2), of kind 0 along the axes and of kind 1 along
+        diagonals.
+
+    Raises
+    ------
+    ProblemError
+        As for `fill`.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, square
+    >>> lattice = square(Box((0.4, 0.1)), (4, 1))
+    >>> lattice.points.shape, lattice.springs.shape
+    ((10, 2), (21, 2))
     """
     return fill(patterns.square(), box, cells)
 
@@ -52,14 +75,34 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
 
 
 def triangular(outline: Polygon, spacing: float) -> Lattice:
-    """Triangular lattice with six neighbours, all springs alike (kind 0), of some spacing (m).
+    """Fill a polygon with a triangular lattice with six neighbours per point.
 
-    The outline is a union of whole equilateral triangles, such as `lattice.plane.zigzag_block` or
-    `lattice.plane.trapezium` give. Its first vertex is a point of the lattice, its first edge one
-    of the lattice's directions.
+    Parameters
+    ----------
+    outline
+        Union of whole equilateral triangles, such as the functions ``zigzag_block`` and
+        ``trapezium`` of this module return. The first vertex is a lattice point and the first edge
+        a lattice direction.
+    spacing
+        Side (m) of the triangles.
 
-    Raises `ProblemError` if whole triangles of that side don't make up the outline, or are too
-    many.
+    Returns
+    -------
+    Lattice
+        Points (n, 2) in m and springs (m, 2), all of kind 0.
+
+    Raises
+    ------
+    ProblemError
+        If whole triangles of this side do not fill the outline, or there are too many points.
+
+    Examples
+    --------
+    >>> from msvalidate import Polygon, triangular
+    >>> outline = Polygon(((0.0, 0.0), (0.4, 0.0), (0.2, 0.2 * 3**0.5)))
+    >>> lattice = triangular(outline, spacing=0.1)
+    >>> lattice.points.shape, lattice.springs.shape
+    ((15, 2), (30, 2))
     """
     if not isinstance(outline, Polygon):
         raise ProblemError(
@@ -125,7 +168,7 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
 
 
 def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
-    """Outline of a bar of equilateral triangles with straight sides all round, its ends at 60°.
+    """Outline of a bar of equilateral triangles with straight sides and ends at 60°.
 
     Triangles have sides of `spacing` (m). Cells are the number of their sides along the top and of
     their rows; the bottom has the sum.

@@ -1,4 +1,4 @@
-"""Irregular sets of points in a periodic cell or a closed box, d = 2 and 3 alike.
+"""Irregular point sets in a periodic cell or a closed box, in 2D and 3D.
 
 Three kinds, from the least to the most even:
 
@@ -39,15 +39,22 @@ CANDIDATES = 5
 CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
 """Yuksel's α, β and γ: the weight's exponent, and where nearer pairs weigh no more."""
 RISE = 0.1
-"""Part of the distance that still counts among such pairs: in his rule none does, and next to
-points that stay where they are two may then be left almost in one place."""
+"""Reduction of distance for the weight of very close pairs, relative to the distance.
+
+In [Yuksel2015] it is zero, and two points next to fixed ones may then almost coincide.
+"""
 UNIT = 2.0**-44
-"""Of crowding: sums and differences of a point's are then exact, up to 512 of the most crowding
-pairs, and two points that crowd nobody but each other are equally crowded, not by rounding."""
+"""Quantum of the crowding weights, which makes their sums and differences exact.
+
+It is exact for up to 512 of the largest weights. Two points that crowd only each other are then
+equally crowded, without a decision by rounding.
+"""
 
 
 def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
-    """Points (count, d) in m of a rectangular periodic cell of some edges (m), each in [0, size).
+    """Random points (count, d) in m of a rectangular periodic cell.
+
+    Their coordinates are 0 <= x < size.
 
     The kind is one of `POINT_SETS`; distances of blue noise are those to the nearest image.
 
@@ -66,7 +73,7 @@ def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -
 
 
 def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
-    """Points (n, d) in m that fill a closed box: corners first, then edges, sides and the inside.
+    """Random points (n, d) in m of a closed box: corners, edges, sides, interior.
 
     `spacing` (m) is the mean distance of neighbours, the root of the volume that a point has. Each
     edge, side and the inside has a random set of its own, no nearer than half a spacing to what
@@ -140,7 +147,7 @@ def _thin_out(
     fixed: Array | None = None,
     period: Array | None = None,
 ) -> Array:
-    """Those `count` candidates that are left when the most crowded is removed again and again.
+    """Remove the most crowded candidate repeatedly until `count` remain.
 
     `size` are the edges of the room they fill. Points in `fixed` crowd them and are not removed.
 

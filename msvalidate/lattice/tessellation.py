@@ -35,22 +35,31 @@ from msvalidate.problem.checks import finite_coordinates, format_value, require_
 from msvalidate.problem.records import ReadOnly, dataclass
 
 NEGLIGIBLE = 1e-14
-"""Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals.
-A point has a dozen of these at most, which make up less than 1e-13 of its cell."""
+"""Facet size, relative to spacing^(d-1), below which points are not joined.
+
+A square grid thus has no diagonals. A point has at most a dozen such facets, less than 1e-13 of its
+cell.
+"""
 ALIKE = (1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6)
-"""Distance in spacings within which vertices of cells are one, tried in turn until the facets that
-are left make up the body. The first is above rounding, and areas of generic points do not know it.
-The others are for points even but for a noise below 1e-8 spacings, whose simplices rounding may
-choose wrongly: their vertices, as far apart as some tens of times the noise, become one. Facets
-are then across springs but for some tens of times the noise, and the sum of a·l is exact."""
+"""Distances, in spacings, within which vertices of cells merge, tried in turn.
+
+The first suffices above rounding and does not affect generic points. The others are for regular
+points with a noise below 1e-8 spacings, for which rounding may choose wrong simplices: their
+vertices are some tens of times the noise apart and merge. Facets are then perpendicular to springs
+to within some tens of times the noise, and the sum of a·l is exact.
+"""
 LOST = 2e-13
-"""Part of the body by which the sum of a·l/d over facets may miss it: rounding, and what is
-negligible."""
+"""Tolerance of the sum of a·l/d over facets, relative to the body.
+
+It covers rounding and negligible facets.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Tessellation(ReadOnly):
-    """Voronoi cells that fill a periodic cell or box of some `size` (m), and springs across facets.
+    """Voronoi cells that fill a periodic cell or a box, and springs across facets.
+
+    The cell or box has edges `size` (m).
 
     Points (n, d) in m are wrapped into [0, size) where periodic. Springs (m, 2) are pairs of points
     whose cells share a facet of `area` (m,), in m in the plane and m² in space, the lower index
@@ -152,7 +161,7 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
 
 
 def delaunay_simplices(points: Array, box: Box) -> tuple[Index, Index]:
-    """Delaunay simplices (c, d+1) that fill a box, and its boundary facets (f, d), as corners.
+    """Delaunay simplices (c, d+1) that fill a box, and its boundary facets (f, d).
 
     All corners of the box are among the points (n, d) in m. Simplices are positively oriented;
     facets run counter-clockwise seen from outside, in the plane with the box on the left.
@@ -224,7 +233,10 @@ def _facets(
 def _pick_one_image(
     low: Index, second: Index, source: Index, image: Index, *, mirrored: bool
 ) -> Mask:
-    """Those facets (mask) that stand for all their images; the lower end is a point of the body."""
+    """Mask of the facets that represent all their periodic images.
+
+    The lower end of such a facet's spring is a point of the body.
+    """
     high, shift, inside = source[second], image[second], second <= source.max()
     if mirrored:
         # Across a side, a point inside is image 1 or -1; one on the opposite side is 2 or -2.
@@ -234,7 +246,9 @@ def _pick_one_image(
 
 
 def _fraction_inside(start: Array, end: Array, edges: Array, inside: Mask) -> Array:
-    """Part (f,) of facet times length that is in a box, of springs inside it or to mirror images.
+    """Fraction (f,) of facet times length inside a box.
+
+    The springs lie inside the box or join mirror images.
 
     A side halves the facet between points on it, and the way of a point to its mirror image. That
     of a point on a side to an image beyond it is outside.

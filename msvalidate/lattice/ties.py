@@ -11,15 +11,18 @@ import numpy as np
 from msvalidate.problem import Array, Index
 
 TIE = 1e-6
-"""Part of a distance by which two are told apart: rounding of coordinates is 1e-16 of the body's
-size, which may be 1e7 distances or more; and no two distances on purpose are as near."""
+"""Relative difference below which two distances are equal.
+
+Rounding of coordinates is 1e-16 of the body's size, which may be 1e7 distances or more. Distances
+that differ by intention differ by more.
+"""
 
 SLANT = np.array([[0.0, 0.8, 0.3], [0.0, 0.5, 0.7], [0.0, 0.0, 1.0]])
-"""A strain of no symmetry: no rectangle or box at an angle that anybody chooses stays one."""
+"""Strain without symmetry: no rectangle or box at a chosen angle keeps its shape."""
 
 
 def break_ties(points: Array) -> Array:
-    """Points (n, d) strained by `TIE`, so that no more of them lie on one circle or sphere.
+    """Strain points (n, d) by `TIE`, to separate cocircular or cospherical points.
 
     How the squares and cubes between points of a lattice are cut into triangles and tetrahedra is
     then told by their places: as given, any cut is Delaunay's, and rounding chooses one.

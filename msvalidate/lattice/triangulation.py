@@ -25,7 +25,10 @@ from scipy.spatial import ConvexHull, KDTree, QhullError
 from msvalidate.problem import Array, Box, Index, ProblemError, SolverError
 
 ROUGHNESS = (0.0, 1e-11, 1e-9, 1e-7)
-"""Of the paraboloid, in parts of its height, tried in turn until no simplex is flat."""
+"""Perturbations of the paraboloid, relative to its height, tried in turn.
+
+The next one is tried if a simplex is flat.
+"""
 FLAT = 1e-9
 """Volume of a flat simplex in parts of its longest edges' product."""
 VERTICAL = 1e-9
@@ -34,20 +37,30 @@ FACES = {
     2: np.array([[1, 2], [2, 0], [0, 1]]),
     3: np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]),
 }
-"""Face opposite each corner of a positive simplex, its normal (right of it; by the right hand)
-outwards."""
+"""Face opposite each corner of a positive simplex, with an outward normal.
+
+The normal is to the right of an edge (2D) or by the right-hand rule (3D).
+"""
 
 FIRST_MARGIN, STEP = 2.25, 1.3
-"""Margin tried first, in spacings, and the next in parts of it at most. Even sets need about 2;
-cells at the end of too small a margin are long and ask for more than they need."""
+"""First margin in spacings, and the largest relative size of the next one.
+
+Regular sets need about 2. Cells at the end of too small a margin are long and ask for more than
+they need.
+"""
 UNEVEN, UNEVEN_MARGIN = 0.5, {2: 3.0, 3: 2.75}
-"""Variance over mean of points in boxes, 1 where they are strewn at random, from which a set is
-uneven, and the margin, by axes, tried first then: holes are larger. To try again costs more."""
+"""Variance over mean of points per box that marks an uneven set.
+
+It is 1 for uniformly random points. The margin that is tried first for such sets follows, by number
+of axes: their holes are larger, and another attempt costs more.
+"""
 BOXES = 8
 """Points in a box, about."""
 MOST_IMAGES, IMAGES_OF_FEW, IMAGES_OF_EACH = 2_000_000, 15_000, 15
-"""Points with their images: at all; and for few points and for each more, of which an even set in
-a body not long or flat needs a fifth. Far more lie in a few rows, and take minutes to triangulate.
+"""Maximum number of points with their images: in total, and per point.
+
+A regular set in a compact body needs a fifth of it. Many more occur for points in a few rows, whose
+triangulation takes minutes.
 """
 
 
@@ -114,14 +127,19 @@ def dual_areas(
 
 
 def relative_volume(x: Array, cells: Index) -> Array:
-    """Volume (c,) of simplices in parts of the product of the edges at a corner: zero if flat."""
+    """Volume (c,) of simplices over the product of the edges at a corner.
+
+    It is zero for a flat simplex.
+    """
     corners = x[cells]
     edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
     return np.asarray(np.abs(signed_volumes(corners)) / edges.prod(axis=1))
 
 
 def stabilise_centres(centres: Array, flat: Array, beyond: Index, least: float) -> Array:
-    """Centres (c, d), those of simplices flatter than `least` being of the least flat one beside.
+    """Replace the centres (c, d) of flat simplices by that of a neighbour.
+
+    Flat is a relative volume below `least`; the neighbour is the least flat one.
 
     Rounding puts the centre of a flat simplex anywhere; those of its neighbours are near it.
     """
@@ -135,7 +153,7 @@ def stabilise_centres(centres: Array, flat: Array, beyond: Index, least: float) 
 
 
 def merge_centres(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Array:
-    """Centres (c, d) moved by little, so that those within reach of each other are one.
+    """Merge centres (c, d) that lie within reach of each other.
 
     So are the images of one: a body of edges `size` is repeated, or mirrored in its sides.
     """

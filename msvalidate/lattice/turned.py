@@ -1,4 +1,4 @@
-"""A regular lattice in a box along the axes, its own rows at any angle to them."""
+"""Regular lattice in a box, with its rows at any angle to the sides."""
 
 from __future__ import annotations
 
@@ -31,37 +31,54 @@ from msvalidate.problem.checks import (
 )
 
 WEAK = 0.4
-"""Least Σ n nᵀ along any direction, over the directions n of a point's springs of the first kind
-(others may have no stiffness), to do without braces: two springs at 60 degrees have 1/2, but a
-point that was moved may be left with springs that all but lie in a plane."""
+"""Smallest eigenvalue of Σ n nᵀ for which a point needs no braces.
+
+The sum is over the directions n of the point's springs of the first kind, since others may have no
+stiffness. Two springs at 60 degrees have 1/2; the springs of a moved point may almost lie in a
+plane.
+"""
 REACH = 0.4
-"""Distance to a side, in distances of nearest neighbours, from which a point is moved onto it:
-below 1/2, so that neighbours on either side of it do not meet."""
+"""Distance from a side within which points move onto it, in nearest-neighbour distances.
+
+It is below 1/2, so that neighbours on opposite sides do not coincide.
+"""
 
 
 def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> Lattice:
-    """A lattice turned in a box: inside as it is, at the boundary made to fit.
+    """Fill a box with a lattice at any angle to its sides.
 
-    Points within `lattice.turned.REACH` of a side, inside or beyond, are moved onto it, and the
-    nearest one into every corner, of those as near the first along x, then y, then z; what lies
-    further out is left out with its springs. A point that its nearest neighbours no longer hold in
-    every direction gets more springs of the first kind. Springs in a side count half, in two sides
-    a quarter. So loads and supports meet the sides whatever the angle, but uniform strain is not
-    exact: the boundary's error is of first order in the spacing.
+    Points near a side are moved onto it, the nearest point moves into each corner, and points
+    farther out are removed with their springs. Points with too few springs get additional ones of
+    the first kind. Supports and loads then coincide with the sides at any angle, but a uniform
+    strain has an error of first order in the spacing at the boundary.
 
     Parameters
     ----------
-    pattern, box
-        What repeats, and the body, of the same dimension.
+    pattern
+        Unit cell of the lattice.
+    box
+        Box of the same dimension d.
     spacing
-        Length (m) of the pattern's unit.
+        Length (m) of the unit of the pattern.
     turn
-        Angle (rad) counter-clockwise, or a rotation matrix (d, d).
+        Counter-clockwise angle (rad) in 2D, or a rotation matrix of shape (d, d).
+
+    Returns
+    -------
+    Lattice
+        Points (n, d) in m and springs (m, 2); cells are Delaunay triangles or tetrahedra.
 
     Raises
     ------
     ProblemError
-        If a value is out of its range, the points are too many, or the box has room for too few.
+        If a value is out of its range, there are too many points, or the box has too few.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, fill_rotated, patterns
+    >>> lattice = fill_rotated(patterns.triangular(), Box((0.37, 0.2)), spacing=0.05, turn=0.3)
+    >>> print(f"{lattice.point_volume.sum():.6f} m²")
+    0.074000 m²
     """
     require_type("pattern", pattern, Pattern)
     if not isinstance(box, Box) or box.dim != pattern.dim:
@@ -155,7 +172,7 @@ def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
 
 
 def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
-    """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
+    """Return the rotation matrix (dim, dim) of an angle (rad), or a given matrix.
 
     Raises `ProblemError` if it is neither.
     """

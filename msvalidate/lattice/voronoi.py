@@ -22,17 +22,23 @@ from msvalidate.problem.checks import length_in_metres, require_one_of, require_
 from msvalidate.problem.records import dataclass
 
 STIFFNESS_RULES = ("1", "1/L", "A/L")
-"""What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""
+"""Rules for the stiffness of a spring of length L across a facet A."""
 LOOSE = 1e-3
-"""Σ n nᵀ along some direction, over the directions n of its springs, below which a point swings."""
+"""Smallest eigenvalue of Σ n nᵀ for which a point does not swing.
+
+The sum is over the directions n of the point's springs.
+"""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class VoronoiLattice(Lattice):
-    """A random lattice in a box, whose sides are shared out among Voronoi cells.
+    """Random lattice of Voronoi neighbours that fills a box.
 
-    `side_area` (n, 2d) is the part (m or m²) of each side that is a point's own, in the order of
-    `SIDES`: its springs need just that of a traction, whatever the facets.
+    Parameters
+    ----------
+    side_area
+        Length (m) or area (m²) of each side that belongs to each point, shape (n, 2d), in the order
+        of `SIDES`. A traction on a whole side is distributed in proportion to it.
     """
 
     side_area: Array
@@ -46,13 +52,41 @@ def voronoi(
     stiffness: str = "A/L",
     seed: int = 0,
 ) -> Pattern:
-    """Random periodic lattice: a cell of `count` points, one in a unit of volume on average.
+    """Generate a random periodic lattice of the neighbours in a Voronoi tessellation.
 
-    Points are of a kind of `point_sets.POINT_SETS`, by random numbers of some seed, in 2 or 3
-    dimensions. By the stiffness, one of `lattice.voronoi.STIFFNESS_RULES`, each spring of the
-    constant k has k, k/L or k·A/L, in spacings.
+    The unit cell is a square or cube of volume `count`, so that the mean volume per point is 1.
+    Sources: jittered points [Cook1986], blue noise [Yuksel2015].
 
-    Raises `ProblemError` if a value is out of its range.
+    Parameters
+    ----------
+    count
+        Number of points in the unit cell.
+    dim
+        Number of dimensions, 2 or 3.
+    points
+        Kind of random points: "uniform", "jittered" or "blue_noise".
+    stiffness
+        Stiffness of a spring of length L across a facet of area A, relative to the spring constant:
+        "1", "1/L" or "A/L", with lengths in units of the mean spacing.
+    seed
+        Seed of the random numbers, an integer >= 0.
+
+    Returns
+    -------
+    Pattern
+        Unit cell with points (count, dim) and one kind of spring.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> from msvalidate import voronoi
+    >>> pattern = voronoi(100, seed=1)
+    >>> pattern.points.shape, pattern.size
+    ((100, 2), (10.0, 10.0))
     """
     whole_number("dim", dim, 2, 3)
     size = (float(whole_number("number of points", count, 1)) ** (1 / dim),) * dim
@@ -95,20 +129,40 @@ def relative_stiffness(vectors: Array, area: Array, rule: str) -> Array:
 def voronoi_box(
     box: Box, spacing: float, *, points: str = "jittered", stiffness: str = "A/L", seed: int = 0
 ) -> VoronoiLattice:
-    """Random lattice that fills a box: points in its corners, on its edges and sides, and inside.
+    """Fill a box with a random lattice of Voronoi neighbours.
 
-    A spring in a side has half of its facet inside the box, one in two sides a quarter: its share.
-    A side is shared out among the points whose Voronoi cells reach it, most of them on it. That
-    closes the cells, Σ A n = 0, so springs as A/L carry a hydrostatic strain exactly, but for the
-    braces below. Cells are the Delaunay triangles or tetrahedra, facets those of their sides on the
-    boundary. A corner whose cell meets but one other inside the box would swing about it: it gets
-    the other edges of its triangles or tetrahedra too.
+    Points lie in the corners, on the edges and sides, and inside. A spring in a side has boundary
+    weight 1/2, one in two sides 1/4. Springs with stiffness A/L reproduce a hydrostatic strain
+    exactly, except for braces that stabilise corner points. Cells are Delaunay triangles or
+    tetrahedra.
 
-    The spacing is the mean distance (m) of neighbours: a point has the volume spacing^d. All else
-    is as in `voronoi`.
+    Parameters
+    ----------
+    box
+        Box of dimension d.
+    spacing
+        Mean distance (m) of neighbours; the mean volume per point is spacing^d.
+    points, stiffness, seed
+        As for `voronoi`.
 
-    Raises `ProblemError` if a value is out of its range; `SolverError` if points lie so close that
-    their cells can't be told apart.
+    Returns
+    -------
+    VoronoiLattice
+        Points (n, d) in m and springs (m, 2), all of kind 0.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range, or there are too many points.
+    SolverError
+        If points are too close for their Voronoi cells to be determined.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, voronoi_box
+    >>> lattice = voronoi_box(Box((0.37, 0.2)), spacing=0.05, seed=1)
+    >>> print(f"{lattice.point_volume.sum():.6f} m²")
+    0.074000 m²
     """
     require_type("box", box, Box)
     h = length_in_metres("spacing", spacing)

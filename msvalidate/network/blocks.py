@@ -18,7 +18,9 @@ from msvalidate.problem.records import dataclass
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Places of the blocks of n points joined by m springs in p pairs: O(n + m) memory.
+    """Positions of the blocks of a sparse matrix of n points and p pairs.
+
+    Its memory is O(n + m) for m springs.
 
     Parameters
     ----------
@@ -67,14 +69,17 @@ class Blocks:
         return bsr_array((data, self.column, self.row_start), shape=(n * dim, n * dim))
 
     def add(self, data: Array, entry: Callable[[int, int], Array]) -> None:
-        """Add to blocks (n + 2p, d, d) those of cells, by entries (c, k, k) at a row and column."""
+        """Add the contributions of cells to the blocks (n + 2p, d, d).
+
+        The function of a row and a column returns entries (c, k, k).
+        """
         place = self.cells.ravel()
         for a, b in product(range(data.shape[1]), repeat=2):
             data[:, a, b] += np.bincount(place, entry(a, b).ravel(), len(data))
 
 
 def blocks_of(springs: Index, points: int, cells: Index) -> Blocks:
-    """Places of the blocks of springs (m, 2) and cells (c, k) between so many points."""
+    """Positions of the blocks of springs (m, 2) and cells (c, k)."""
     first, second = np.triu_indices(cells.shape[1], 1)
     joined = np.stack([cells[:, first].ravel(), cells[:, second].ravel()], axis=1)
     every = np.concatenate([springs, joined])

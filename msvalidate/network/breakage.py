@@ -1,4 +1,4 @@
-"""Springs that break where they are stretched too far: what may break, and what does in motion."""
+"""Breaking springs: which springs may break, and which break in a motion."""
 
 from __future__ import annotations
 

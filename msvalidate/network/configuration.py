@@ -27,7 +27,9 @@ from msvalidate.problem.checks import finite_coordinates, format_value, require_
 
 
 class Configuration:
-    """A network whose points are displaced by (n, d) in m from its reference points; default 0.
+    """Network with its points displaced from the reference positions.
+
+    The displacement is (n, d) in m, by default 0.
 
     Attributes
     ----------
@@ -100,7 +102,9 @@ class Configuration:
         return force + network.of_cells(cells.force, self.displacement)
 
     def force_change(self, motion: Array) -> Array:
-        """Change (n, d) in N of `force` by a small motion (n, d) in m, to first order: -K motion.
+        """First-order change (n, d) in N of `force` by a motion (n, d) in m.
+
+        It is -K times the motion.
 
         From the springs' own vectors: the assembled K has rounding that long bodies multiply.
         """
@@ -126,7 +130,7 @@ class Configuration:
         return stored - float(np.sum(motion * change))
 
     def tangent(self) -> bsr_array:
-        """Tangent stiffness (n·d, n·d) in N/m, a d × d block for every two points that are joined.
+        """Tangent stiffness matrix (n·d, n·d) in N/m, sparse with d × d blocks.
 
         A spring's is k n nᵀ + p (I - n nᵀ): its stiffness along itself, and its pull across.
 
@@ -147,7 +151,7 @@ class Configuration:
         return K
 
     def force_magnitudes(self) -> Array:
-        """Sum (n,) of the magnitudes of the forces (N) of springs and cells on each point."""
+        """Sum (n,) of the force magnitudes (N) of springs and cells per point."""
         network, tension = self.network, np.abs(self.force_density) * self.length
         met = np.zeros(len(network.points))
         for end in (0, 1):
@@ -155,7 +159,10 @@ class Configuration:
         return met + network.of_cells(cells.force_magnitudes, self.displacement)
 
     def largest_rotation(self, motion: Array) -> float:
-        """Largest change of a spring's vector in a motion (n, d), over its length; NaN counts."""
+        """Largest change of a spring vector in a motion (n, d), relative to its length.
+
+        NaN counts as the largest.
+        """
         i, j = self.network.springs.T
         with np.errstate(over="ignore", invalid="ignore"):
             change = np.linalg.norm(motion[j] - motion[i], axis=1) / self.length
@@ -185,7 +192,10 @@ def energy(network: Network, position: Array) -> float:
 
 
 def internal_force(network: Network, position: Array) -> Array:
-    """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
+    """Force (n, d) in N of all springs and cells on the points.
+
+    They are at `position` (n, d) in m.
+    """
     return configuration_at(network, position).force()
 
 
@@ -198,7 +208,10 @@ def tangent(network: Network, position: Array) -> csr_array:
 
 
 def mode_energy(network: Network, position: Array, motion: Array) -> float:
-    """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion."""
+    """Quadratic form motionᵀ K motion (J), twice the energy of a small motion.
+
+    The motion and `position` are (n, d) in m.
+    """
     return configuration_at(network, position).mode_energy(motion)
 
 

@@ -74,6 +74,6 @@ def lump_tractions(problem: Problem, network: Network, size: float) -> Network:
 
 
 def _check_network(network: Network, size: float) -> None:
-    """What a fault of this size makes of the network is checked with the network."""
+    """Refuse a fault whose network would be invalid."""
     require_type("network", network, Network)
     finite_number("size of the fault", size)

@@ -1,4 +1,4 @@
-"""Whether a deformed network's cells are still the right way round.
+"""Detection of folded (inverted) cells in a deformed network.
 
 A cell is looked at by the simplices at its corners: the triangle of a corner of a quadrilateral and
 its two neighbours, the tetrahedron of a corner of a hexahedron and its three, and triangles and
@@ -18,14 +18,18 @@ from msvalidate.problem import Array, Index, Mask, format_point
 from msvalidate.problem.records import ReadOnly, dataclass
 
 FLATTEST = 0.25
-"""Sine of a corner (of three edges: their determinant over their lengths), the largest of a
-simplex, below which it is not judged: flatter ones are passed over at strains of
-1 - cos(arcsin 0.25) = 3 %, by points that all but lie on one line or plane."""
+"""Largest sine of a simplex's corners below which it is not checked for folding.
+
+For three edges the sine is their determinant over their lengths. Flatter simplices fold at strains
+of 1 - cos(arcsin 0.25) = 3 %, because their points almost lie on one line or plane.
+"""
 NARROWEST = 0.25
-"""Height of a triangle of springs over its longest spring, below which it is not judged: one with a
-short side turns over where that side alone turns."""
+"""Smallest height of a spring triangle, relative to its longest spring, to be checked.
+
+A triangle with a short side folds when that side alone turns.
+"""
 ENOUGH = 0.5
-"""Part of the points that triangles of springs must reach: a few in a net of others say nothing."""
+"""Fraction of the points that spring triangles must reach to be representative."""
 SHOWN = 3
 """Cells that a message names."""
 
@@ -44,12 +48,12 @@ _CORNERS = {
         (7, 6, 4, 3),
     ),
 }
-"""(axes, corners) of a cell in VTK order -> a corner and its neighbours, for each simplex."""
+"""(axes, corners) of a cell -> corner and neighbours of each simplex, in VTK order."""
 
 
 @dataclass(frozen=True, eq=False)
 class Simplices(ReadOnly):
-    """What is looked at for folds. Arrays are made read-only.
+    """Simplices that are checked for folding. Arrays are made read-only.
 
     Parameters
     ----------
@@ -67,7 +71,7 @@ class Simplices(ReadOnly):
 
 
 def is_shape_of_cells(dim: int, corners: int) -> bool:
-    """Whether cells with this number of corners can be checked for folds in `dim` dimensions."""
+    """Return True if cells with this number of corners can be checked for folds."""
     return (dim, corners) in _CORNERS
 
 
@@ -93,18 +97,18 @@ def simplices_of(points: Array, springs: Index, cells: Index | None) -> Simplice
 
 
 def folded_cells(simplices: Simplices, position: Array) -> Index:
-    """Numbers (f,) of the cells that are flat or inside out at `position` (n, d) in m."""
+    """Indices (f,) of the flat or inverted cells at `position` (n, d) in m."""
     over = (_determinant(position, simplices.corners) > 0) != simplices.positive
     return np.unique(simplices.cell[over]) if over.any() else simplices.cell[:0]
 
 
 def count_folded(simplices: Simplices | None, position: Array) -> int | None:
-    """Number of cells folded at `position` (n, d) in m; None where there is nothing to look at."""
+    """Number of folded cells at `position` (n, d) in m; None without cells."""
     return None if simplices is None else len(folded_cells(simplices, position))
 
 
 def describe_folded(simplices: Simplices, folded: Index, points: Array) -> str:
-    """A sentence with the number of folded cells, of all, and the places of the first."""
+    """Describe the number of folded cells and the positions of the first ones."""
     places = []
     for cell in folded[:SHOWN]:
         corners = np.unique(simplices.corners[simplices.cell == cell])
@@ -124,7 +128,7 @@ def _simplices_of_cells(points: Array, cells: Index) -> Simplices | None:
 
 
 def _drop_flat(points: Array, corners: Index, cell: Index, *, whole: bool) -> Simplices | None:
-    """Those of simplices (s, d + 1) that are not flat at the reference points.
+    """Remove simplices (s, d + 1) that are flat at the reference positions.
 
     A part of a larger cell is judged by its own corner, a whole cell by its widest one.
     """

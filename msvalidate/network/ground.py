@@ -86,7 +86,10 @@ class Ground:
         return float(np.sqrt((self.stiffness / self._mass).max()))
 
     def push(self, displacement: Array) -> Array:
-        """Forces (c, d) in N on the points at their displacements (c, d) in m; anchors move."""
+        """Forces (c, d) in N on the points at displacements (c, d) in m.
+
+        The anchors move.
+        """
         if self.obstacle.radius is None:  # a plane's gap has all digits of the displacement
             gap, normal = self._gap + displacement @ self._normal[0], self._normal
         else:

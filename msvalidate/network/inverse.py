@@ -1,4 +1,4 @@
-"""How a network's tangent is inverted: by a factor, or by multigrid, and which of them.
+"""Inverse of a network's tangent by factorisation or by multigrid.
 
 `linear_algebra.choice` says which. Both notice what has no stiffness, and what has negative
 stiffness: by pivots, or by what a random load meets.
@@ -39,8 +39,11 @@ from msvalidate.problem.records import dataclass
 SOLVERS = ("auto", "direct", "multigrid")
 """Names of solvers; "auto" takes one of the others."""
 SOFT = 1e-7
-"""What the answer to a random load may meet, over what its points meet one by one, so that the
-softest motion, of which it has most, need not be looked for: solid bodies have 1e-5 and more."""
+"""Relative stiffness of the response to a random load that rules out soft modes.
+
+The response consists mostly of the softest mode; above this value the mode need not be computed.
+Solid bodies have 1e-5 and more.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +69,7 @@ class Regular:
 
     @property
     def rate(self) -> float:
-        """Part of an error that a correction leaves, at the most."""
+        """Largest factor by which a correction reduces an error."""
         own = 0.0 if isinstance(self.inverse, Factor) else PART
         return max(own, contraction_bound(self.softness))
 
@@ -94,7 +97,10 @@ class Regular:
         return soft, mode
 
     def _judged(self, way: Array) -> tuple[float, Array]:
-        """What a motion (f,) meets, and the motion (n·d,); refused if it meets nothing."""
+        """Relative stiffness of a motion (f,), and the motion (n·d,).
+
+        A motion without stiffness is refused.
+        """
         free = ~self.at.network.held.ravel()
         mode, met = np.zeros(free.shape), np.zeros(free.shape)
         mode[free], met[free] = way, self.diagonal
@@ -118,7 +124,7 @@ class Solver:
         require_one_of("solver", wanted, SOLVERS)
         self.wanted, self._network = wanted, network
         self.met_negative = False
-        """Whether multigrid met a tangent that is not positive, and did not go on."""
+        """True if multigrid stopped at a tangent that is not positive definite."""
         self._cycle = cycle
         self._last: Cycles | None = None
         self._looked = False
@@ -127,7 +133,7 @@ class Solver:
 
     @property
     def is_direct(self) -> bool:
-        """Whether tangents are factorised."""
+        """True if tangents are factorised."""
         return self.choice.name == "direct"
 
     def regular(self, at: Configuration, K: bsr_array | None = None) -> Regular:
@@ -160,7 +166,7 @@ class Solver:
         return found
 
     def inverse(self, at: Configuration, K: bsr_array, *, mend: bool = False) -> Factor | Cycles:
-        """Inverse of the free part of K that nobody has looked at; `mend` as of `factorise`.
+        """Unchecked inverse of the free part of K; `mend` as for `factorise`.
 
         Raises `RuntimeError` if a pivot is zero; `SolverError` if nothing at all resists a
         component, or memory does not suffice.
@@ -179,7 +185,9 @@ class Solver:
         return factorise(A, free_unknowns(self._order, network.held), mend=mend)
 
     def give_way(self, error: SolverError, most: float = np.inf) -> None:
-        """Use a factor from now on, since multigrid failed; raise its error if none can be made.
+        """Use a factor from now on, because multigrid failed.
+
+        Raise its error if no factor can be made.
 
         `most` entries are the largest that is taken.
         """
@@ -218,7 +226,7 @@ class Solver:
 
 
 class Once(Solver):
-    """A solver that inverts the tangent it is first asked for, under any loads, until renewed."""
+    """Solver that inverts one tangent for any loads, until it is renewed."""
 
     _first: tuple[Choice, Regular] | None = None
 

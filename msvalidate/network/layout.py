@@ -1,4 +1,4 @@
-"""Where a network's points and springs lie in memory, so that neighbours are close.
+"""Order of points and springs in memory, with neighbours close to each other.
 
 The compiled sweep (`msvalidate.kernels.sweep`) passes over points in this order once a step and
 moves them in place: a spring belongs to the earlier of its points, so that when a point moves no
@@ -21,8 +21,10 @@ TOGETHER = 4
 BLOCK = 64
 """Points whose springs' forces wait for them in the first cache."""
 NARROW = 2.0
-"""Mean distance of a spring's points in memory, in layers of a cube of as many points, up to which
-the network's own numbering is kept: another would cost more to go to and fro than it saves."""
+"""Mean distance of a spring's points in memory that needs no reordering.
+
+It is in layers of a cube of as many points; reordering would cost more than it saves.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +61,7 @@ class Layout:
     span: int
 
     def part(self, begin: int, end: int) -> Layout:
-        """The layout of the places from `begin`, a block's first, to `end`: of what joins these."""
+        """Layout of the positions from `begin`, the first of a block, to `end`."""
         e, stop = self.first[begin], self.first[end]
         inside = self.other[e:stop] < end
         cells = slice(self.first_cell[begin // BLOCK], self.first_cell[-(-end // BLOCK)])
@@ -107,7 +109,7 @@ def _place_numbers(order: Index, points: int) -> Index:
 def make_layout(
     points: int, dim: int, springs: Index, stiffness: Array, tension: Array, cells: Index
 ) -> Layout:
-    """Layout of springs (m, 2), two numbers of each, and cells (c, k) among so many points."""
+    """Order springs (m, 2) with two constants each, and cells (c, k)."""
     order = _choose_order(points, dim, springs)
     place = _place_numbers(order, points)
     ends = place[springs]
@@ -183,7 +185,7 @@ def _group_springs(
 
 
 def _slots(low: Index, high: Index, first: Index) -> Index:
-    """Where springs are whose owners' begin at `first`: by owner, then by their other end."""
+    """Positions of springs by owner and other end; an owner's begin at `first`."""
     by_owner = np.lexsort((high, low))
     own = np.bincount(low, minlength=len(first) - 1)
     slots = np.empty(len(low), dtype=np.intp)

@@ -9,13 +9,17 @@ from msvalidate.network.refine import DOUBTFUL, contraction_bound
 from msvalidate.problem import Array, format_point
 
 NO_STIFFNESS = 1e-24
-"""Energy of a motion, relative to what its components would cost one by one, that is rounding: a
-few parts in 1e16, squared, while the softest mode of a cantilever 20,000 cells long and one high
-still has 1e-18."""
+"""Relative stiffness of a mode that is only rounding.
+
+Rounding is a few parts in 1e16, squared; the softest mode of a cantilever of 20,000 x 1 cells still
+has 1e-18.
+"""
 
 
 def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> float:
-    """Energy of a motion (n·d,) in m over what its components would cost one by one; 0 of nothing.
+    """Energy of a motion (n·d,), relative to that of its components one by one.
+
+    It is 0 for zero motion.
 
     The springs that it stretches are asked: an eigenvalue of the tangent is rounded by far more.
     `stiffness` (n·d,) in N/m is what each component meets on its own, the tangent's diagonal. A
@@ -29,7 +33,7 @@ def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> fl
 
 
 def is_certain(softness: float) -> bool:
-    """Whether signs of a factor's pivots are those of the exact tangent."""
+    """Return True if the signs of a factor's pivots are those of the exact tangent."""
     return contraction_bound(softness) <= DOUBTFUL
 
 

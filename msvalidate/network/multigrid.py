@@ -24,26 +24,41 @@ from msvalidate.problem import Array, Index, Mask, SolverError, rigid_motions
 from msvalidate.problem.records import dataclass
 
 PART = 1e-5
-"""Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
-each with a residual of its own, which costs as much as two cycles."""
+"""Relative error of a multigrid solution before refinement.
+
+Refinement removes the rest in three corrections, whose residuals cost as much as two cycles each.
+"""
 ROUGHLY = 1e-3
 WORN = 60
 """Steps by a cycle of another place from which one of this place is made."""
 LOOSE = 1e-8
-"""Of what each point meets, added to it where a motion without stiffness is looked for: a hundred
-times what the library's inverses of blocks take for rounding."""
+"""Relative shift of the diagonal in the search for modes without stiffness.
+
+It is a hundred times the rounding that the library's inverses of blocks assume.
+"""
 SWEEPS, MOST_SWEEPS = 2, 12
-"""Inverse iterations: each shrinks modes of 1e-4 of what their points meet by 1e-4; those of stiff
-points among soft ones meet less. The first need no more digits than an assembled stiffness has."""
+"""Number of inverse iterations.
+
+Each reduces modes of relative stiffness 1e-4 by 1e-4; modes of stiff points among soft ones have
+less. The first iterations need no more digits than an assembled stiffness has.
+"""
 STANDING = 1e-13
-"""Change of a motion in a sweep, at which it was the last: its energy is known to the square."""
+"""Change of a mode per iteration that ends the search.
+
+The error of its energy is the square of that change.
+"""
 MOST_UNSETTLED = 3
 """Sweeps that conjugate gradients may leave unsettled: more bring a motion no nearer."""
 CLEAN = 1e-10
-"""What a sweep's solve leaves: 1e-14 of other modes in one without stiffness, by `LOOSE`."""
+"""Relative residual of an iteration's solve.
+
+It leaves 1e-14 of other modes in one without stiffness, by `LOOSE`.
+"""
 FAR_APART = 3.0
-"""Mean difference of the numbers of two points that a spring joins, in points of a layer, beyond
-which points are sorted first: lattices have less than 1, random numbers n^(1/d)/3."""
+"""Mean difference of point numbers per spring beyond which points are sorted.
+
+It is in points of a layer: lattices have less than 1, random numbers n^(1/d)/3.
+"""
 
 
 class NotConvergedError(SolverError):
@@ -85,7 +100,10 @@ class Cycles:
 
     @property
     def negative(self) -> int:
-        """1 if a motion of negative energy was met, else 0: very likely there is none."""
+        """1 if a direction of negative curvature was found, else 0.
+
+        If it is 0, there is very likely none.
+        """
         return self.probed[1]
 
     @cached_property
@@ -115,7 +133,7 @@ class Cycles:
         return found.solution[self._free], not found.negative and found.reduction <= ROUGHLY
 
     def _settled(self, right: Array, part: float) -> Iterated:
-        """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
+        """Solve for a load (f,) by conjugate gradients, with a new cycle if needed."""
         while True:
             load = np.zeros(self.A.shape[0])
             load[self._free] = right * self.cycle.unit

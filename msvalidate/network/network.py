@@ -36,49 +36,53 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 AT_REST = 2.0**-50
-"""Pull, over the axial stiffness, up to which a rest length is the distance of a spring's points,
-rounded to a double: the spring is at rest there. Taken as given, that rounding would be a
-prestress, which bends a slender body more than a small load does."""
+"""Largest pull, relative to the axial stiffness, that counts as rounding.
+
+A rest length that equals the distance of two points is rounded to a double. Taken literally, the
+rounding would be a prestress that bends a slender body more than a small load does.
+"""
 BALANCED = 16.0
-"""Roundings of the forces that meet at a point up to which they are in balance there."""
+"""Out-of-balance force that counts as equilibrium, in units of rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """Points joined by springs, with masses, supports and loads. Arrays are made read-only.
+    """Points joined by springs, with masses, supports and loads.
 
-    `spring_network` fills in what is usual; `bodies.lattice_network` builds one from a problem.
+    `spring_network` fills in defaults; `lattice_network` builds one from a problem. Arrays are made
+    read-only.
 
     Parameters
     ----------
     points
-        (n, d) reference positions (m): displacements count from here.
+        Reference positions (m), shape (n, d), from which displacements are measured.
     springs
-        (m, 2) pairs of different points.
+        Pairs of different points, shape (m, 2).
     stiffness
-        (m,) (N/m, thickness included), >= 0; below it for springs that rest at no length.
+        Stiffness (N/m, thickness included), shape (m,), >= 0. It may be negative for zero-length
+        springs.
     rest_length
-        (m,) (m), > 0; a size alone, for springs that rest at no length.
+        Rest lengths (m), shape (m,), > 0. For zero-length springs it is only a length scale.
     mass
-        (n,) (kg), > 0.
+        Masses (kg), shape (n,), > 0.
     held
-        (n, d) components whose displacement is prescribed.
+        Mask (n, d) of the components with prescribed displacement.
     displacement
-        (n, d) prescribed displacement (m), 0 where nothing is held.
+        Prescribed displacements (m), shape (n, d), 0 where the component is free.
     force
-        (n, d) external force (N).
+        External forces (N), shape (n, d).
     volumes
-        Cells of the same points that resist a change of volume, if there are any.
+        Cells with a volume energy on the same points, if any.
     cells
-        (c, corners) points of the cells that a deformed network is looked at for folds by, in VTK
-        order; by default those of `volumes`, or the triangles that springs make in the plane.
+        Points of the cells that are checked for folding, shape (c, corners), in VTK order. Default:
+        those of `volumes`, or the triangles that springs form in 2D.
     law
-        How springs pull; `volumes` have a law of their own.
+        Constitutive law of the springs; `volumes` have a law of their own.
 
     Raises
     ------
     ProblemError
-        Naming the array and its first bad entry.
+        If an array is invalid; the message names it and its first invalid entry.
     """
 
     points: Array
@@ -162,7 +166,7 @@ class Network:
 
     @property
     def resisting(self) -> Index:
-        """Points (c, corners) of the cells that resist a change of volume; (0, 1) of none."""
+        """Points (c, corners) of the cells with a volume energy, or (0, 1) without."""
         none = np.zeros((0, 1), dtype=np.intp)
         return none if self.volumes is None else self.volumes.cells
 
@@ -179,12 +183,12 @@ class Network:
 
     @cached_property
     def square(self) -> Array:
-        """Its square (m,) in m²."""
+        """Squared distance (m,) in m² of the points of each spring."""
         return self.distance**2
 
     @cached_property
     def coefficients(self) -> Coefficients:
-        """Of the law, for each spring."""
+        """Coefficients of the law for each spring."""
         return self.law.coefficients(self.stiffness, self.rest_length)
 
     @cached_property
@@ -194,21 +198,21 @@ class Network:
 
     @cached_property
     def pull_at_rest(self) -> Array:
-        """Force over length (m,) in N/m at the reference points: 0 where it is a rounding."""
+        """Force over length (m,) in N/m at the reference positions, without rounding."""
         pull = self.law.pull(self.coefficients, self.square)
         return np.where(np.abs(pull) > AT_REST * np.abs(self.axial_stiffness), pull, 0.0)
 
     @property
     def prestressed(self) -> bool:
-        """Whether springs pull at the reference points."""
+        """True if springs carry force at the reference positions."""
         return bool(self.pull_at_rest.any())
 
     @cached_property
     def rest_force(self) -> Array:
-        """Force (n, d) in N of springs and cells at the reference points: 0 where in balance.
+        """Force (n, d) in N of springs and cells at the reference positions.
 
-        In balance to rounding: of springs and cells under tension and pressure, and of a form that
-        was found under tension.
+        It is 0 in equilibrium, up to rounding: for springs and cells under tension and pressure,
+        and for a shape that was found under tension.
         """
         if not self.prestressed and self.volumes is None:
             return np.zeros(self.points.shape)
@@ -217,7 +221,7 @@ class Network:
         return np.where(np.abs(force) > BALANCED * self.rounding(0.0), force, 0.0)
 
     def rounding(self, reach: float) -> Array:
-        """Force (n, 1) in N that is rounding, of lengths and of `reach` (m), added to them.
+        """Force (n, 1) in N due to rounding of lengths and of `reach` (m).
 
         An eps of these, times the stiffness of the springs and cells that meet at a point.
 
@@ -230,7 +234,7 @@ class Network:
 
     @cached_property
     def layout(self) -> Layout:
-        """How its points and springs lie in memory for the compiled sweep."""
+        """Order of points and springs in memory for the compiled loops."""
         n, d = self.points.shape
         if self.law.loops is None:
             raise ProblemError(f"compiled loops: they have no {self.law.name} law; take path plain")
@@ -244,12 +248,15 @@ class Network:
 
     @cached_property
     def simplices(self) -> Simplices | None:
-        """What shows that it is folded; None where there is nothing to look at."""
+        """Simplices that are checked for folding, or None."""
         cells = self.resisting if self.cells is None else self.cells
         return simplices_of(self.points, self.springs, cells)
 
     def assemble_forces(self, pull: Array) -> Array:
-        """Force (n, d) in N on the points by pulls (m, d) of springs on their first ends."""
+        """Sum the pulls (m, d) of springs to forces (n, d) in N on points.
+
+        A pull acts on the first end of its spring, and with the opposite sign on the second.
+        """
         force = np.zeros(self.points.shape)
         for axis in range(self.dim):
             for end, sign in ((0, 1.0), (1, -1.0)):
@@ -286,19 +293,52 @@ def spring_network(
     cells: ArrayLike | None = None,
     law: SpringLaw = LINEAR,
 ) -> Network:
-    """Network from any list of points and springs.
+    """Build a network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, cells, law
-        As in `network.Network`. One number serves for all springs or points. Rest lengths default
-        to the distances in `points`, an unstressed network; the rest defaults to none.
+    points
+        Reference positions (m), shape (n, d), d = 2 or 3.
+    springs
+        Pairs of different points, shape (m, 2).
+    stiffness
+        Stiffness (N/m) of the springs, shape (m,) or one number for all.
+    rest_length
+        Rest lengths (m), shape (m,) or one number. Default: the distances of the points, so that
+        the network has no prestress.
+    mass
+        Masses (kg) of the points, shape (n,) or one number, > 0.
+    held
+        Components with prescribed displacement, boolean array of shape (n, d). Default: none.
+    displacement
+        Prescribed displacements (m), shape (n, d), 0 where the component is free. Default: zero.
+    force
+        External forces (N), shape (n, d). Default: zero.
+    volumes
+        Cells with a volume energy, on the same points. Default: none.
+    cells
+        Points of the cells that are checked for folding, shape (c, corners), in the order of VTK.
+    law
+        Constitutive law of the springs. Default: linear (Hooke).
+
+    Returns
+    -------
+    Network
+        Network with read-only arrays.
 
     Raises
     ------
     ProblemError
-        If an array does not fit, a spring joins a point to itself, names a point that is not
-        there or has no length, or a value is out of range.
+        If an array does not fit, a spring joins a point to itself, names a missing point or has
+        zero length, or a value is out of its range.
+
+    Examples
+    --------
+    >>> from msvalidate import spring_network
+    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
+    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
+    >>> network.rest_length.round(3).tolist()
+    [0.37, 0.421, 0.2]
     """
     x = finite_coordinates("points", points, "n", (2, 3))
     pairs = check_springs(springs, len(x))

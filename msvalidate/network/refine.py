@@ -1,4 +1,4 @@
-"""Refinement of a solution by the same factor, and what it says of the error left.
+"""Iterative refinement of a solution, and the error estimate that it provides.
 
 A residual from changes of length gives a correction, that one the next, until only its rounding is
 left: with a factor of an assembled, rounded matrix the answer becomes that of the springs
@@ -23,11 +23,14 @@ LARGEST_ERROR = 1e-6
 ENOUGH = EPS / 2
 """Error, over the largest displacement, at which refinement stops: rounding to doubles."""
 FACTOR_ROUNDING = 8 * EPS
-"""Of what a point meets, that a factor may be wrong by: assembly and elimination, a few units."""
+"""Relative backward error of a factor: a few units of assembly and elimination."""
 DOUBTFUL = 1e-3
-"""Contraction above which a factor is tried on a motion that is known before it is believed."""
+"""Contraction above which a factor is tested on a known motion."""
 STANDING = 0.5
-"""Ratio of two corrections from which they are rounding of residuals, if the factor is believed."""
+"""Ratio of two corrections that indicates rounding of the residuals.
+
+It applies if the factor is trusted.
+"""
 ROUNDED = 64 * EPS
 """Correction, over the largest displacement, that is rounding where it no longer falls."""
 SLOWEST = 0.9
@@ -57,7 +60,9 @@ class Refined:
 
 
 def contraction_bound(softness: float) -> float:
-    """Part of an error that a correction leaves at the most, along the softest motion.
+    """Upper bound of the factor by which a correction reduces an error.
+
+    The bound holds along the softest motion.
 
     `softness` is that motion's energy over what its components would cost one by one: a factor is
     wrong by `FACTOR_ROUNDING` of the latter.
@@ -116,7 +121,7 @@ def _combined_step(corrections: list[Array], steps: list[Array]) -> Array:
 
 
 def error_amplification(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
-    """Ratio of the true error of a known motion (n, d) to the error that refinement states for it.
+    """Ratio of the true to the estimated error of a known motion (n, d).
 
     `residual` is that of no load, linear. The factor of a matrix that rounding has spoilt may be
     far too stiff along a motion: then corrections are small and errors are not, and this tells.

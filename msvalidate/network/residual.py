@@ -1,4 +1,4 @@
-"""What is out of balance, and what it is measured by: forces that meet at a point, and rounding."""
+"""Residual forces, and the scales and rounding that they are compared with."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from msvalidate.problem import Array, SolverError
 
 
 def out_of_balance_force(network: Network, displacement: Array) -> Array:
-    """Force (n, d) in N that springs, cells and loads leave at a displacement (n, d) in m."""
+    """Out-of-balance force (n, d) in N at a displacement (n, d) in m.
+
+    It is the sum of springs, cells and loads.
+    """
     return Configuration(network, displacement).force() + network.force
 
 
 def is_unloaded(network: Network) -> bool:
-    """Whether no load and no prescribed displacement acts, and prestress is in balance by itself.
+    """Return True without load, prescribed displacement and unbalanced prestress.
 
     In balance to rounding, as a form that was found under tension is.
     """
@@ -27,7 +30,9 @@ def is_unloaded(network: Network) -> bool:
 
 
 def rounded_otherwise(network: Network) -> Network:
-    """A network whose vectors and constants are off by an eps, up or down at random, always alike.
+    """Perturb the vectors and constants of a network by rounding, at random.
+
+    The perturbation is always the same.
 
     What that changes in its forces is what rounding may have: of products, which corrections do not
     show, for it is the same in each of them. It is to be asked for forces only.

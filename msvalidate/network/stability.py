@@ -1,4 +1,4 @@
-"""How many motions of negative energy a tangent has, though signs of pivots are rounded.
+"""Number of modes of negative energy of a tangent, robust to rounding of pivots.
 
 A factor's pivots count the negative modes of the matrix that was factorised, which differs from the
 exact one by some eps of what each point meets. A mode of less stiffness than that may have any sign
@@ -24,7 +24,10 @@ MODES = 8
 SWEEPS = 3
 """Inverse iterations on them all at once."""
 CLEAR = 10.0
-"""Times rounding, that the stiffest of these modes must meet for all others to have their signs."""
+"""Relative stiffness, in units of rounding, that makes all other signs certain.
+
+It refers to the stiffest of these modes.
+"""
 
 
 def negative_modes(found: Regular) -> int:

@@ -1,1 +1,1 @@
-"""What a run leaves: results as files, the baseline, pages and figures."""
+"""Results of a run: files, baseline, pages and figures."""

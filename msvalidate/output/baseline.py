@@ -28,7 +28,7 @@ from msvalidate_check.baseline import (
 
 HOME = Path(__file__).resolve().parents[1]
 CHECKOUT = HOME.parent / "reports" / "baseline"
-"""Where a checkout keeps it; a wheel carries it inside the package."""
+"""Folder of the baseline in a checkout; a wheel contains it in the package."""
 BECAUSE = (
     f"each value as it was, within {RELATIVE:g} of it, {OF_RANGE:g} of the column's range, and "
     "what the column rounds; words are exact"
@@ -55,7 +55,7 @@ def check_home(home: Path) -> None:
 
 
 def unknown_folders(folder: Path, studies: list[str]) -> list[str]:
-    """What is in a baseline's folder of a form and no study's: nothing is compared with it."""
+    """Names in a baseline folder that belong to no study, and are not compared."""
     found = [path.name for path in folder.iterdir()] if folder.is_dir() else []
     return sorted(set(found) - set(studies))
 
@@ -135,7 +135,7 @@ def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
 
 
 def _moved(table: pd.DataFrame, kept: bytes, rounding: Mapping[str, float]) -> list[str]:
-    """What keeps a table from being the one that was kept, one line each."""
+    """Describe how a table differs from its baseline, one line per difference."""
     try:
         reference = read_columns(kept)
     except ValueError as error:

@@ -27,18 +27,18 @@ from msvalidate.problem.checks import finite_coordinates, positive_number, requi
 
 AT_REST = "#d4d4d4"
 SHOWN = 0.1
-"""Of the body's size, how far its largest displacement is drawn."""
+"""Size of the largest displacement as drawn, relative to the body."""
 ARROW = 0.12
-"""Of the body's size, the longest arrow of a load."""
+"""Length of the longest load arrow, relative to the body."""
 MOST_ARROWS = 40
 FLAT = 0.3
-"""Of a body's longest side, the shortest below which it is seen from its flattest side."""
+"""Relative thickness below which a body is seen from its flattest side."""
 FLATTEST = ({"elev": 20, "azim": -20}, {"elev": 20, "azim": -75}, {"elev": 60, "azim": -60})
 """Axis along which a body is shortest, as drawn -> angles (degrees) that it is seen from."""
 WIDE, TALLEST = 6.2, 6.0
 DEFORMED = "#66a9d4"
 ARROW_WIDTH = 0.08
-"""Of an arrow's shaft over the length of the longest."""
+"""Width of an arrow's shaft, relative to the longest arrow."""
 HELD = {
     (True, True): ("s", "held"),
     (True, False): (">", "held along x"),
@@ -54,22 +54,40 @@ BOUNDARY_RULES = {
 
 
 def plot(network: Network, displacement: Any = None, magnification: float | None = None) -> Figure:
-    """Springs at rest in grey and deformed in blue, supports, and the load at some points.
+    """Plot the springs of a network in its reference and deformed positions.
+
+    The figure also shows the supports and the load at some of the points.
 
     Parameters
     ----------
     network
-        In the plane or in space.
+        Network in 2D or 3D.
     displacement
-        (n, d) in m, or a `statics.equilibrium.Equilibrium`; none draws the network as it is given.
+        Displacement (m) of shape (n, d), or an object with such a field, for example the result of
+        `equilibrium`. Default: the reference positions only.
     magnification
-        Of the displacements, as the title states it. By default 1, 2 or 5 times a power of ten, so
-        that the largest shows as at most a tenth of the body; 1 if it is from there to all of it.
+        Factor of the displacements, > 0. Default: 1, 2 or 5 times a power of ten, so that the
+        largest displacement appears as at most a tenth of the body; 1 if it is between a tenth of
+        the body and all of it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure whose title states the magnification.
 
     Raises
     ------
     ProblemError
-        If the displacement does not fit the network, or the magnification is not above zero.
+        If the displacement does not fit the network, or its magnification is not positive.
+
+    Examples
+    --------
+    >>> from msvalidate import plot, spring_network
+    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
+    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
+    >>> figure = plot(network)  # figure.savefig("network.png") writes a file
+    >>> len(figure.axes)
+    1
     """
     require_type("network", network, Network)
     x, dim, title = network.points, network.dim, "as given, without displacements"

@@ -15,7 +15,7 @@ from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 
 LINES = ("-", "--", ":", "-.")
-"""Of columns that stand beside the judged one."""
+"""Line styles of columns next to the judged one."""
 Draw = Callable[[Tables], Figure]
 Words = Mapping[Any, str]
 GREY: dict[str, Any] = {"color": "grey", "lw": 0.9}
@@ -202,7 +202,7 @@ def _draw_beside(
 
 
 def _places(rows: pd.DataFrame, x: str, y: str, positive: bool) -> tuple[Any, pd.Series]:
-    """Where points stand: words have places of their own along the axis."""
+    """Positions of points along an axis; words get positions of their own."""
     along = rows[x] if rows[x].dtype.kind in "fiu" else rows[x].astype(str)
     values = pd.to_numeric(rows[y], errors="coerce")
     return along, values.abs() if positive else values

@@ -1,4 +1,4 @@
-"""How figures look. No global plotting state: figures are made without pyplot."""
+"""Style of figures, without pyplot and without global plotting state."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "msvalidate",
 }
-"""Of every figure; part of no figure's meaning."""
+"""Matplotlib settings of every figure."""
 
 
 @contextlib.contextmanager
@@ -129,7 +129,7 @@ def plain_logarithms(figure: Figure) -> None:
 
 
 def add_title(figure: Figure, text: str) -> None:
-    """What a figure shows, above it, in lines as wide as it is; one that has a title keeps it."""
+    """Add a title in lines as wide as the figure, unless it has one."""
     if not figure.get_suptitle() and not any(axes.get_title() for axes in figure.axes):
         wide = int(LETTERS_AN_INCH * figure.get_figwidth())
         figure.suptitle("\n".join(textwrap.wrap(text.rstrip("."), wide)), fontsize=TITLE_SIZE)
@@ -145,7 +145,7 @@ def name_logarithm(axis: Axis) -> None:
 
 
 def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:
-    """One legend below all axes, each label once."""
+    """Add a legend below all axes, with each label once."""
     entries: dict[str, Any] = {}
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):

@@ -150,7 +150,10 @@ def ledger(table: pd.DataFrame) -> tuple[Entry, ...]:
 
 
 def _measured(number: str, unit: str, side: str, bound: str, measure: str) -> str:
-    """What was measured and its bound; rounding, which differs between machines, is 0."""
+    """Measured error and its bound, with rounding set to 0.
+
+    Rounding differs between machines.
+    """
     if not _is_number(number):
         return ""
     value = "0" if abs(float(number)) < ROUNDING else f"{float(number):.3g}"
@@ -218,7 +221,7 @@ def axis_place(error: str) -> float:
 
 
 def chart_sentence(lines: Sequence[Line]) -> str:
-    """One sentence: bodies within the band on the fine lattice, and those outside of it."""
+    """Sentence that counts the bodies inside and outside the band on the fine lattice."""
     outside = [line.body for line in lines if line.verdict == DIFFERS]
     agree = sum(line.verdict == AGREES for line in lines)
     rest = f" Outside: {'; '.join(outside)}." if outside else ""

@@ -54,7 +54,7 @@ def printable(text: str) -> str:
 
 
 def failure_line(row: Mapping[Any, Any]) -> str:
-    """What failed, in one line: value, reference, error and limit, and which row of the table."""
+    """Describe a failure in one line: value, reference, error, limit and row."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     at = f", at {row['at']}" if row.get("at") else ""
     return (

@@ -37,7 +37,7 @@ LAYERS = {
 WHOLE = ("good_for", "topics", "ledger")
 """Tables of which every row is shown."""
 SUMMARISED = "baseline"
-"""Of this layer, only what failed is listed: it holds every number of every table."""
+"""Layer of which only failures are listed, since it has every number."""
 TABLES_FIRST = ("good_for", "summary", "cases")
 """Tables that a reader wants first: above the others, and open."""
 MANY_COLUMNS = 10
@@ -49,7 +49,7 @@ LONG = 28
 PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
 MISSES = (FAIL, DIFFERS)
 STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
-"""What may be said of a study, what a reader must know first before the rest."""
+"""Possible states of a study, the most important first."""
 
 ADVICE = re.compile(r"^Recommendation: (.*?)(?:\n\s*\n|\Z)", re.DOTALL | re.MULTILINE)
 """Paragraph of a study's docstring that its first screen shows as the recommendation."""
@@ -94,7 +94,7 @@ class Table:
 
     @property
     def wide(self) -> bool:
-        """Whether it needs a page on its side in print."""
+        """True if the table needs a landscape page in print."""
         return len(self.columns) > MANY_COLUMNS
 
 
@@ -137,22 +137,22 @@ class Section:
 
     @property
     def asked(self) -> str:
-        """Which of the study's questions were asked; "" for all."""
+        """Questions of the study that ran; "" for all."""
         return self.origin.get("questions", "")
 
     @property
     def open(self) -> int:
-        """How many quantities were not resolved."""
+        """Number of quantities that were not resolved."""
         return sum(layer.open for layer in self.layers)
 
     @property
     def judged(self) -> int:
-        """How many quantities were judged."""
+        """Number of quantities that were judged."""
         return sum(layer.judged for layer in self.layers)
 
     @property
     def missed(self) -> int:
-        """How many of them failed."""
+        """Number of quantities that failed."""
         return sum(layer.missed for layer in self.layers)
 
 
@@ -229,7 +229,7 @@ def _summary(study: Stored) -> Summary | None:
 
 
 def study_status(study: Stored) -> str:
-    """What is said of a study: of our own springs, or of a candidate in its words."""
+    """State of a study in words, for the built-in springs or a candidate."""
     if study.error:
         return NOT_FINISHED
     if "candidate" not in study.origin:
@@ -283,7 +283,7 @@ def plural(count: int, noun: str) -> str:
 def common_provenance(
     sections: Sequence[Section],
 ) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """What the studies' provenance has in common, and study -> what only it says."""
+    """Provenance that all studies share, and the differences by study."""
     every = [s.origin for s in sections]
     common = {
         label: value
@@ -365,7 +365,7 @@ def table_excerpt(
 
 
 def column_kind(values: Sequence[str]) -> str:
-    """How a column is set: "number", "word" or "prose"; a number among words makes it numbers."""
+    """Kind of a column: "number" (even if among words), "word" or "prose"."""
     if any(_NUMBER.fullmatch(value) for value in values):
         return "number"
     return "prose" if any(len(value) > LONG for value in values) else "word"
@@ -387,13 +387,13 @@ def format_number(value: float) -> str:
 
 
 def _is_decimal(value: str) -> bool:
-    """Whether it is a number that is not written as an integer: all digits of those are meant."""
+    """Return True for a number that is not written as an integer."""
     found = _NUMBER.fullmatch(value)
     return bool(found) and not value.lstrip("+-").isdigit()
 
 
 def _has_many_digits(value: str) -> bool:
-    """Whether a decimal number has more than six digits."""
+    """Return True for a decimal number with more than six digits."""
     found = _NUMBER.fullmatch(value)
     if found is None or not _is_decimal(value):
         return False

@@ -1,4 +1,4 @@
-"""Where results come from: versions, commit, machine, seed, command, time.
+"""Provenance of results: versions, commit, machine, seed, command and time.
 
 Names no host, no user and no path.
 """

@@ -1,4 +1,4 @@
-"""What a run leaves in its folder, whole or not at all.
+"""Results of a run in its folder, replaced atomically.
 
 A run's results are built beside the folder and change places with it in one step, so that a reader,
 or the next run, finds the old results or the new ones whatever happens in between. Where a folder
@@ -30,7 +30,7 @@ from msvalidate.problem import ProblemError
 from msvalidate_check import exchange
 
 PAGES = ("report.html", "verdict.json")
-"""What lies in a folder of results beside its studies' folders."""
+"""Files in a results folder next to the studies' folders."""
 
 
 def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
@@ -171,7 +171,10 @@ def _pages(folder: Path) -> dict[str, bytes]:
 
 
 def _read_or_said(folder: Path) -> Stored:
-    """What a study left; damage done to it since must not cost the results of the others."""
+    """Result of a study, or the reason why it cannot be read.
+
+    Damage to one result does not affect the others.
+    """
     try:
         return read_result(folder)
     except ProblemError as error:
@@ -184,7 +187,7 @@ def _studies(folder: Path) -> list[str]:
 
 
 def _is_file(path: Path) -> bool:
-    """Whether there is a file; not where nobody lets us look."""
+    """Return True if a readable path is a file."""
     try:
         return path.is_file()
     except OSError:
@@ -212,7 +215,7 @@ def _refuse_foreign(out: Path, names: Sequence[str]) -> None:
 
 
 def _only_results(out: Path) -> bool:
-    """Whether all in a folder is of a kind that a run writes: only then may it be exchanged."""
+    """Return True if a folder contains only results, so that it may be replaced."""
     if not out.exists():
         return True
     known = catalogue.names()
@@ -232,7 +235,7 @@ def _only_results(out: Path) -> bool:
 
 
 def _place(path: Path) -> Path:
-    """Where a path leads to, also one of links in a circle."""
+    """Resolve a path, even with links in a circle."""
     return Path(os.path.realpath(path))
 
 
@@ -241,5 +244,8 @@ def _writable(folder: Path) -> bool:
 
 
 def _holds(folder: Path, other: Path) -> bool:
-    """Whether a folder is another or holds it: exchanging it would take the ground away."""
+    """Return True if a folder is another one or contains it.
+
+    Replacing it would then remove the other.
+    """
     return folder == other or folder in other.parents

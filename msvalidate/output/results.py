@@ -28,7 +28,9 @@ FULL = "full"
 
 @dataclass(frozen=True)
 class Results:
-    """What the studies found: of those in `run`, which have just run, else stored, else committed.
+    """Results of the studies: from this run, from files, or from the baseline.
+
+    The studies in `run` have just run.
 
     `run` is study -> its tables; a `folder` of stored results may be None, and those of the other
     form than "quick" or "full", that of the baseline, count as none.
@@ -63,7 +65,7 @@ class Results:
         return self if self.form == FULL else Results(FULL)
 
     def source(self, study: str) -> str:
-        """Where the tables of a study come from: `THIS_RUN`, `STORED` or `BASELINE`."""
+        """Origin of a study's tables: `THIS_RUN`, `STORED` or `BASELINE`."""
         if study in self.run:
             return THIS_RUN
         return STORED if study in self._stored else BASELINE

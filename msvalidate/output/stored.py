@@ -37,11 +37,11 @@ NUMBERS = ("observed", "reference", "error", "limit")
 
 
 Name = Annotated[str, msgspec.Meta(pattern=r"^[^./\\\x00][^/\\\x00]*$")]
-"""Of a file in a study's folder, and in no other."""
+"""Name of a file in a study's folder, and in no other folder."""
 
 
 class About(msgspec.Struct, frozen=True):
-    """What `study.json` holds; the fields of `Stored`, and names of files.
+    """Content of `study.json`: the fields of `Stored`, and names of files.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class About(msgspec.Struct, frozen=True):
 
 
 class Written(msgspec.Struct, frozen=True):
-    """What a run wrote into a folder, whatever else its `study.json` says."""
+    """Files that a run wrote into a folder, as listed in its `study.json`."""
 
     files: tuple[Name, ...]
 
@@ -108,7 +108,7 @@ class Result:
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What a study left in its folder.
+    """Stored result of a study.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class Stored:
 
     @property
     def held(self) -> bool:
-        """Whether it finished, judged something, and all that it judged passed."""
+        """True if the study finished, judged something, and all of it passed."""
         return not self.error and all_passed(self.verdict)
 
 
@@ -214,7 +214,7 @@ def unfinished_files(
 
 
 def read_result(folder: Path) -> Stored:
-    """What a study left in `folder`.
+    """Read the stored result of a study from `folder`.
 
     Raises
     ------

@@ -43,7 +43,9 @@ def summary_lines(table: pd.DataFrame, evidence: Evidence) -> list[str]:
 
 
 def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
-    """One sentence: rows that agree, and the row that differs most; "" without a verdict.
+    """Sentence with the number of rows that agree, and the largest difference.
+
+    It is empty without a verdict.
 
     Parameters
     ----------

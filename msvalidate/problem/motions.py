@@ -1,4 +1,4 @@
-"""Whether the question has an answer: the rigid motions that supports leave free."""
+"""Rigid-body motions that the supports of a body leave free."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def refuse_free_motions(name: str, points: Array, held: Mask) -> None:
 
 
 def free_motions(points: Array, held: Mask) -> list[str]:
-    """Name the rigid motions u(x) = t + w × x that the held components do not prevent.
+    """Name the rigid-body motions u(x) = t + w×x that the supports leave free.
 
     Held are components (n, d) at places (n, d) in m.
     """

@@ -1,4 +1,4 @@
-"""Springs that break one after the other while loads are raised, at rest all the time.
+"""Quasi-static fracture: springs break one after the other under increasing loads.
 
 Small displacements of a network of Hooke's springs that is at rest as it is. One factor serves many
 breaks: with B the directions of the springs that broke since it was made, k their stiffness and
@@ -32,20 +32,20 @@ from msvalidate.statics.refinement import refine_linear
 Ended = Literal["raised", "breaks", "falls", "parted"]
 NONE = np.zeros(0, dtype=np.intp)
 TIED = 1e-9
-"""Part of the largest stretch, over its critical one, within which springs break together."""
+"""Relative difference of critical stretches within which springs break together."""
 BREAKS_A_FACTOR = 50
 """After which the tangent is inverted anew: columns of as many springs are kept."""
 NOTHING, LITTLE = 1e-11, 1e-3
-"""Of a spring's stiffness, what is in the way where it was: less is a mechanism; and up to which a
-new factor tells it from one, and digits of Woodbury's formula would be lost."""
+"""Relative stiffness left by a broken spring: mechanism, and need of a new factor.
+
+Between the two, only a new factor can detect a mechanism: Woodbury's formula would lose digits.
+"""
 UNHELD = 1e-10
-"""Force on a mechanism, over that of springs as long drawn as the largest displacement, that is
-rounding."""
+"""Force on a mechanism that is rounding, relative to springs at the largest displacement."""
 SLACK, LOOSE = 1e-10, 1e-6
-"""Elongation over the largest there was, up to which no spring bears anything; part of a motion
-that nothing resists, from which a point takes part in it."""
+"""Relative elongation without load, and smallest component of a mechanism's motion."""
 CLOSED, ROUNDED = 1e-10, 1e-13
-"""Of the energy released, and of the work, by which the ledger may miss."""
+"""Tolerances of the energy balance, relative to the released energy and to the work."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class Break:
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """How a network broke.
+    """Result of quasi-static fracture.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class Growth:
 
     @property
     def closure(self) -> float:
-        """Work less what is stored and what was released, over that, or the work if nothing was."""
+        """Error of the energy balance, relative to the released energy or else the work."""
         left = abs(self.work - self.stored - self.released)
         return left / (self.released or self.work or 1.0)
 
@@ -243,7 +243,7 @@ class Way:
         return float((outer * self.unit).sum())
 
     def elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
-        """Elongation (b,) in m of springs at a displacement (n, d), or (c, b) at (c, n, d)."""
+        """Elongation (b,) in m of springs; (c, b) for displacements (c, n, d)."""
         i, j = self.network.springs[springs].T
         return np.asarray(((u[..., j, :] - u[..., i, :]) * self.along[springs]).sum(axis=-1))
 
@@ -283,7 +283,7 @@ class Way:
         return 1 / largest, np.flatnonzero(part >= (1 - TIED) * largest)
 
     def cut(self, springs: Index, needed: float) -> Break | None:
-        """Break springs, as at a factor `needed`; None, and they stay, if a load would fall."""
+        """Break springs at a factor `needed`; return None, undone, if a load would decrease."""
         if len(self._cut) >= BREAKS_A_FACTOR:
             self._factorise()
         k, e, before = self.stiffness[springs], self.elongation(self.unit, springs), self.unit
@@ -315,7 +315,9 @@ class Way:
         )
 
     def _modes(self, springs: Index, nothing: float) -> tuple[Array, Array | None, Array]:
-        """How springs that break move the body (n, d), motions (r, n, d) that they alone resist.
+        """Motions (n, d) from springs that break, and mechanisms (r, n, d).
+
+        The mechanisms are the motions that these springs alone resist.
 
         And with which force; no motions where something resists, but little.
         """
@@ -332,7 +334,7 @@ class Way:
         return moved, np.tensordot(root * vector[:, free].T, columns, axes=1), part[free]
 
     def _solve(self, springs: Index) -> tuple[Array, Array]:
-        """What unit pulls of springs move now (b, n, d), and the compliance (b, b) across them."""
+        """Displacements (b, n, d) due to unit pulls, and the compliance (b, b)."""
         free = ~self.network.held
         columns = np.zeros((len(springs), *self.unit.shape))
         for column, spring in zip(columns, springs if free.any() else NONE, strict=False):
@@ -371,7 +373,7 @@ class Way:
         self.still = refine_linear(alone, self.solver).solution
 
     def result(self, breaks: list[Break], ended: Ended) -> Growth:
-        """Where the way has led to."""
+        """State at the end of the load path."""
         load, e = self.load, self.elongation(self.unit)
         network = replace(
             self.network,

@@ -37,16 +37,19 @@ from msvalidate.statics.tangents import Tangent, tangent_at
 from msvalidate.statics.unilateral import CLOSED, Unilateral
 
 ACCEPTED = 1e-7
-"""Of the depth, what may be left where rounding or rounds allow no less."""
+"""Relative contact violation that is accepted if rounding allows no less.
+
+It is relative to the depth.
+"""
 ROUNDS = 40
 """Linear networks take 1 to 4, others 5 to 15."""
 IN_A_ROUND = 1e-3
-"""Part of the violation that a round leaves where its tangent is not the last one."""
+"""Relative violation after a round whose tangent is not the last one."""
 SMALLEST_PART = 2.0**-6
-"""Of an obstacle's way, that is not halved any more."""
+"""Smallest fraction of an obstacle's path for a step."""
 TINY = float(np.finfo(float).tiny)
 HELD = 1e-9
-"""Part of a normal along what is not held, below which a candidate cannot give way."""
+"""Smallest free part of a normal for which a candidate point can move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,12 +258,12 @@ class _Way:
         return gap, normal
 
     def _places(self) -> Array:
-        """Where (c, d) in m the candidates are, to first order where they were."""
+        """Positions (c, d) in m of the candidates, to first order where required."""
         x = self.network.points + (self.found.displacement if self.nonlinear else 0.0)
         return np.asarray(x[self.points])
 
     def _reach(self) -> Array:
-        """How far (m) each obstacle of a given depth would be in the body as it is; 0 of others."""
+        """Penetration (m) of each obstacle with prescribed depth; 0 for the others."""
         gap, normal = self._gaps()
         still = (np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD
         if (gap[still] < 0).any():
@@ -280,7 +283,7 @@ class _Way:
         return reach
 
     def lower(self, part: float) -> None:
-        """Go on to a part of the way; where that is not found, all is as it was."""
+        """Lower the obstacles to a fraction of the path; undo it on failure."""
         before = dict(vars(self))
         given = np.array([one.depth for one in self.each]) - (1 - part) * self.reach
         self.depths = np.where(np.isnan(self.wanted), given, self.depths)
@@ -339,14 +342,17 @@ class _Way:
         return out
 
     def _moved(self, load: Array, normal: Array) -> Array:
-        """What forces (n, d) in N move the candidates by (c,) along normals, to first order."""
+        """Displacements (c,) in m of the candidates along normals under forces (n, d) in N.
+
+        They are of first order.
+        """
         self.applications += 1
         assert self._tangent is not None  # noqa: S101
         u = self._tangent.move(load, np.zeros_like(load))
         return np.asarray((normal * u[self.points]).sum(axis=1))
 
     def result(self) -> ContactEquilibrium:
-        """What the way has led to."""
+        """State at the end of the path."""
         gap, normal = self._gaps()
         x, contacts = self._places(), []
         for k, one in enumerate(self.each):

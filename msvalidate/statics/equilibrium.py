@@ -28,34 +28,31 @@ from msvalidate.statics.refinement import explain_rounding, refine_equilibrium, 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A network at rest under its supports and loads.
+    """Equilibrium of a network under its supports and loads.
 
     Parameters
     ----------
     displacement
-        (n, d) from the reference points (m).
+        Displacement (m) from the reference positions, shape (n, d).
     position
-        (n, d) in m.
+        Positions (m), shape (n, d).
     reaction
-        (n, d) force (N) of the supports on the held components, 0 elsewhere.
+        Force (N) of the supports on the fixed components, shape (n, d), 0 elsewhere.
     residual
         Largest out-of-balance force (N) on a free component.
     iterations
-        Linear solves that it took, or time steps.
+        Number of linear solves, or of time steps.
     error
-        Largest error of a component of the displacement over the largest component: an estimate
-        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
-        where it was not estimated.
+        Estimated largest error of a displacement component, relative to the largest component. It
+        covers rounding and the solver, not the difference from elasticity. 0 for zero
+        displacement, NaN without an estimate.
     folded
-        Number of cells that are flat or inside out; None where there was nothing to look at: see
-        `msvalidate.network.folds`.
+        Number of flat or inverted cells; None if there are no cells to check.
     passed_limit
-        Part of the load at which the first limit point was passed, where the stable branch that
-        begins at the start ends and the network snaps through to another. None where none was,
-        and where no path of loads was followed: of linear answers and relaxations.
+        Load factor of the first limit point on the path, where the stable branch ends and the
+        network snaps through. None if there was none, and for linear results and relaxations.
     solver
-        Which was taken, "direct" or "multigrid", and why; None of relaxations, and where nothing
-        had to be solved.
+        "direct" or "multigrid", with the reason; None for relaxations, or if nothing was solved.
     """
 
     displacement: Array
@@ -78,45 +75,62 @@ def equilibrium(
     allow_folded: bool = False,
     solver: str | Solver = "auto",
 ) -> Equilibrium:
-    """Static equilibrium of a network.
+    """Compute the static equilibrium of a network.
+
+    Source: Newton's method with load steps, [Crisfield1991].
 
     Parameters
     ----------
     network
-        Supports must hold every rigid motion.
+        Network with n points in d dimensions, whose supports prevent every rigid-body motion.
     geometry
-        "linear": one solve with the tangent at the reference points, valid to first order in the
-        displacement. "nonlinear": Newton's method, in load increments where one step is too many.
-        Either way the tangent must be positive: the network is stable where it is linearised.
+        "linear": one solve with the tangent stiffness at the reference positions, valid for small
+        displacements. "nonlinear": Newton's method, with load steps if needed. The tangent
+        stiffness must be positive definite in both.
     path
-        Of nonlinear equilibria: how loads and prescribed displacements come to their full size.
-        Fractions that rise to 1, at each of which an equilibrium is found; or a function of t that
-        returns force and displacement (n, d) at t from 0 to 1, such as ends that turn, which in
-        proportion would move along chords. By default the whole at once, in proportion where that
-        is too much; networks that prestress leaves out of balance may come from springs without
-        tension, their rest lengths raised together with the loads.
+        Load path of a nonlinear equilibrium: increasing fractions that end at 1, or a function of t
+        in [0, 1] that returns forces (N) and prescribed displacements (m), each of shape (n, d).
+        Default: the whole load at once, and proportional steps if that fails.
     start
-        Of nonlinear equilibria: where to begin, an equilibrium or a displacement (n, d) in m.
-        What is out of balance there is taken away along the path.
+        Start of a nonlinear solve: an ``Equilibrium`` or a displacement (m) of shape (n, d). The
+        out-of-balance force at the start is removed along the path.
     allow_folded
-        Whether cells may be flat or inside out. A linear answer is so under any load that is large
-        enough, for it goes on in proportion: its cells are counted, and it is never refused for
-        them.
+        True to accept flat or inverted cells in a nonlinear equilibrium. A linear result is never
+        rejected for them; its field ``folded`` counts them.
     solver
-        Of linear systems: "direct", a factor in nested dissection, whose pivots tell for certain
-        whether a network is stable; "multigrid", conjugate gradients, which take work and memory
-        in proportion to the points, and tell it but for a chance of one in 12,500; "auto", a factor
-        of plane, slender and small bodies, where multigrid would take longer, and where it fails;
-        or a solver of this network that is there already.
+        "direct": sparse factorisation, which detects instability with certainty. "multigrid":
+        conjugate gradients with multigrid, with time and memory proportional to n. "auto": the
+        factorisation for 2D, slender and small bodies and where multigrid fails, otherwise
+        multigrid. Or a solver of this network from an earlier call.
+
+    Returns
+    -------
+    Equilibrium
+        Displacement (m), position (m) and reaction (N), each of shape (n, d), with the residual (N)
+        and the estimated relative error.
 
     Raises
     ------
     ProblemError
-        If supports leave a rigid motion free, the message names it, or path or start do not fit, or
-        there is no such solver.
+        If a rigid-body motion is free (the message names it), or an argument is out of its range.
     SolverError
-        If the network is a mechanism or unstable, or no equilibrium is found at full load, or
-        cells are folded in a nonlinear one.
+        If the network is a mechanism or unstable, no equilibrium is found at the full load, or
+        cells are folded in a nonlinear equilibrium.
+
+    Examples
+    --------
+    A bar in uniaxial tension has the elongation σ L / E, here 100 Pa · 0.4 m / 1e5 Pa:
+
+    >>> from msvalidate import Box, Isotropic, Problem, Support, Traction
+    >>> from msvalidate import equilibrium, lattice_network, square
+    >>> bar = Box((0.4, 0.1))
+    >>> roller = Support(bar.side("left"), (0.0, None))
+    >>> guide = Support(bar.side("bottom"), (None, 0.0))
+    >>> pull = Traction(bar.side("right"), (100.0, 0.0))
+    >>> problem = Problem(bar, Isotropic(E=1e5, nu=1 / 3), supports=(roller, guide), loads=(pull,))
+    >>> result = equilibrium(lattice_network(problem, square(bar, (8, 2))))
+    >>> print(f"{result.displacement[:, 0].max():.6e} m")
+    4.000000e-04 m
     """
     require_type("network", network, Network)
     refuse_free_motions("network", network.points, network.held)
@@ -171,7 +185,9 @@ def equilibrium_at(
     solver: Choice | None = None,
     linear: bool = False,
 ) -> Equilibrium:
-    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+    """Evaluate residual and reactions of an equilibrium at a displacement.
+
+    It is (n, d) in m.
 
     Forces come from the displacement: positions have lost digits where coordinates are large.
     `linear`: they are those at the reference points and their change to first order.
@@ -197,7 +213,7 @@ def equilibrium_at(
 
 
 def _solve_by(solver: Solver, solve: Callable[[], Equilibrium]) -> Equilibrium:
-    """What is found by a solver, by its factor where multigrid gives up."""
+    """Solve with a solver, and with its factor if multigrid fails."""
     while True:
         try:
             return solve()
@@ -265,7 +281,7 @@ def _follow_prestress(network: Network, solver: Solver, solves: int) -> PathResu
 
 
 def _explain_failure(network: Network, solver: Solver, found: PathResult) -> str:
-    """What to say of a way that leads no further."""
+    """Explain why a load path cannot be continued."""
     what, hidden = "load", _explain_pivots(network, solver)
     if hidden:
         remedy = f"what lies beyond may be hidden by rounding: {hidden}"

@@ -31,24 +31,32 @@ from msvalidate.statics.path import LoadPath
 from msvalidate.statics.tangents import LARGEST_TURN, Tangent, tangent_at
 
 TOLERANCE = 1e-11
-"""Newton stops at this residual, relative to the forces that meet at a point (and not below their
-rounding). Convergence is quadratic, so what is reached is usually rounding."""
+"""Relative residual at which Newton's method stops.
+
+It is relative to the forces that meet at a point, and not below their rounding. Convergence is
+quadratic, so that the result is usually accurate to rounding.
+"""
 ITERATIONS = 25
 """Newton steps a load increment may take: far more than quadratic convergence needs."""
 SMALLEST_INCREMENT = 2.0**-12
 RESOLVED = 2.0**-10
-"""Part of a path to which a limit point is placed."""
+"""Fraction of a path to which a limit point is located."""
 BENT, MISSED = 0.15, 0.05
-"""Differences from the trapezoidal rule and from the cubic's middle, over the change of the same
-spring on the way, above which a way is looked at more closely. A shallow arch that has snapped
-through is beyond one or the other at any load: by 92 and 4 % just past its limit, by 0 and 8 % at
-31.8 times it, where its two rates happen to fit. A cantilever is so from a sixth of its length."""
+"""Deviations from the trapezoidal rule and from a cubic that need a closer search.
+
+They are relative to the change of the same spring. A shallow arch that has snapped through exceeds
+one of them at any load: by 92 and 4 % just past its limit, by 0 and 8 % at 31.8 times it, where its
+two rates happen to fit. A cantilever does so from a deflection of a sixth of its length.
+"""
 SEARCHING = 12
-"""Newton steps that a solve in search of a limit point may take: it starts close by."""
+"""Maximum number of Newton steps in the search of a limit point.
+
+The search starts close to it.
+"""
 SMALL = 0.02
-"""Change of a spring, over the largest of all, below which it says nothing of the way."""
+"""Relative change of a spring below which it is ignored."""
 SAME = 0.1
-"""Part of the gap within which a way back has returned."""
+"""Fraction of the gap within which a reversed path has returned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +182,7 @@ def _newton_along(
 
 
 def _is_stable(K: Tangent) -> bool:
-    """Whether the tangent is positive definite, as far as rounding allows a decision."""
+    """Return True if the tangent is positive definite, as far as rounding permits."""
     try:
         return K.is_stable
     except NotConvergedError:  # multigrid cannot tell: a factor may
@@ -184,7 +192,10 @@ def _is_stable(K: Tangent) -> bool:
 
 
 def _is_smooth(path: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tangent) -> bool:
-    """Whether the way from a to b has no sign of a jump; `first` is m_a, `K` the tangent at b."""
+    """Return True if the path from a to b shows no sign of a jump.
+
+    `first` is m_a, `K` the tangent at b.
+    """
     network = path.network_at(b.t)
     i, j = network.springs.T
 
@@ -249,7 +260,7 @@ def _point_between(
 
 
 def _is_jump(path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: PathResult) -> bool:
-    """Whether b, led back to the load of a, is not a."""
+    """Return True if b, followed back to a's load, does not reach a."""
     try:
         back = _newton_along(path, solver, b, a.t, found, SEARCHING)
     except SolverError:
@@ -258,7 +269,7 @@ def _is_jump(path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: 
 
 
 def _is_same_point(station: PathPoint, other: PathPoint, far: PathPoint) -> bool:
-    """Whether two stations are one, beside how far they are from a third."""
+    """Return True if two states coincide, relative to their distance from a third."""
     apart = max_abs(station.displacement - other.displacement)
     way = max_abs(other.displacement - far.displacement)
     return apart <= SAME * way + _rounding(other.displacement)

@@ -1,4 +1,4 @@
-"""What prescribed displacements do to a body that has not moved yet.
+"""Initial displacement of a body under prescribed displacements.
 
 Moved at once, with all else left where it is, a side may go past its neighbours: the first row of
 cells is then inside out, and a relaxation that starts there finds a rest that is so too. Where the
@@ -18,14 +18,16 @@ from msvalidate.network import Network
 from msvalidate.problem import Array
 
 ALONE = 0.25
-"""Change of a spring that held points may bring about alone, relative to its length: the neighbours
-of a point are then still in front of it, at a corner of a square too."""
+"""Largest relative change of a spring by prescribed displacements of its end alone.
+
+The neighbours of a point then stay in front of it, even at the corner of a square.
+"""
 CLOSE = 1e-4
 """Residual of the mean of neighbours, relative to the first: a start is no answer."""
 
 
 def impose_supports(network: Network, displacement: Array) -> Array:
-    """A displacement (n, d) in m with what is prescribed, from one that may not have it yet."""
+    """Displacement (n, d) in m with the prescribed values imposed on a given one."""
     ahead = np.where(network.held, network.displacement - displacement, 0.0)
     i, j = network.springs.T
     change = ((ahead[j] - ahead[i]) ** 2).sum(axis=1)

@@ -1,4 +1,4 @@
-"""Paths: what is applied to a network on the way to its own loads and displacements."""
+"""Load paths: loads and prescribed displacements up to their full size."""
 
 from __future__ import annotations
 
@@ -13,21 +13,28 @@ from msvalidate.problem.checks import finite, finite_coordinates, format_value
 from msvalidate.problem.records import dataclass, replace
 
 Applied = tuple[Array, Array]
-"""Force (n, d) in N on the points, and prescribed displacement (n, d) in m, 0 where nothing is
-held."""
+"""Forces (n, d) in N and prescribed displacements (n, d) in m.
+
+Displacements are 0 where components are free.
+"""
 Path = Sequence[float] | Callable[[float], Applied]
-"""Fractions of load and prescribed displacement, rising to 1; or a function of t from 0 to 1."""
+"""Load path: increasing fractions that end at 1, or a function.
+
+The function has the argument t from 0 to 1.
+"""
 
 PARTS = 32
-"""Parts in which a path that is a function is followed: 4 rad in turns of 7 degrees."""
+"""Number of steps for a path that is a function: 7 degrees for 4 rad."""
 SAME_END = 1e-9
-"""Of the largest force or displacement, by which a path may end beside the network's own: sines of
-large angles keep twelve digits and more."""
+"""Relative difference allowed between the end of a path and the network.
+
+It is relative to the largest force or displacement; sines of large angles keep twelve digits.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class LoadPath:
-    """Loads and prescribed displacements at t in [0, 1], from a start to the network's own.
+    """Loads and prescribed displacements for t in [0, 1] from a start.
 
     Parameters
     ----------
@@ -138,7 +145,7 @@ def _check_stops(path: Path | None) -> tuple[float, ...]:
 
 
 def _evaluate_path(network: Network, given: Callable[[float], Applied], t: float) -> Applied:
-    """What a function applies at t, checked."""
+    """Evaluate a path function at t and check the result."""
     try:
         force, displacement = given(t)
     except (TypeError, ValueError) as error:

@@ -32,24 +32,24 @@ from msvalidate.problem.records import replace
 from msvalidate.statics.tangents import LARGEST_TURN
 
 SAME_TANGENT = 1e-3
-"""Such a change up to which the tangent's signs are those of where it was made."""
+"""Relative change up to which a tangent keeps the signs of its pivots."""
 FACTORS = 6
 """Tangents made at the most."""
 SETTLED = 1e-13
 """Error at which no other tangent is made."""
 CYCLES_PART = 1e-4
-"""What conjugate gradients leave of a correction."""
+"""Relative residual of a correction by conjugate gradients."""
 ROUNDINGS = 16.0
-"""Times what is left if forces are rounded in one other way, that is stated for all ways."""
+"""Safety factor of the error from one sample of rounding in the forces."""
 SMALLEST = float(np.finfo(float).smallest_subnormal)
 SOFTEST_REFINED = 1e-14
 """Softness from which a factor's corrections are known to fall."""
 ALIKE = 100.0
-"""Times that stiffnesses may be apart without a word of it."""
+"""Ratio of stiffnesses up to which messages do not mention it."""
 
 
 class _System:
-    """What is out of balance at displacements of a network, and a tangent's inverse.
+    """Residual of a network at displacements, and the inverse of a tangent.
 
     `linear`: forces are those of the inverse's configuration, and change by its tangent.
     """
@@ -59,7 +59,10 @@ class _System:
         self.free = ~network.held
 
     def residual(self, u: Array, network: Network | None = None) -> Array:
-        """Force (n, d) in N left where it is free, at a displacement (n, d) in m."""
+        """Residual force (n, d) in N on the free components.
+
+        The displacement is (n, d) in m.
+        """
         network = network or self.network
         if not self.linear:
             force = Configuration(network, u).force()
@@ -74,7 +77,10 @@ class _System:
         return np.where(self.free, self.found.at.force_change(motion), 0.0)
 
     def solve(self, force: Array, part: float = PART) -> Array:
-        """Motion (n, d) in m that the inverse gives for a force (n, d) in N; `part` of cycles."""
+        """Motion (n, d) in m under a force (n, d) in N, by the inverse.
+
+        `part` is the relative residual of conjugate gradients.
+        """
         motion, inverse = np.zeros(force.shape), self.found.inverse
         if not np.isfinite(force).all():
             raise SolverError(
@@ -176,7 +182,9 @@ def refine_equilibrium(
 def error_of_displacement(
     network: Network, displacement: Array, cycle: Cycle | None = None
 ) -> float:
-    """Error of a displacement (n, d) in m close to an equilibrium, over the largest displacement.
+    """Estimate the relative error of a displacement close to an equilibrium.
+
+    The displacement is (n, d) in m, its error relative to the largest displacement.
 
     By corrections that are not applied; infinite where none can be made. Of a large body multigrid
     makes one, by `cycle` if that is one of a tangent close by, and a factor where it does not.
@@ -212,7 +220,7 @@ def _error_by_multigrid(at: Configuration, force: Array, solver: Solver) -> floa
 
 
 def explain_rounding(network: Network, softness: float) -> str:
-    """How far apart stiffnesses are and what the softest motion meets, and what to do."""
+    """Explain a rounding error: ratio of stiffnesses, softest mode and remedy."""
     k = np.abs(network.axial_stiffness[network.axial_stiffness != 0])
     apart = float(k.max() / k.min()) if len(k) else 1.0
     # What the softest motion of a slender body meets falls as the fourth power of its cells.

@@ -43,7 +43,9 @@ Geometry = Literal["linear", "nonlinear"]
 
 
 def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
-    """Virial (m, d, d) in N·m of each spring: its pull times its vector, f d⊗d/|d|.
+    """Virial (m, d, d) in N·m of each spring, f d⊗d/|d|.
+
+    d is its vector, f its force.
 
     "linear": the force to first order in the displacement times the reference vector, f⊗D.
     "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
@@ -155,7 +157,9 @@ def _pressure_virial(
 
 
 def point_stress(lattice: Lattice, stress: Array) -> Array:
-    """Mean stress (n, 3) or (n, 6) in Pa at each point, of the cells' (c, 3) or (c, 6) around it.
+    """Average the stresses of the cells around each point.
+
+    The result is (n, 3) or (n, 6) in Pa. The stresses of cells are (c, 3) or (c, 6) in Pa.
 
     Raises
     ------
@@ -194,34 +198,50 @@ def fitted_stress(
     degree: int = 4,
     count: int | None = None,
 ) -> Array:
-    """Stress (p, 3) or (p, 6) in Pa at places (p, d): tensor times the strain of a polynomial.
+    """Compute stresses at given places from displacements by a local polynomial fit.
 
-    The polynomial is the best, in least squares, for the displacements of the points nearest to a
-    place; of points equally far (to `lattice.ties.TIE`) either all are taken or none, so that
-    neither rounding nor the order of the points decides. Where displacements are exact its strain
-    errs by r^degree, r the distance of the furthest point taken. Where they are those of a cut
-    lattice, whose boundary leaves errors of the order of the strain in cells that it cuts, they are
-    to be of `statics.stress.interior_points`, and r is to grow beside the spacing h as that
-    shrinks: by default as √h. A place on the outline then lies a cell or two outside the points
-    that are fitted.
+    A polynomial is fitted by least squares to the displacements of the points nearest to each
+    place; the stress is the tensor times its strain. For exact displacements the strain error is of
+    order r^degree, with r the distance of the farthest point of the fit. For a cut lattice, use
+    interior points only (``interior_points`` of this module), since cut cells have strain errors at
+    any spacing.
 
     Parameters
     ----------
     points, displacement
-        (n, d) in m. In a body with zones those of one zone: strains jump at its end.
+        Positions (m) and displacements (m), each of shape (n, d). In a body with zones, pass the
+        points of one zone, because strains jump at interfaces.
+    places
+        Positions (m) where the stress is computed, shape (p, d).
     tensor
-        Voigt tensor in Pa, (3, 3) or (6, 6), with engineering shear strain.
+        Voigt tensor (Pa) with engineering shear strains, shape (3, 3) in 2D or (6, 6) in 3D.
     degree
-        Of the polynomial, 1 to 4.
+        Degree of the polynomial, 1 to 4.
     count
-        Points for each fit, and more where several are as far as the last; by default four times
-        the polynomial's coefficients, or the square root of all the points if that is more: so r
-        is as √h.
+        Minimum number of points per fit. Default: four times the number of coefficients, or √n if
+        that is more.
+
+    Returns
+    -------
+    ndarray
+        Stresses (Pa) in Voigt notation, shape (p, 3) in 2D or (p, 6) in 3D.
 
     Raises
     ------
     ProblemError
-        If an array does not fit, or points are too few or lie on a curve of that degree.
+        If an array does not fit the others, or the points are too few or lie on a curve of this
+        degree.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import Box, fitted_stress, square
+    >>> points = square(Box((0.4, 0.4)), 10).points
+    >>> displacement = points * [1e-3, 0.0]  # uniaxial strain
+    >>> tensor = 1e5 * np.array([[9.0, 3.0, 0.0], [3.0, 9.0, 0.0], [0.0, 0.0, 3.0]]) / 8
+    >>> stress = fitted_stress(points, displacement, np.array([[0.2, 0.1]]), tensor)
+    >>> print(", ".join(f"{component:.3f}" for component in abs(stress[0])), "Pa")
+    112.500, 37.500, 0.000 Pa
     """
     given = {"points": points, "displacement": displacement, "places": places}
     x, u, at = (finite_coordinates(name, array) for name, array in given.items())
@@ -263,7 +283,7 @@ def interior_points(lattice: CutLattice) -> Mask:
 
 
 def cell_volume(lattice: Lattice) -> Array:
-    """Area (m²) or volume (m³) of each cell (c,), as far as it lies in the body."""
+    """Area (m²) or volume (m³) of each cell (c,) inside the body."""
     require_type("lattice", lattice, Lattice)
     return np.asarray(_corner_volume(lattice).sum(axis=1))
 

@@ -17,8 +17,10 @@ from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
 
 LARGEST_TURN = 0.5
-"""Change of a spring in one Newton step, relative to its length, beyond which a step is too long:
-longer ones land on folded and inside-out equilibria."""
+"""Largest relative change of a spring vector in one Newton step.
+
+Longer steps lead to folded and inverted equilibria.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +37,15 @@ class Tangent:
 
     @property
     def is_stable(self) -> bool:
-        """Whether it is positive definite: by the signs of pivots where these are no rounding."""
+        """Return True if the tangent is positive definite.
+
+        The signs of the pivots decide where they are no rounding.
+        """
         return self.found is None or negative_modes(self.found) == 0
 
     @property
     def no_pivot_negative(self) -> bool:
-        """Whether no pivot is negative, or their signs may be rounding.
+        """Return True if no pivot is negative, or their signs may be rounding.
 
         Multigrid has no pivots: it does not solve with what it finds to be negative.
         """
@@ -51,7 +56,10 @@ class Tangent:
         return not is_certain(self.found.softness)
 
     def move(self, load: Array, held: Array) -> Array:
-        """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
+        """Motion (n, d) in m that balances a load (n, d) in N.
+
+        The fixed components move by `held`.
+        """
         move = np.array(held, dtype=float).ravel()
         move[self.free] = 0.0
         if self.found is not None:
@@ -71,7 +79,7 @@ def tangent_at(at: Configuration, solver: Solver) -> Tangent:
 
 
 def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
-    """Whether the tangent of a configuration is positive definite: no negative mode.
+    """Return True if the tangent of a configuration is positive definite.
 
     Where `inverse.Solver` takes a factor the signs of pivots decide. Elsewhere a random load
     does: a yes is then very likely, as `Cycles.probed` says, and a no may be for want of a

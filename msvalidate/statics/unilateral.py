@@ -1,4 +1,4 @@
-"""Forces that push and do not pull: a convex problem in as many unknowns as may touch.
+"""Unilateral contact forces as a convex problem in the candidate points.
 
 The minimum of ½ f·C f + f·g0 over f >= 0, where forces f open gaps g = g0 + C f: there g >= 0 and
 f·g = 0. Obstacles of a given force have Σ f w = P beside, w the part of each force along their way,
@@ -16,18 +16,21 @@ from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.records import dataclass
 
 CLOSED = 1e-10
-"""Of the depth: gap or penetration that counts as none."""
+"""Gap or penetration that counts as zero, relative to the depth."""
 EXACT, MORE = 1e-14, 6
-"""Of the depth, where an exact C lets it stop, or how many steps after a tenth of `CLOSED`."""
+"""Relative tolerance with an exact C, and extra steps after a tenth of `CLOSED`.
+
+The iteration stops at either; the tolerance is relative to the depth.
+"""
 ROUNDING = float(np.finfo(float).eps)
-"""Of the largest gap, beside which a small depth has no more digits."""
+"""Relative rounding of the largest gap, which hides a small depth."""
 APPLICATIONS = 2000
-"""Of C; 30 to 60 are usual."""
+"""Maximum number of products with C; 30 to 60 are usual."""
 
 
 @dataclass(eq=False)
 class Unilateral:
-    """The problem, and `depth` (m): the largest of an obstacle in the body without these forces.
+    """Contact problem, with the largest penetration `depth` (m) without contact forces.
 
     Parameters
     ----------
@@ -116,7 +119,7 @@ class Unilateral:
         return force
 
     def _deeper(self, raised: Array) -> Array:
-        """What obstacles that go deeper by so much (m) take from the gaps (c,)."""
+        """Reduction (c,) of the gaps when obstacles move deeper by a distance (m)."""
         return np.asarray(raised[self.which] * self.along)
 
     def _mean(self, values: Array, on: Mask) -> Array:

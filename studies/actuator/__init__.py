@@ -1,4 +1,4 @@
-"""Does an actuator of springs and charges move as elasticity and electrostatics say?
+"""Dielectric elastomer actuator of springs and charges
 
 The report ends with a dielectric elastomer actuator: charges on the springs of a slab's faces,
 Coulomb's law between them, and its Figure 8, "to be compared with FEM later". One question a file:

@@ -1,4 +1,4 @@
-"""The classic benchmarks of elasticity: how near do springs and elements come to them?
+"""Classic benchmarks of elasticity
 
 Every table of a benchmark has the layout of `cases`: the value, the accepted one and its source,
 the differences, an uncertainty, and the order with which the mesh takes them away. One question a

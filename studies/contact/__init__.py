@@ -1,4 +1,4 @@
-"""What do springs say when a body is pressed, dropped and dragged?
+"""Contact of spring networks: pressing, impact and friction
 
 The report would have springs examined for contact too. One question a file:
 

@@ -1,4 +1,4 @@
-"""Convergence: what does it cost to bring a spring network to rest, and how does that grow?
+"""Cost of equilibrium by relaxations and finite elements
 
 The report claims that a spring network costs O(n) for n nodes, since the time to rest "can be
 limited and constant", against O(n^9) by finite elements, n then the nodes along an edge of a cube.

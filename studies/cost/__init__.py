@@ -1,4 +1,4 @@
-"""Cost: what do springs and elements cost, and what limits them?
+"""Run time of springs and finite elements
 
 Springs are chosen for their speed, so both sides are timed beside the programs that others use, in
 the same process and in turn. One question a file:

@@ -1,4 +1,4 @@
-"""How does a damped lattice come to rest, and is the report's advice on viscosity sound?
+"""Relaxation of a damped lattice
 
 Algorithm 1 adds a virtual viscosity F = -c·v and lets the body move until it is still. One question
 a file:

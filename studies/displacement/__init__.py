@@ -1,4 +1,4 @@
-"""Displacement: how far are the report's load cases from elasticity, and why?
+"""Displacement errors of the report's load cases
 
 A single difference from FEM mixes several causes; this study takes them apart.
 

@@ -1,4 +1,4 @@
-"""Electrostatics: are charges of electrodes right, and are forces the derivatives of their energy?
+"""Electrode charges and electrostatic forces
 
 The report puts even charges on springs, with the kernel 1/(4πεr) of space in a plane body, and sums
 Coulomb's forces between their middles, half to each end. One question a file:

@@ -1,4 +1,4 @@
-"""What do springs say when they break?
+"""Fracture of spring lattices
 
 "Let springs break at a critical stretch" is the usual reason for a lattice. One question a file:
 

@@ -1,4 +1,4 @@
-"""Lattices: which elastic solid is every lattice, and how well does it stand for it?
+"""Effective elastic moduli of lattices
 
 Every lattice that `msvalidate.lattice.patterns` knows, under each of its rules for the constants of
 its springs. One question a file:

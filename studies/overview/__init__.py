@@ -1,4 +1,4 @@
-"""What are springs good for, and where must they not be used?
+"""Validity of springs by body and question
 
 - `good_for`: ten rows to choose by, from the tables of the other studies;
 - `ordinary`: parts as `case run` finds them, a plate with two holes and a bracket in space;

@@ -1,4 +1,4 @@
-"""Poisson's ratio of a lattice: which formula is right, and for what?
+"""Poisson's ratio of the square lattice
 
 The report's lattice, square cells with eight neighbours, is claimed to have Poisson's ratio
 k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1.

@@ -1,4 +1,4 @@
-"""When is a slab of dielectric elastomer pulled in, and what of it is the mesh's?
+"""Pull-in of a dielectric elastomer slab
 
 Charges squeeze the slab, a thinner slab is squeezed more, and past some voltage no equilibrium is
 left. Several instabilities share that name. One question a file:

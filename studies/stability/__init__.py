@@ -1,4 +1,4 @@
-"""Stability: how large may a time step be, and what does each scheme make of a motion?
+"""Stable time steps and orders of integrators
 
 The report compares four ways to step in time and prints two of them wrongly.
 

@@ -67,7 +67,7 @@ def positive_factor(K: csr_array) -> Factor | None:
 def is_balanced(
     actuator: Actuator, displacement: Array, electric: Electric, tolerance: float
 ) -> bool:
-    """Whether what is out of balance is small beside the forces that meet and the free loads.
+    """Return True if the residual is small relative to forces and free loads.
 
     Or rounding: an eps of the displacement, whatever the coordinates are.
     """

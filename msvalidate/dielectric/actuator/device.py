@@ -1,4 +1,4 @@
-"""What an actuator is: a plane network, two electrodes along its surface, and what lies between."""
+"""Actuator: a 2D network with two electrodes and the dielectric between them."""
 
 from __future__ import annotations
 

@@ -191,7 +191,7 @@ def _step_to_voltage(
 def make_equilibrium(
     actuator: Actuator, voltage: float, found: BalancedState
 ) -> ActuatorEquilibrium:
-    """What is held at a voltage where a search came to rest."""
+    """Build the equilibrium at a voltage from the result of a search."""
     displacement, electric, solves = found
     balance = residual_force(actuator, displacement, electric)[~actuator.network.held]
     displacement.setflags(write=False)

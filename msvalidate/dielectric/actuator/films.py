@@ -23,7 +23,7 @@ from msvalidate.problem.checks import (
 
 SIDES = ("free", "sliding")
 WHOLE = 1e-6
-"""Part of a cell by which a count may miss a whole number."""
+"""Deviation from a whole number of cells that is rounding."""
 
 
 def slab(

@@ -1,1 +1,1 @@
-"""What acts between points beside springs: energies of cells."""
+"""Constitutive laws of springs, and volume energies of cells."""

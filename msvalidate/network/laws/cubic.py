@@ -1,4 +1,6 @@
-"""Rubber's spring, f/k = a L0²/L + b L + c L³/L0²: of no root, and stiffening where c > 0.
+"""Rubber spring that stiffens if c > 0, without square roots.
+
+Its law is f/k = a L0²/L + b L + c L³/L0².
 
 Its force need not vanish at the rest length: under incompressibility a constant tension is
 pressure. Source: fitted to rubber's tests in study `large_strain`.

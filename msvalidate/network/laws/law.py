@@ -1,4 +1,4 @@
-"""What a law of springs, or of cells, is: a record of functions, which all that computes asks."""
+"""Records of functions that define a law of springs or of cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ Coefficients = tuple[Array, ...]
 
 @dataclass(frozen=True, eq=False)
 class SpringLaw:
-    """How springs pull, by the square s (m²) of their length L; all arrays are (m,).
+    """Law of springs as functions of the squared length s (m²).
+
+    All arrays are (m,).
 
     Every function takes the springs' coefficients first. A spring stores φ(s), pulls with
     f = dφ/dL, and its force over its length, f/L = 2 dφ/ds, is its *pull* (N/m). Forces are sums of
@@ -58,7 +60,9 @@ class SpringLaw:
 
 @dataclass(frozen=True, eq=False)
 class CellLaw:
-    """What a cell stores for each volume at rest, U(J), by j = J - 1; all arrays are (c,).
+    """Energy U(J) per rest volume of a cell as a function of J - 1.
+
+    All arrays are (c,).
 
     Every function takes stiffness and pressure at rest of the cells first.
 

@@ -1,4 +1,4 @@
-"""Hooke's spring, f = k (L - L0): what every network has unless another law is named."""
+"""Linear spring (Hooke), f = k (L - L0), the default law of a network."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cells under pressure, U = -p ln J + (λ/2) ln²J: the neo-Hookean energy's part of the volume.
+"""Cells under pressure, U = -p ln J + (λ/2) ln²J: the neo-Hookean volume term.
 
 λ is the cells' stiffness and p their pressure at rest, which balances the tension of springs of no
 rest length; p = μ of these. J stays above 0. Source: W = (μ/2)(F:F - d - 2 ln J) + (λ/2) ln²J,
@@ -14,7 +14,7 @@ from msvalidate.problem import Array
 
 
 def excess_of_log(x: Array) -> Array:
-    """What x is more than log(1 + x) (any shape), with all digits of a small x."""
+    """Compute x - log(1 + x) without cancellation for small x."""
     y = x / (2 + x)  # log(1 + x) = 2 artanh y
     series = x * y - 2 * y**3 * (1 / 3 + y**2 * (1 / 5 + y**2 / 7))
     return np.where(np.abs(x) < 1e-2, series, x - np.log1p(x))

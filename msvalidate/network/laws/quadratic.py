@@ -1,4 +1,4 @@
-"""Cells that resist a change of volume alone, U = ½ κ (J - 1)²: what cells are unless named."""
+"""Quadratic volume energy of cells, U = ½ κ (J - 1)², the default law."""
 
 from __future__ import annotations
 

@@ -59,8 +59,11 @@ SURFACES: dict[tuple[int, int], tuple[Index, float]] = {
         1 / 12,
     ),
 }
-"""(axes, corners) of a cell in VTK order -> triangles (t, 3) seen from outside, and the part of
-each determinant that counts. In the plane the third corner is the normal."""
+"""(axes, corners) of a cell -> its surface triangles, and their weights.
+
+The triangles (t, 3) are counter-clockwise from outside, for cells in VTK order; the weight is that
+of each determinant. In 2D the third corner is the normal.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +137,9 @@ class Volumes:
 
     @cached_property
     def corners(self) -> Array:
-        """Corners (c, k, 3) in m, from the first of each cell on; in the plane the normal too.
+        """Corners (c, k, 3) in m relative to the first corner of each cell.
+
+        In 2D the normal is included.
 
         Differences keep the digits that coordinates far from the origin have lost.
         """
@@ -174,7 +179,9 @@ def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
 
 
 def dilatation(volumes: Volumes, displacement: Array, *, linear: bool = False) -> Array:
-    """V/V0 - 1 (c,) of the cells under a displacement (n, d) in m, or what is linear in it.
+    """Relative volume change V/V0 - 1 (c,) of the cells, or its linear part.
+
+    The displacement is (n, d) in m.
 
     From the moves of the corners, without the digits that V and V0 share.
     """
@@ -214,7 +221,10 @@ def rest_force(volumes: Volumes) -> Array:
 
 
 def tension_virial(volumes: Volumes, displacement: Array) -> Array:
-    """Σ U'(1) ∂V/∂x⊗X (c, d, d) in N·m over corners X, to first order in (n, d) in m."""
+    """Virial Σ U'(1) ∂V/∂x⊗X (c, d, d) in N·m of cells, to first order.
+
+    X are the corners, the displacement is (n, d) in m.
+    """
     u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
     pull = _gradient(volumes, X, X) + _gradient(volumes, u, X) + _gradient(volumes, X, u)
     k, d = pull.shape[1:]
@@ -223,7 +233,10 @@ def tension_virial(volumes: Volumes, displacement: Array) -> Array:
 
 
 def force(volumes: Volumes, displacement: Array) -> Array:
-    """Force (n, d) in N of the cells on the points, displaced by (n, d) in m, less that at rest."""
+    """Force (n, d) in N of the cells on the points, less that at rest.
+
+    The displacement is (n, d) in m.
+    """
     u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
     x = X + u
     j, slope = _grown(volumes, displacement), volumes.slope
@@ -235,7 +248,7 @@ def force(volumes: Volumes, displacement: Array) -> Array:
 
 
 def force_change(volumes: Volumes, displacement: Array, motion: Array) -> Array:
-    """Change (n, d) in N of `force` by a small motion (n, d) in m, to first order."""
+    """First-order change (n, d) in N of `force` by a motion (n, d) in m."""
     w, x = _checked_moves("motion", volumes, motion), _displaced(volumes, displacement)
     k, d = volumes.cells.shape[1], volumes.dim
     g = _gradient(volumes, x, x)
@@ -265,7 +278,9 @@ def stiffness_magnitudes(volumes: Volumes) -> Array:
 
 
 def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
-    """Sum (n,) of the forces (N) of a cell whose corners move by `reach` (m) and its own size.
+    """Sum (n,) of the forces (N) of cells that bound rounding errors.
+
+    The corners move by `reach` (m), to which the size of the cell is added.
 
     An eps of it is the rounding of a force: see `Network.rounding`.
     """
@@ -277,7 +292,7 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
 
 
 def tangent_entries(volumes: Volumes, displacement: Array) -> Callable[[int, int], Array]:
-    """Function of a row's and a column's axis: entries (c, k, k) of tangents (N/m) of k corners.
+    """Function of two axes that returns tangent entries (c, k, k) in N/m.
 
     A cell's is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H: of a
     determinant ∂²/∂p_a∂q_b = ε_abc r_c, and so on round.

@@ -1,4 +1,4 @@
-"""Springs of no rest length, f = k L: with cells under pressure they are neo-Hookean.
+"""Zero-length springs, f = k L: neo-Hookean together with cells under pressure.
 
 Σ ½ k |F r|² over directions of second-order isotropy is (a/2) F:F, the part of the neo-Hookean
 energy that changes of shape store; a `logarithmic` cell has the other. A rest length counts as a
