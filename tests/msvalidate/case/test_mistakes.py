@@ -246,6 +246,25 @@ def test_the_true_cause_is_among_those_reported(body, monkeypatch):
     assert not missing
 
 
+FACTOR = 0.02
+"""Relative error of a modulus that is fitted besides a mistake: as much as agrees by default."""
+
+
+@pytest.mark.parametrize("body", ["cantilever", "bar"])
+@table(("mistake", "kind"), [
+    ("coarse quadrilaterals", "coarse mesh"),
+    ("coarse springs", "coarse springs"),
+    ("whole boundary springs", "whole boundary springs"),
+])  # fmt: skip
+def test_a_mistake_and_a_wrong_modulus_are_both_named(mistake, kind, body, monkeypatch):
+    b = bench(body)
+    causes = judged(monkeypatch, b, MISTAKES[mistake](b) / 0.8).verdict.causes
+    (both,) = (each for each in causes if each.kinds == {kind, "scale"})
+    assert both.left == min(each.left for each in causes)
+    assert both.of["other"]["part"] == pytest.approx(0.8, rel=FACTOR)
+    assert "a modulus 0.8 or loads 1.25 times as large besides" in both.said
+
+
 @table(("cells", "element", "part"), [
     ((6, 2), "Q1", 1.0),
     ((12, 4), "P1", 1.0),
