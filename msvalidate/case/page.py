@@ -270,7 +270,9 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
         said = ["Rest unknown: nobody says how much the displacements would still change."]
     else:
         said = [f"Rest: they may still change by {percent(row.residual_motion)}, as stated."]
-    said += [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
+    for each in found.verdict.causes:
+        how = "Fits" if found.verdict.fits(each) else "Comes near, but does not fit"
+        said.append(f"{how} ({percent(each.left)} left): {each.said}")
     alike = found.verdict.indistinguishable
     if alike > 1:
         said.append(

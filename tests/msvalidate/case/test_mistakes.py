@@ -303,6 +303,16 @@ def test_a_field_that_may_still_move_is_said_not_to_be_converged_first(monkeypat
     assert judged_sentences(found)[1][0].startswith("Rest: they may still change by 50 %")
 
 
+@table(("part", "words"), [(0.0, "Fits ("), (0.18, "Comes near, but does not fit (")])
+def test_only_a_cause_that_leaves_at_most_a_tenth_fits(part, words, monkeypatch):
+    b = bench("plate_with_hole")
+    change = b.unfinished() - b.elastic
+    other = part * np.linalg.norm(change, axis=1).max() * np.sin(20 * b.places[:, :1])
+    result = judged(monkeypatch, b, b.elastic + change + [0.0, 1.0] * other)
+    said = [each for each in judged_sentences(result)[1] if "missing; take more iter" in each]
+    assert [each.startswith(words) for each in said] == [True]
+
+
 @table(("constants", "words"), [
     ((1.0, 2.0), "k2 = 2 k1, k1 6.5e-05 times"),
     ((0.2 * E, 0.2 * E), "k = E·h (in 2D E·t) on every spring"),
