@@ -25,6 +25,7 @@ from msvalidate.network.inverse import Once, Solver
 from msvalidate.problem import (
     Array,
     Index,
+    Mask,
     Obstacle,
     ProblemError,
     SolverError,
@@ -262,7 +263,7 @@ class _Way:
     def _reach(self) -> Array:
         """How far (m) each obstacle of a given depth would be in the body as it is; 0 of others."""
         gap, normal = self._gaps()
-        still = (np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD
+        still = self._still(normal)
         if (gap[still] < 0).any():
             point = int(self.points[still][gap[still].argmin()])
             raise ProblemError(
@@ -278,6 +279,10 @@ class _Way:
                     f"reached, the nearest is {-reach[k]:.4g} m away; lower it by more than that"
                 )
         return reach
+
+    def _still(self, normal: Array) -> Mask:
+        """Candidates (c,) that supports hold along their normals (c, d)."""
+        return np.asarray((np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD)
 
     def lower(self, part: float) -> None:
         """Go on to a part of the way; where that is not found, all is as it was."""
@@ -316,7 +321,10 @@ class _Way:
         )
         self.force, raised = small.solve(0.0 if exact else IN_A_ROUND)
         if small.depth <= 0:
-            x = self._places()[self.force.argmax()].tolist()
+            top = self.force.argmax()
+            if not self._still(normal)[top]:
+                raise SolverError("the force indents less than rounding of the gaps; increase it")
+            x = self._places()[top].tolist()
             raise ProblemError(
                 f"contact: the obstacle rests on the point at {x} m, which is held, and presses "
                 "nothing; move it, or give a part of the surface that may move"

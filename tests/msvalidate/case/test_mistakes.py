@@ -17,17 +17,14 @@ from msvalidate.case.building import read_case
 from msvalidate.case.case import make_lattice, spacing_of
 from msvalidate.case.judge import judge_result
 from msvalidate.case.mistake_fields import known_mistakes
-from msvalidate.case.mistakes import name_constants
 from msvalidate.case.page import judged_sentences
 from msvalidate.case.results import Result
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.lattice import CutLattice
-from msvalidate.lattice.patterns import all_patterns
-from msvalidate.problem import Isotropic, Polygon, Traction, Weight, prescribed_displacements
+from msvalidate.problem import Polygon, Traction, Weight, prescribed_displacements
 from msvalidate.problem.records import replace
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate_check.beside import Field, Mistake
-from msvalidate_check.causes import PHRASES, say
 from msvalidate_check.mistakes import explain_mistakes
 from reference_fem import box_discretisation, solve_problem
 from reference_fem.body import nodal_forces
@@ -311,21 +308,6 @@ def test_only_a_cause_that_leaves_at_most_a_tenth_fits(part, words, monkeypatch)
     result = judged(monkeypatch, b, b.elastic + change + [0.0, 1.0] * other)
     said = [each for each in judged_sentences(result)[1] if "missing; take more iter" in each]
     assert [each.startswith(words) for each in said] == [True]
-
-
-@table(("constants", "words"), [
-    ((1.0, 2.0), "k2 = 2 k1, k1 6.5e-05 times"),
-    ((0.2 * E, 0.2 * E), "k = E·h (in 2D E·t) on every spring"),
-    ((E, E), "k = E, a number of Pa taken as N/m"),
-    ((E, 0.0), "springs along the axes alone, 5 times E·h"),
-    ((E, 0.3 * E), ""),
-])  # fmt: skip
-def test_constants_of_a_case_are_named(constants, words):
-    law = Isotropic(E, 0.3, "plane_stress", thickness=0.2)
-    own = calibrate_by_route(law, all_patterns()["square"](), 0.05, None).constants
-    named = name_constants(law, own, constants, 0.05)
-    assert (named is None) == (not words)
-    assert named is None or words in say(named, PHRASES)
 
 
 @pytest.mark.parametrize(("excess", "count"), [(1e-5, 1), (1e-3, 2)])
