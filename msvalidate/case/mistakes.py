@@ -1,7 +1,7 @@
 """Catalogue of known mistakes, each with a model that is solved on the body in question.
 
 A mistake is a record: its kind, its model, and its sentence, which is the phrase of that kind in
-`msvalidate_check.causes.PHRASES`. `advise`, `case judge`, `case run`, `simulate` and `adapter
+`msvalidate_check.causes.PHRASES`. `advise`, `case judge`, `simulate` and `adapter
 check` use this one catalogue, so a field is compared with what a mistake gives and none is guessed.
 The kinds that change the size of the field alone (unit of k, thickness, load, modulus) and the
 plane state need no model of their own: `msvalidate_check.scales` and `changes` have them.
