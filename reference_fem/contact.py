@@ -156,7 +156,11 @@ def _press(problem: Problem, body: Discretisation, within: float | None) -> Elem
         q = np.einsum("cnd,nd->c", loads, begun[nodes]) + mass[may] @ obstacle.gap(x, depth)
         # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
         w = mass[may] @ along
-        p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
+        try:
+            p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
+        except SolverError:
+            problem.refuse_slight_force()
+            raise
         depth += deeper
         if obstacle.is_round and abs(deeper) > NEAR * abs(depth):  # its normals have turned
             continue
@@ -169,6 +173,7 @@ def _press(problem: Problem, body: Discretisation, within: float | None) -> Elem
             break
         may[:] = True
     else:
+        problem.refuse_slight_force()
         raise _no_depth(contact.force)
     left = q + D @ p - deeper * w
     wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
@@ -230,6 +235,8 @@ def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Arra
         alone = np.linalg.solve(D[np.ix_(on, on)], np.column_stack([-q[on], w[on]]))
         deeper = float((total - w[on] @ alone[:, 0]) / (w[on] @ alone[:, 1]))
         p = _pressures(D, q - deeper * w)
+        if not p.any():  # no depth is that small
+            break
         off = float(abs(w @ p / total - 1))
         if off <= EXACT or before <= off <= ACCEPTED:  # rounding of gaps allows no less
             return p * (total / (w @ p)), deeper

@@ -224,7 +224,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
         growth = break_springs(case.fracture, case, answers[0])
         answers = (replace(answers[0], growth=growth), *answers[1:])
     points = compared_points(case, answers[0].lattice)
-    missing = [Limitation("lattice", at, detail=why) for at, why in _without_answer(answers)]
+    no_finer = [each.no_finer for each in answers if each.no_finer]
+    missing = [Limitation("lattice", at, detail=why) for at, why in no_finer]
     values, not_compared = displacements_at(answers, points)
     answers = answers[: len(values)]
     progress("elements")
@@ -245,11 +246,6 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
     given = (answers, support[0], limit, reference, homogenised, rows, kind, remarks)
     return Comparison(case, points, *given, on_mesh, tuple(missing))
-
-
-def _without_answer(answers: tuple[SpringAnswer, ...]) -> list[tuple[float, str]]:
-    """Spacings (m) of finer lattices without an answer, and why."""
-    return [each.no_finer for each in answers if each.no_finer]
 
 
 def break_springs(asked: Fracture, case: Case, springs: SpringAnswer) -> Growth:

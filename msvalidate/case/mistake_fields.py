@@ -16,26 +16,24 @@ from scipy.spatial import KDTree
 
 from msvalidate.case.case import Case, spacing_by_cells, spacing_of
 from msvalidate.case.mistakes import (
-    REST_RANGE,
+    MAX_SPACINGS,
     SPRING_MISTAKES,
     CorrectSprings,
+    Path,
+    Solved,
     SpringMistake,
-    named_factors,
+    of_records,
     solve_mistakes,
 )
 from msvalidate.case.part_mesh import mean_edge, straighten
 from msvalidate.case.springs import SpringAnswer, make_network
 from msvalidate.constants.routes import default_constants
-from msvalidate.constants.stiffness import central_modulus, springs_ratio
-from msvalidate.lattice import EDGE_RULES, mesh_lattice
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.network import spring_network
 from msvalidate.problem import (
     Array,
     Box,
     Isotropic,
-    Mask,
     Mesh,
     Polygon,
     Problem,
@@ -57,14 +55,10 @@ from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.mesh.outlines import outline_discretisation
 
-Path = list[tuple[float, Array]]
-"""Pairs of a parameter and displacements (p, d) in m at the points of a result."""
 MAX_UNKNOWNS = {2: 8_000, 3: 3_000}
 """Unknowns of a model by dimension, up to which all mistakes together take a few seconds."""
 FEW_NODES = 10_000
 """Nodes of a mesh on which changes of the loads are solved: these are small themselves."""
-MAX_SPACINGS = {2: 3, 3: 2}
-"""Spacings at which springs are solved, by dimension."""
 CELLS_ACROSS = (16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1)
 """Linear elements across the narrowest side that are tried, from fine to coarse."""
 SHARE_OF_GRID = 0.25
@@ -122,8 +116,9 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
         if problem.domain.dim == 2:
             path = cache(partial(_thinner, heavier, elastic))
             made.append(Mistake("thickness", path, key="thickness beside weight"))
-    if isinstance(problem.material, Isotropic) and not problem.zones:
-        made += _spring_mistakes(case, places, elastic, omitted)
+    law = problem.material
+    if isinstance(law, Isotropic) and not problem.zones:
+        made += _spring_mistakes(case, law, places, elastic, omitted)
     return Catalogue(tuple(made), omitted)
 
 
@@ -149,17 +144,15 @@ def _families(problem: Problem, places: Array) -> Iterator[Meshes]:
     narrowest = min(high - low for low, high in domain.span)
     sizes = [narrowest / cells for cells in CELLS_ACROSS]
     if isinstance(domain, Box):
+        grids = [(h, grid_lines(problem, h, least=1)) for h in sizes]
         own = _lines_of(places, domain)
+        alone = [(max(float(np.diff(line).max()) for line in own), own)] if own else []
         for element in ("Q1", "P1") if domain.dim == 2 else ("H1", "T1"):
-
-            def lay(lines: list[Array], element: str = element) -> tuple[Problem, Discretisation]:
-                return problem, lines_discretisation(lines, element)
-
-            yield [(h, partial(lay, grid_lines(problem, h, least=1))) for h in sizes]
-            if own is not None:
-                size = max(float(np.diff(line).max()) for line in own)
-                halved = [np.sort(np.r_[x, (x[1:] + x[:-1]) / 2]) for x in own]
-                yield [(size / 2, partial(lay, halved)), (size, partial(lay, own))]
+            for family in filter(None, (grids, alone)):
+                yield [
+                    (h, lambda x=lines, e=element: (problem, lines_discretisation(x, e)))  # type: ignore[misc]
+                    for h, lines in family
+                ]
     elif isinstance(domain, Polygon):
         through = kept_places(problem)
         yield [
@@ -269,106 +262,27 @@ def _thinner(heavier: Callable[[], Path], elastic: Array) -> Path:
 
 
 def _spring_mistakes(
-    case: Case, places: Array, elastic: Array, omitted: list[str]
+    case: Case, law: Isotropic, places: Array, elastic: Array, omitted: list[str]
 ) -> Iterator[Mistake]:
-    law, pattern = case.problem.material, all_patterns().get(str(case.lattice))
-    assert isinstance(law, Isotropic)  # noqa: S101  the caller has looked
+    pattern = all_patterns().get(str(case.lattice))
     plain = replace(case, constants=None, volume=0.0, fracture=None)
     heavy = any(isinstance(load, Weight) for load in case.problem.loads)
     kinds = 0 if pattern is None else pattern().kinds
     records = tuple(each for each in SPRING_MISTAKES if each.applies(kinds, heavy=heavy))
-    solved = cache(partial(_solve_springs, plain, places, records, omitted))
-    yield from _of_records(records, law, solved, elastic)
-
-
-def _of_records(
-    records: Sequence[SpringMistake], law: Isotropic, solved: Callable[[], Solved], elastic: Array
-) -> Iterator[Mistake]:
-    for number, record in enumerate(records):
-        paths = [partial(_spring_path, solved, number, elastic)]
-        if record.rest:
-            spacings = range(MAX_SPACINGS[law.dim])
-            paths = [partial(_rest_path, solved, number, which) for which in spacings]
-        for path in paths:
-            yield Mistake(
-                record.kind,
-                cache(path),
-                scaled=record.scaled,
-                named=named_factors(record, law),
-                beside=record.beside,
-                simpler=record.simpler,
-            )
-
-
-def mistakes_on_mesh(
-    mesh: Mesh,
-    law: Isotropic,
-    elastic: Array,
-    *,
-    mass: Array,
-    gravity: Array,
-    force: Array,
-    fixed: Mask,
-    value: Array,
-) -> tuple[Mistake, ...]:
-    """Return the known mistakes with a spring on each edge of a mesh, at its nodes.
-
-    Parameters
-    ----------
-    mesh, law
-        The mesh of linear cells, and the material; the right springs have Cauchy's ratio.
-    elastic
-        Elasticity (n, d) in m at the nodes.
-    mass, gravity, force
-        Masses (n,) in kg, acceleration (d,) in m/s², other forces (n, d) in N.
-    fixed, value
-        Components (n, d) that supports hold, and their displacements (m).
-    """
-    records = tuple(e for e in SPRING_MISTAKES if e.applies(0, heavy=bool(gravity.any())))
-
-    def solved() -> Solved:
-        lattice = mesh_lattice(mesh, EDGE_RULES[0], positive=True)
-        own = replace(law, nu=springs_ratio(law))
-        constants = (central_modulus(own, law.dim, "springs on a mesh's edges"),)
-        network = spring_network(
-            mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, held=fixed,
-            displacement=np.where(fixed, value, 0.0), force=force + np.outer(mass, gravity),
-        )  # fmt: skip
-        spacing = mean_edge(mesh)
-        springs = CorrectSprings(law, gravity, lattice, network, constants, spacing)
-        return [(spacing, [u for _, u in solve_mistakes(springs, records)])]
-
-    return tuple(_of_records(records, law, cache(solved), elastic))
-
-
-Solved = list[tuple[float, list[Array | None]]]
-"""Spacing (m), and displacement (p, d) in m of each mistake there, from fine to coarse."""
-
-
-def _spring_path(solved: Callable[[], Solved], number: int, elastic: Array) -> Path:
-    """One mistake at each spacing; right springs, the first, close in on elasticity."""
-    path = [(h, u) for h, each in solved() if (u := each[number]) is not None]
-    return path if number or not path else [(0.0, elastic), *path]
-
-
-def _rest_path(solved: Callable[[], Solved], number: int, which: int) -> Path:
-    """Right springs at one spacing, by the relative excess of rest lengths over their lengths."""
-    path: Path = []
-    for _, fields in solved()[which : which + 1]:
-        right, change = fields[0], fields[number]
-        if right is not None and change is not None:
-            path = [(part, right + part * change) for part in (-REST_RANGE, REST_RANGE)]
-    return path
+    solved = cache(partial(_solve_springs, plain, law, places, records, omitted))
+    yield from of_records(records, law, solved, elastic)
 
 
 def _solve_springs(
-    case: Case, places: Array, records: Sequence[SpringMistake], omitted: list[str]
+    case: Case,
+    law: Isotropic,
+    places: Array,
+    records: Sequence[SpringMistake],
+    omitted: list[str],
 ) -> Solved:
     solved: Solved = []
-    law, dim = case.problem.material, case.problem.domain.dim
-    assert isinstance(law, Isotropic)  # noqa: S101  the caller has looked
     weights = [load.acceleration for load in case.problem.loads if isinstance(load, Weight)]
-    gravity = np.array([np.zeros(dim), *weights], dtype=float).sum(axis=0)
+    gravity = np.array([np.zeros(law.dim), *weights], dtype=float).sum(axis=0)
     for spacing in _spacings(case, places, omitted):
         try:
             problem, lattice, network, made = make_network(case, spacing)

@@ -1,7 +1,7 @@
 """Catalogue of known mistakes, each with a model that is solved on the body in question.
 
 A mistake is a record: its kind, its model, and its sentence, which is the phrase of that kind in
-`msvalidate_check.causes.PHRASES`. `advise`, `case judge`, `case run`, `simulate` and `adapter
+`msvalidate_check.causes.PHRASES`. `advise`, `case judge`, `simulate` and `adapter
 check` use this one catalogue, so a field is compared with what a mistake gives and none is guessed.
 The kinds that change the size of the field alone (unit of k, thickness, load, modulus) and the
 plane state need no model of their own: `msvalidate_check.scales` and `changes` have them.
@@ -10,33 +10,39 @@ plane state need no model of their own: `msvalidate_check.scales` and `changes` 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, partial
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.routes import calibrate_by_route
-from msvalidate.constants.stiffness import moduli, springs_ratio
-from msvalidate.lattice import Constants, Lattice
+from msvalidate.case.part_mesh import mean_edge
+from msvalidate.constants.stiffness import central_modulus, springs_ratio
+from msvalidate.lattice import EDGE_RULES, Constants, Lattice, mesh_lattice
 from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.lattice.patterns import all_patterns
 from msvalidate.linear_algebra.factor import factorise
-from msvalidate.network import Network
+from msvalidate.network import Network, spring_network
 from msvalidate.network.configuration import Configuration
-from msvalidate.problem import Array, Isotropic
+from msvalidate.problem import Array, Isotropic, Mask, Mesh
 from msvalidate.problem.records import dataclass, replace
-from msvalidate_check.causes import PHRASES, Phrase, say
+from msvalidate_check.beside import Mistake
+from msvalidate_check.causes import PHRASES, say
 from msvalidate_check.mistakes import mistake_phrase
 
 Factor = Callable[[Network], Array]
 """Displacement (n, d) in m of a network whose springs are those of a factor."""
 
+Path = list[tuple[float, Array]]
+"""Pairs of a parameter and displacements (p, d) in m at the points of a result."""
+Solved = list[tuple[float, list[Array | None]]]
+"""Spacing (m), and displacement (p, d) in m of each mistake there, from fine to coarse."""
+
 MIN_PIVOT = 1e-12
 """Smallest pivot of a factor relative to the largest of a network that is stable."""
-SAME = 1e-6
-"""Relative difference up to which constants are the same: six digits, as people write them."""
 REST_STEP = 1e-6
 """Relative change of rest lengths from which their first-order effect is taken."""
+MAX_SPACINGS = {2: 3, 3: 2}
+"""Spacings at which springs are solved, by dimension."""
 REST_RANGE = 0.5
 """Largest relative change of a rest length that is considered."""
 
@@ -261,48 +267,88 @@ def named_factors(record: SpringMistake, law: Isotropic) -> Mapping[str, Callabl
     return {"k = E h": lambda _: 1.0, "k = E": lambda h: law.E / bar_constant(law, h)}
 
 
-def mistake_lines(law: Isotropic, lattice: str, spacing: float) -> list[str]:
-    """The known mistakes with springs of a lattice, and which solids other constants are.
-
-    Raises
-    ------
-    ProblemError
-        If no constants make the lattice a solid.
-    """
-    pattern = all_patterns()[lattice]()
-    own = calibrate_by_route(replace(law, nu=springs_ratio(law)), pattern, spacing, "springs")
-    lines = []
-    for record in SPRING_MISTAKES[1:]:
-        if record.rest or record.beside or not record.applies(pattern.kinds, heavy=True):
-            continue
-        line = say(mistake_phrase(record.kind, 1.0, spacing, named_factors(record, law)), PHRASES)
-        if record.has_other_constants:
-            wrong = record.constants(own.constants, bar_constant(law, spacing))
-            solid = moduli(homogenise(pattern, wrong, spacing).tensor)
-            line += (
-                f" ({lattice}: E {solid.E / (law.E * law.thickness):.4g} times, nu = "
-                f"{solid.nu:.4g} along the axes, Zener ratio {solid.zener:.4g})"
+def of_records(
+    records: Sequence[SpringMistake], law: Isotropic, solved: Callable[[], Solved], elastic: Array
+) -> Iterator[Mistake]:
+    """Yield mistakes with springs, with their paths over spacings or rest lengths."""
+    for number, record in enumerate(records):
+        paths = [partial(_spring_path, solved, number, elastic)]
+        if record.rest:
+            spacings = range(MAX_SPACINGS[law.dim])
+            paths = [partial(_rest_path, solved, number, which) for which in spacings]
+        for path in paths:
+            yield Mistake(
+                record.kind,
+                cache(path),
+                scaled=record.scaled,
+                named=named_factors(record, law),
+                beside=record.beside,
+                simpler=record.simpler,
             )
-        lines.append(line)
-    return lines
 
 
-def name_constants(
-    law: Isotropic, own: Constants, constants: Sequence[float], spacing: float
-) -> Phrase | None:
-    """Sentence of the known mistake that constants (N/m) are; None if they are none.
+def mistakes_on_mesh(
+    mesh: Mesh,
+    law: Isotropic,
+    elastic: Array,
+    *,
+    mass: Array,
+    gravity: Array,
+    force: Array,
+    fixed: Mask,
+    value: Array,
+) -> tuple[Mistake, ...]:
+    """Return the known mistakes with a spring on each edge of a mesh, at its nodes.
 
     Parameters
     ----------
-    law, own, constants, spacing
-        The material, the right constants by kind, those in question, and the spacing (m).
+    mesh, law
+        The mesh of linear cells, and the material; the right springs have Cauchy's ratio.
+    elastic
+        Elasticity (n, d) in m at the nodes.
+    mass, gravity, force
+        Masses (n,) in kg, acceleration (d,) in m/s², other forces (n, d) in N.
+    fixed, value
+        Components (n, d) that supports hold, and their displacements (m).
     """
-    bar = bar_constant(law, spacing)
-    k = np.asarray(constants, dtype=float)
-    for record in SPRING_MISTAKES:
-        wrong = np.array(record.constants(own, bar))
-        if record.has_other_constants and len(wrong) == len(k) > 1 and k[0] > 0:
-            times = float(k[0] / wrong[0])
-            if np.abs(k - times * wrong).max() <= SAME * k.max():
-                return mistake_phrase(record.kind, times, spacing, named_factors(record, law))
-    return None
+    records = tuple(e for e in SPRING_MISTAKES if e.applies(0, heavy=bool(gravity.any())))
+
+    def solved() -> Solved:
+        lattice = mesh_lattice(mesh, EDGE_RULES[0], positive=True)
+        own = replace(law, nu=springs_ratio(law))
+        constants = (central_modulus(own, law.dim, "springs on a mesh's edges"),)
+        network = spring_network(
+            mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, held=fixed,
+            displacement=np.where(fixed, value, 0.0), force=force + np.outer(mass, gravity),
+        )  # fmt: skip
+        spacing = mean_edge(mesh)
+        springs = CorrectSprings(law, gravity, lattice, network, constants, spacing)
+        return [(spacing, [u for _, u in solve_mistakes(springs, records)])]
+
+    return tuple(of_records(records, law, cache(solved), elastic))
+
+
+def _spring_path(solved: Callable[[], Solved], number: int, elastic: Array) -> Path:
+    """One mistake at each spacing; right springs, the first, close in on elasticity."""
+    path = [(h, u) for h, each in solved() if (u := each[number]) is not None]
+    return path if number or not path else [(0.0, elastic), *path]
+
+
+def _rest_path(solved: Callable[[], Solved], number: int, which: int) -> Path:
+    """Right springs at one spacing, by the relative excess of rest lengths over their lengths."""
+    path: Path = []
+    for _, fields in solved()[which : which + 1]:
+        right, change = fields[0], fields[number]
+        if right is not None and change is not None:
+            path = [(part, right + part * change) for part in (-REST_RANGE, REST_RANGE)]
+    return path
+
+
+def mistake_lines(law: Isotropic, lattice: str, spacing: float) -> list[str]:
+    """Sentences of the known mistakes with springs of a lattice."""
+    kinds = all_patterns()[lattice]().kinds
+    return [
+        say(mistake_phrase(each.kind, 1.0, spacing, named_factors(each, law)), PHRASES)
+        for each in SPRING_MISTAKES[1:]
+        if each.applies(kinds, heavy=True) and not (each.rest or each.beside)
+    ]

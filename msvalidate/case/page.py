@@ -20,10 +20,8 @@ from msvalidate.case.comparison import (
 from msvalidate.case.fracture import break_sentence
 from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import mesh_warning
-from msvalidate.case.mistakes import name_constants
 from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
 from msvalidate.case.validity import geometric_limitations
-from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.judging.columns import column_key, read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.cut import narrow_holes
@@ -31,18 +29,15 @@ from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.problem import (
-    Isotropic,
     Load,
     Material,
     Mesh,
     PointForce,
-    ProblemError,
     Support,
     Traction,
     Weight,
 )
 from msvalidate.problem.normals import is_faceted
-from msvalidate_check.causes import PHRASES, say
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.verdict import (
     AGREES,
@@ -113,7 +108,6 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     reasons = (
         *_limit_sentences(found),
         _kind_sentence(found),
-        _constants_sentence(found),
         reference_sentence(found.reference),
         _hole_sentence(found),
         _mesh_sentence(found),
@@ -138,20 +132,6 @@ def _limit_sentences(found: Comparison) -> list[str]:
         large = geometric_limitations(found.case, found.reference, found.nonlinear)
         said[1:1] = [each.fact for each in large]
     return said
-
-
-def _constants_sentence(found: Comparison) -> str:
-    """Which known mistake the case's own constants are."""
-    case, springs = found.case, found.springs[0]
-    law, lattice = case.problem.material, springs.lattice
-    if case.constants is None or not isinstance(law, Isotropic) or case.problem.zones:
-        return ""
-    try:
-        own = calibrate_by_route(law, lattice, None, None).constants
-    except ProblemError:  # no constants are right on this lattice
-        return ""
-    mistake = name_constants(law, own, case.constants, springs.spacing)
-    return "" if mistake is None else f"The constants are a known mistake: {say(mistake, PHRASES)}."
 
 
 def _hole_sentence(found: Comparison) -> str:
@@ -270,7 +250,9 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
         said = ["Rest unknown: nobody says how much the displacements would still change."]
     else:
         said = [f"Rest: they may still change by {percent(row.residual_motion)}, as stated."]
-    said += [f"Fits ({percent(each.left)} left): {each.said}" for each in found.verdict.causes]
+    for each in found.verdict.causes:
+        how = "Fits" if found.verdict.fits(each) else "Comes near, but does not fit"
+        said.append(f"{how} ({percent(each.left)} left): {each.said}")
     alike = found.verdict.indistinguishable
     if alike > 1:
         said.append(

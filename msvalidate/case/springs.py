@@ -207,7 +207,11 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     contact = None
     if contacts:
         problem = laid_problem(case, spacing)
-        contact = press(network, touching_points(problem, lattice))
+        try:
+            contact = press(network, touching_points(problem, lattice))
+        except SolverError:
+            problem.refuse_slight_force()
+            raise
         network = replace(network, force=network.force + contact.load)
     rest = contact.equilibrium if contact else equilibrium(network, case.geometry)
     if case.lattice == MESH_EDGES:

@@ -18,7 +18,7 @@ from msvalidate.problem.contact import Contact
 from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import BodyForce, Load, Traction, Weight, check_region, check_vector
-from msvalidate.problem.material import Material
+from msvalidate.problem.material import Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.records import dataclass, field
@@ -76,6 +76,10 @@ class Support:
                 raise ProblemError(
                     f"{name}: component {format_value(value)}; give one number, a field or None"
                 )
+
+
+SLIGHT = 1e-8
+"""Indentation relative to the body from which rounding of gaps leaves it seven digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +170,23 @@ class Problem:
     def materials(self) -> tuple[Material, ...]:
         """The body's material, then that of each zone."""
         return (self.material, *(zone.material for zone in self.zones))
+
+    def refuse_slight_force(self) -> None:
+        """Raise `ProblemError` if rounding of gaps hides what an obstacle's force indents.
+
+        Of problems without an answer: near the surface smaller forces have one.
+        """
+        length = float(np.ptp(self.domain.span, axis=1).max())
+        side = length if self.domain.dim == 3 else self.material.thickness
+        E = (m.E if isinstance(m, Isotropic) else float(np.abs(m.C).max()) for m in self.materials)
+        stiffness = max(E) * side
+        for contact in self.contacts:
+            if contact.force is not None and contact.force < SLIGHT * stiffness * length:
+                raise ProblemError(
+                    f"contact on {contact.region}: {contact.force:g} N indent the body by about "
+                    f"{contact.force / stiffness:.1g} m, which rounding of the gaps hides; take "
+                    f"{2 * SLIGHT * stiffness * length:.1g} N or more"
+                )
 
     def _held_corners(self) -> tuple[Array, Mask]:
         """Corners of the supported regions and the components held there.

@@ -25,6 +25,7 @@ from msvalidate.network.inverse import Once, Solver
 from msvalidate.problem import (
     Array,
     Index,
+    Mask,
     Obstacle,
     ProblemError,
     SolverError,
@@ -265,7 +266,7 @@ class _Way:
     def _reach(self) -> Array:
         """Penetration (m) of each obstacle with prescribed depth; 0 for the others."""
         gap, normal = self._gaps()
-        still = (np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD
+        still = self._still(normal)
         if (gap[still] < 0).any():
             point = int(self.points[still][gap[still].argmin()])
             raise ProblemError(
@@ -281,6 +282,10 @@ class _Way:
                     f"reached, the nearest is {-reach[k]:.4g} m away; lower it by more than that"
                 )
         return reach
+
+    def _still(self, normal: Array) -> Mask:
+        """Candidates (c,) that supports hold along their normals (c, d)."""
+        return np.asarray((np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD)
 
     def lower(self, part: float) -> None:
         """Lower the obstacles to a fraction of the path; undo it on failure."""
@@ -319,7 +324,10 @@ class _Way:
         )
         self.force, raised = small.solve(0.0 if exact else IN_A_ROUND)
         if small.depth <= 0:
-            x = self._places()[self.force.argmax()].tolist()
+            top = self.force.argmax()
+            if not self._still(normal)[top]:
+                raise SolverError("the force indents less than rounding of the gaps; increase it")
+            x = self._places()[top].tolist()
             raise ProblemError(
                 f"contact: the obstacle rests on the point at {x} m, which is held, and presses "
                 "nothing; move it, or give a part of the surface that may move"

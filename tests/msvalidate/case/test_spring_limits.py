@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 
 import numpy as np
+import pytest
 
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.springs import compared_points, limit_of, solve_springs
@@ -20,6 +22,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from reference_fem.contact import press_closely
 from tests.reference_fem.bodies_at_random import problems
 
 
@@ -79,3 +82,32 @@ def test_the_uncertainty_of_limits_covers():
     for each in covered.values():
         assert len(each) >= 15
         assert np.mean(each) >= 0.95
+
+
+def springs(problem):
+    return solve_springs(Case(problem), 0.25).contact.contacts[0]
+
+
+def elements(problem):
+    return press_closely(problem, (2, 4))[0][-1]
+
+
+@pytest.mark.parametrize("solve", [springs, elements])
+def test_a_force_that_indents_less_than_rounding_is_refused_with_one_that_does_not(solve):
+    """A disc beside the body touches its corner after 0.2 m."""
+    box = Box((2.0, 0.5))
+    clamp, disc = (
+        Support(box.side("bottom"), (0.0, 0.0)),
+        Obstacle("disc", (2.5, 0.5), (0, -1), 0.7),
+    )
+
+    def pressed_by(force):
+        contact = Contact(box.side("top"), disc, force=force)
+        material = Isotropic(1e6, 0.3, "plane_strain")
+        return Problem(box, material, (clamp,), contacts=(contact,))
+
+    for force in (1e-12, 1e-6):
+        with pytest.raises(ProblemError, match="rounding of the gaps hides; take") as refusal:
+            solve(pressed_by(force))
+        least = float(re.search(r"take (\S+) N or more", str(refusal.value))[1])
+        assert solve(pressed_by(least)).total == pytest.approx(least, rel=1e-9)
