@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
@@ -19,6 +18,7 @@ from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.output.rendering import render_template
 from msvalidate.output.stored import csv_bytes
+from msvalidate.problem.progress import report_stage
 from reference_fem.converged import Reference
 
 
@@ -27,21 +27,20 @@ def case_files(
     *,
     plots: bool = True,
     command: tuple[str, ...] = (),
-    progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[comparison.Comparison, dict[str, bytes]]:
     """What springs and elements say of a case, and the files that show it: name -> content.
 
     Errors are those of `compare_case`.
     """
     started = datetime.now(UTC)
-    found = comparison.compare_case(case, progress)
-    progress("springs in hand")
+    found = comparison.compare_case(case)
+    report_stage("time step", comparison.STAGES)
     springs = body_lines(found.advice)
-    progress("budget")
+    report_stage("budget", comparison.STAGES)
     tables = budget.tables(found)
-    progress("coarser springs")
+    report_stage("coarser springs", comparison.STAGES)
     chosen = choice.choose(found)
-    progress("pictures")
+    report_stage("pictures", comparison.STAGES)
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
     fields = files.field_files(found) | network_files(found.springs[0], case)
     head, said = page.sentences(found)
@@ -69,18 +68,15 @@ def judged_files(
     residual_motion: float | None = None,
     plots: bool = True,
     command: tuple[str, ...] = (),
-    progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[judge.Judged, dict[str, bytes]]:
     """What displacements from a file are beside a case's elasticity, and the files that show it.
 
     Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are.
     """
     started = datetime.now(UTC)
-    found = judge.judge_result(
-        case, result, unit=unit, residual_motion=residual_motion, progress=progress
-    )
+    found = judge.judge_result(case, result, unit=unit, residual_motion=residual_motion)
     tables = judge.tables(found)
-    progress("pictures")
+    report_stage("pictures", judge.STAGES)
     drawn = judged_figures(found, tables["budget"]) if plots else {}
     given = found.matched
     compared = files.compared_file(given.places, "result", given.displacement, found)

@@ -41,6 +41,7 @@ from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.shapes import STRAIGHT, weights_at
 from msvalidate.statics.breaking import Growth
@@ -204,6 +205,8 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     contacts = case.problem.contacts
     bare = replace(case, problem=replace(case.problem, contacts=())) if contacts else case
     problem, lattice, network, calibration = make_network(bare, spacing)
+    counts = (f"{len(lattice.cells):,}", f"{len(network.springs):,}")
+    report_step("lattice %s, spacing %.3g m, %s cells, %s springs", case.lattice, spacing, *counts)
     contact = None
     if contacts:
         problem = laid_problem(case, spacing)

@@ -22,9 +22,8 @@ from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.results import Result, read_result
 from msvalidate.case.schema import CaseFile
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
+from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import (
-    Progress,
-    announce_compilation,
     attempt,
     naming,
     print_lines,
@@ -34,6 +33,7 @@ from msvalidate.cli.terminal import (
 from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, whole_number
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.export import export_case, lammps_of, ratio_words
 from msvalidate.simulators.exchange.folders import write_request
@@ -62,7 +62,7 @@ def print_schema(args: argparse.Namespace) -> int:
 @overflowing
 def export(args: argparse.Namespace) -> int:
     """Write what a simulator is asked, or the case's springs at rest as tables or for LAMMPS."""
-    with of_case(args.file):
+    with of_case(args.file), progress_of(args.file, args.folder, args):
         case = building.read_case(args.file)
         own = {"case.toml": args.file.read_bytes()}
         if args.to == SIMULATOR:
@@ -111,8 +111,6 @@ def run_cases(args: argparse.Namespace) -> int:
     """Each case in turn: one that is refused does not keep the others from being solved."""
     if args.set:
         return _sweep(args)
-    if not args.quiet:
-        announce_compilation()
     codes, folders = [], dict[str, Path]()
     for file in args.files:
         name = files.folder_name(file.stem)
@@ -125,16 +123,20 @@ def run_cases(args: argparse.Namespace) -> int:
     return max(codes)
 
 
+def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Progress:
+    """The progress of a command on a case file, whose log lies beside a folder of results."""
+    return Progress(file.stem, shown=not args.quiet, log=log_path(folder))
+
+
 def _solve(file: Path, folder: Path, args: argparse.Namespace) -> int:
     began = time.perf_counter()
     with of_case(file):
         files.refuse_foreign(folder, file.name)
-        case = building.read_case(file)
-        show = Progress(case.name, shown=not args.quiet)
-        command = ("msvalidate", "case", "run", "FILE")
-        found, content = run.case_files(case, plots=args.plots, command=command, progress=show)
-    files.publish(folder, content, file.name)
-    show.clear()
+        with progress_of(file, folder, args):
+            case = building.read_case(file)
+            command = ("msvalidate", "case", "run", "FILE")
+            found, content = run.case_files(case, plots=args.plots, command=command)
+            files.publish(folder, content, file.name)
     told = json.loads(content["verdict.json"])
     said = (told["sentence"], *told["reasons"], *body_lines(found.advice))
     seconds = f"{time.perf_counter() - began:.1f} s"
@@ -155,24 +157,21 @@ def _tell(
 @overflowing
 def judge_file(args: argparse.Namespace) -> int:
     """Displacements from a file beside a case's elasticity."""
-    if not args.quiet:
-        announce_compilation()
-    with of_case(args.file):
+    folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
+    with of_case(args.file), progress_of(args.file, folder, args):
         with contextlib.suppress(ValueError):
             args.unit = float(args.unit)
         unit = places.unit_in_metres("--unit", args.unit)
         if args.at_rest is not None:
             finite_number("--at-rest", args.at_rest, least=0.0)
-        folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
         whose = f"{args.file.name} and {args.result.name}"
         files.refuse_foreign(folder, whose)
         case = building.read_case(args.file)
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
             result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
-        show = Progress(case.name, shown=not args.quiet)
         asked = {"unit": unit, "residual_motion": args.at_rest, "command": COMMAND}
-        return judge_and_tell(case, result, folder, whose, args, show, **asked)
+        return judge_and_tell(case, result, folder, whose, args, **asked)
 
 
 def judge_and_tell(
@@ -181,7 +180,6 @@ def judge_and_tell(
     folder: Path,
     whose: str,
     args: argparse.Namespace,
-    show: Progress,
     notes: Sequence[str] = (),
     first: Sequence[str] = (),
     **options: Any,
@@ -190,9 +188,8 @@ def judge_and_tell(
 
     The sentences `first` stand before those of the verdict.
     """
-    found, content = run.judged_files(case, result, plots=args.plots, progress=show, **options)
+    found, content = run.judged_files(case, result, plots=args.plots, **options)
     files.publish(folder, content, whose)
-    show.clear()
     head, reasons = page.judged_sentences(found)
     notes = (*notes, *found.matched.notes, str(folder / PAGE))
     return _tell(result.name, found.verdict.word, (*first, head, *reasons), notes, args)
@@ -212,13 +209,22 @@ def _sweep(args: argparse.Namespace) -> int:
     def workers() -> sweep.Workers | sweep.Cluster:
         return sweep.Cluster(args.scheduler) if args.scheduler else sweep.Workers(args.jobs)
 
+    began = time.perf_counter()
+    solved = 0
+
     def show(done: int, one: sweep.Combination, row: sweep.Row) -> None:
+        nonlocal solved
+        solved += 1
         if not args.quiet:
             said = ", ".join(f"{key} {value}" for key, value in one.values)
             what = row["verdict"] or f"{row['outcome']}: {row['said']}"
             tell(f"{done}/{count} {one.file.name} {said}: {what}, {row['seconds']} s")
+        left = (time.perf_counter() - began) / solved * (count - done)
+        report_step("combinations, %d of %d known, about %.0f s left", done, count, left)
 
-    table = sweep.sweep(asked, folder / "journal.jsonl", workers, limit, show)
+    with progress_of(Path(name), folder, args):
+        report_step("combinations, 0 of %d known", count)
+        table = sweep.sweep(asked, folder / "journal.jsonl", workers, limit, show)
     content = {"sweep.csv": csv_bytes(table)}
     if args.plots and (table["outcome"] == sweep.SOLVED).any():
         draw = partial(sweep.draw_sweep, table, list(values))
