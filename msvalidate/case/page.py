@@ -18,6 +18,7 @@ from msvalidate.case.comparison import (
     say_bridged,
 )
 from msvalidate.case.fracture import break_sentence
+from msvalidate.case.headline import WORST_FIRST
 from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import mesh_warning
 from msvalidate.case.mistakes import name_constants
@@ -44,28 +45,13 @@ from msvalidate.problem import (
 from msvalidate.problem.normals import is_faceted
 from msvalidate_check.causes import PHRASES, say
 from msvalidate_check.diagnosis import NOTICED
-from msvalidate_check.verdict import (
-    AGREES,
-    DIFFERS,
-    NOT_ASKED,
-    NOT_AT_REST,
-    NOT_RESOLVED,
-    Difference,
-)
+from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
 
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 ROUNDING = 1e-9
 """Difference, over the largest displacement, below which none remains."""
-WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
-"""Words of several quantities: the first that one of them has is the case's."""
-
-
-def overall(rows: Sequence[Difference]) -> str:
-    """The word of a case: the worst of its quantities'."""
-    words = {row.word for row in rows}
-    return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
 
 
 def shown_rows(rows: Sequence[Difference]) -> list[dict[str, str]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.case import budget, choice, comparison, files, judge, page
+from msvalidate.case import budget, choice, comparison, files, headline, judge, page
 from msvalidate.case.advice import advice_record
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
@@ -46,7 +46,9 @@ def case_files(
     head, said = page.sentences(found)
     verdict = {
         "name": case.name,
-        "verdict": page.overall(found.rows),
+        "verdict": headline.overall(found.rows),
+        "headline": headline.springs_sentence(found),
+        "recommendation": headline.recommend(found, chosen).sentence,
         "sentence": head,
         "reasons": (*said, *choice.choice_sentences(chosen)),
         "kind": found.kind,
@@ -85,6 +87,8 @@ def judged_files(
         "name": case.name,
         "result": result.name,
         "verdict": found.verdict.word,
+        "headline": headline.field_sentence(found),
+        "recommendation": headline.recommend_for_field(found),
         "sentence": head,
         "reasons": said,
         "limitations": [asdict(each) for each in found.limitations],
