@@ -27,8 +27,8 @@ def case_files(
     *,
     plots: bool = True,
     command: tuple[str, ...] = (),
-) -> tuple[comparison.Comparison, dict[str, bytes]]:
-    """What springs and elements say of a case, and the files that show it: name -> content.
+) -> tuple[comparison.Comparison, choice.Choice, dict[str, bytes]]:
+    """Comparison of a case, the choice between springs and elements, and files: name -> content.
 
     Errors are those of `compare_case`.
     """
@@ -59,7 +59,8 @@ def case_files(
         "notes": list(map(str, found.notes)),
     }
     shown = {"name": case.name, "candidate": "Springs", "springs": springs, "rows": found.rows}
-    return found, _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+    content = _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+    return found, chosen, content
 
 
 def judged_files(

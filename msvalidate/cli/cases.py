@@ -16,7 +16,17 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from msvalidate.case import building, files, network_files, page, places, run, springs, sweep
+from msvalidate.case import (
+    building,
+    files,
+    network_files,
+    page,
+    places,
+    run,
+    screen,
+    springs,
+    sweep,
+)
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.results import Result, read_result
@@ -135,20 +145,26 @@ def _solve(file: Path, folder: Path, args: argparse.Namespace) -> int:
         with progress_of(file, folder, args):
             case = building.read_case(file)
             command = ("msvalidate", "case", "run", "FILE")
-            found, content = run.case_files(case, plots=args.plots, command=command)
+            found, chosen, content = run.case_files(case, plots=args.plots, command=command)
             files.publish(folder, content, file.name)
-    told = json.loads(content["verdict.json"])
-    said = (told["sentence"], *told["reasons"], *body_lines(found.advice))
-    seconds = f"{time.perf_counter() - began:.1f} s"
-    return _tell(case.name, told["verdict"], said, [f"{seconds}, {folder / PAGE}"], args)
+    lines = screen.case_lines(found, chosen, folder / PAGE)
+    verdict = json.loads(content["verdict.json"])
+    details = (verdict["sentence"], *verdict["reasons"], *body_lines(found.advice))
+    tell_time = f"{time.perf_counter() - began:.1f} s"
+    return _print_verdict(case.name, verdict["verdict"], lines, details, [tell_time], args)
 
 
-def _tell(
-    name: str, word: str, said: Sequence[str], notes: Sequence[str], args: argparse.Namespace
+def _print_verdict(
+    name: str,
+    word: str,
+    lines: Sequence[str],
+    details: Sequence[str],
+    notes: Sequence[str],
+    args: argparse.Namespace,
 ) -> int:
-    """Say what a verdict is and why; the exit code."""
+    """Print a first screen, its details if they are requested, and notes; return the exit code."""
     if not args.quiet:
-        print_lines([f"{name}: {word}", *(f"  {each}" for each in said)])
+        print_lines([*lines, *(details if args.verbose else ())])
     for note in notes if not args.quiet else [word] if word != AGREES else []:
         tell(f"{name}: {note}")
     return HELD if word == AGREES else MISSED
@@ -186,13 +202,14 @@ def judge_and_tell(
 ) -> int:
     """Judge displacements with options of `run.judged_files`, write the files and the verdict.
 
-    The sentences `first` stand before those of the verdict.
+    The sentences `first` are printed after the verdict.
     """
     found, content = run.judged_files(case, result, plots=args.plots, **options)
     files.publish(folder, content, whose)
+    lines = screen.field_lines(found, folder / PAGE, first)
     head, reasons = page.judged_sentences(found)
-    notes = (*notes, *found.matched.notes, str(folder / PAGE))
-    return _tell(result.name, found.verdict.word, (*first, head, *reasons), notes, args)
+    notes = (*notes, *found.matched.notes)
+    return _print_verdict(result.name, found.verdict.word, lines, (head, *reasons), notes, args)
 
 
 def _sweep(args: argparse.Namespace) -> int:

@@ -147,7 +147,7 @@ def test_an_outline_is_cut_and_its_points_outside_are_no_obstacle(tmp_path):
     held = (Support(Segment((0.0, 0.8), (0.0, 0.0)), (0.0, 0.0)),)
     loads = (Traction(Segment((2.0, 0.0), (2.0, 1.4)), (0.0, -10.0)),)
     case = Case(Problem(body, Isotropic(1e5, 0.3), held, loads), spacing=0.07)
-    found, content = case_files(case, plots=False)
+    found, _, content = case_files(case, plots=False)
     assert found.rows[0].word == "agrees"
     compared = read_vtu(tmp_path, content["compared.vtu"])
     assert np.isfinite(compared.point_data["displacement_elements"]).all()
@@ -228,7 +228,8 @@ def read_vtu(folder, content):
 
 @pytest.fixture(scope="module")
 def run_beam():
-    return case_files(beam(cells=8))
+    found, _, content = case_files(beam(cells=8))
+    return found, content
 
 
 def test_fields_are_those_of_the_tables(tmp_path, run_beam):
@@ -271,7 +272,7 @@ def test_a_body_under_an_obstacle_is_compared_by_its_patch():
     held = (Support(BEAM.side("bottom"), (0.0, 0.0)),)
     contact = (Contact(BEAM.side("top"), disc, force=1e3),)
     problem = Problem(BEAM, Isotropic(1e5, 1 / 3), held, name="pressed", contacts=contact)
-    found, content = case_files(Case(problem, cells=20))
+    found, _, content = case_files(Case(problem, cells=20))
     rows = {row.quantity: row for row in found.rows}
     for name in ("displacement", "contact depth", "contact half-width", "largest pressure"):
         assert rows[name].word == "agrees"
@@ -295,7 +296,7 @@ def test_springs_that_break_are_counted_drawn_and_told():
     )
     problem = Problem(BEAM, Isotropic(1e5, 1 / 3), held, name="torn")
     case = Case(problem, cells=6, fracture=Fracture(0.01, raised=4.0))
-    found, content = case_files(case)
+    found, _, content = case_files(case)
     growth = found.springs[0].growth
     assert growth.ended == "parted"
     table = tables(found)["breaks"]
@@ -317,7 +318,7 @@ def test_a_name_is_no_path_and_no_markup(tmp_path):
     text += "\n[springs]\ncells = 4\n[reference]\naccuracy = 0.05\n"
     path = tmp_path / "..x<b>.toml"
     path.write_text(text, encoding="utf-8")
-    _, content = case_files(read_case(path), plots=False)
+    *_, content = case_files(read_case(path), plots=False)
     page = content["case.html"].decode()
     assert "<script" not in page
     assert "&lt;script&gt;" in page
@@ -402,7 +403,7 @@ def test_folders_of_others_are_left(tmp_path):
 
 def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     case = read_case(EXAMPLES / "bimaterial.toml")
-    found, content = case_files(case, plots=False)
+    found, _, content = case_files(case, plots=False)
     by = {row.quantity: row.word for row in found.rows}
     assert by["displacement"] == by["reaction"] == by["mean stress"] == "agrees"
     assert by["point stress"] == "not asked"

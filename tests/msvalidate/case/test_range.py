@@ -30,7 +30,7 @@ def stem(path):
 @cache
 def record_of(path):
     """Verdict and all text that a case leaves, page and tables together."""
-    _, content = case_files(read_case(path), plots=False)
+    *_, content = case_files(read_case(path), plots=False)
     text = [each.decode() for name, each in content.items() if name.endswith((".json", ".csv"))]
     page = re.sub(r'<p class="more"><b>agrees.*?</p>', "", content["case.html"].decode())
     return json.loads(content["verdict.json"]), "\n".join(text), page
