@@ -21,11 +21,11 @@ from msvalidate.case.headline import (
 from msvalidate.case.judge import Judged
 from msvalidate.case.quantities import POINT_STRESS
 from msvalidate.case.units import quantity_text
-from msvalidate_check.text import align_table, percent
+from msvalidate_check.text import WIDTH, align_table, percent
 from msvalidate_check.verdict import Difference
 
-WIDTH, MAX_LINES = 100, 14
-"""Of a first screen, in characters and lines."""
+MAX_LINES = 14
+"""Lines of a first screen."""
 MAX_QUANTITIES = 3
 """Rows of quantities; `-v` and the page have all of them."""
 MAX_SENTENCE = 2

@@ -31,9 +31,8 @@ from msvalidate.problem.checks import format_value
 from msvalidate.problem.progress import report_stage
 from msvalidate.problem.records import replace
 from msvalidate_check import exchange
+from msvalidate_check.text import WIDTH
 
-WIDTH = 100
-"""Of findings, in characters."""
 FINDINGS = 8
 """Lines of findings a study: with its question and what was left out, ten."""
 FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
