@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import json
 import math
+import textwrap
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -47,6 +48,7 @@ from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
+from msvalidate_check.text import WIDTH
 from msvalidate_check.verdict import AGREES
 
 RUN = "-run"
@@ -139,12 +141,12 @@ def _line(value: object) -> str:
 def print_laws(_args: argparse.Namespace) -> int:
     """Names that --law takes, each with what it is to first order for E = 1 and nu = 0.3."""
     width, wide = max(map(len, LAWS)), max(len(law.key) for law in LAWS.values())
-    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E over asked  nu for 0.3"]
+    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E ratio  nu"]
     for name, each in LAWS.items():
         law, E, nu = predicted(name, 1.0, 0.3), "none", "none"
         if law.E is not None and law.nu is not None:
             E, nu = f"{law.E:.4f}", f"{round(law.nu, 4) + 0.0:.4f}"
-        lines.append(f"{each.key:<{wide}}  {name:<{width}}  {E:>12}  {nu:>10}")
+        lines.append(f"{each.key:<{wide}}  {name:<{width}}  {E:<7}  {nu}")
     return print_lines(lines)
 
 
@@ -192,7 +194,8 @@ def check_adapter(args: argparse.Namespace) -> int:
         return code
     if code == NOTHING:
         return tell_error(f"{name}: cannot represent: {asked.refusals[-1]}", NOTHING)
-    printed = print_lines(sheet.lines(name))
+    wrap = partial(textwrap.wrap, width=WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+    printed = print_lines([each for line in sheet.lines(name) for each in wrap(line) or [""]])
     if folder is not None:
         tell(f"{name}: {folder / PAGE}")
     return printed or code

@@ -6,11 +6,13 @@ import argparse
 import contextlib
 import os
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from typing import TextIO
 
 from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
 from msvalidate.judging import catalogue
+from msvalidate_check.text import WIDTH
 
 
 def tell(message: str) -> None:
@@ -88,4 +90,5 @@ def list_studies(_args: argparse.Namespace) -> int:
         except ImportError as error:
             asked[name] = f"(cannot be read: {error})"
     width = max(map(len, names))
-    return print_lines([f"{name:<{width}}  {said}" for name, said in asked.items()])
+    short = {name: textwrap.shorten(said, WIDTH - width - 2) for name, said in asked.items()}
+    return print_lines([f"{name:<{width}}  {said}" for name, said in short.items()])

@@ -79,7 +79,7 @@ def test_commands_end_with_the_same_word(tmp_path, capsys):
     for words in (["run", str(path)], ["judge", str(path), str(tmp_path / "u.csv")]):
         assert main(["case", *words, *out]) == 1
         said = capsys.readouterr()
-        assert ": not resolved\n  " in said.out
+        assert ": Not resolved: " in said.out
         assert "agrees" not in said.out + said.err
     sets = ("--set", "material.E=1e6,1e12", "--set", "springs.cells=4")
     assert main(["case", "run", str(path), *out, *sets]) == 0

