@@ -72,7 +72,7 @@ def test_a_case_runs_on_it(tmp_path, capsys):
     (tmp_path / "plate.toml").write_text(CASE, encoding="utf-8")
     words = ["case", "run", str(tmp_path / "plate.toml"), "--out", str(tmp_path / "out")]
     assert main(words) in {0, 1}
-    assert "square12, spacing 0.0925 m" in "".join(capsys.readouterr())
+    assert "square12, 0.0925 m" in "".join(capsys.readouterr())
 
 
 def test_every_constructor_stores_its_rule_of_the_boundary():
