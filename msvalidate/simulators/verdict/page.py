@@ -22,9 +22,10 @@ from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
 PAGE = "check.html"
 CAPTIONS = {
     "gate": "Each question was passed, failed, or could not be answered.",
+    "bodies at rest": "Error, and the factor by which each cause multiplies the displacement.",
     "law at small strain": "Modulus and ratio as requested, as documented, and as measured.",
 }
-"""Title of a table -> its caption, if it is another."""
+"""Beginning of a table's title -> its caption."""
 
 
 def sheet_files(
@@ -61,7 +62,7 @@ def sheet_files(
         **{f"setting {key}": value for key, value in settings.items()},
     }
     titles = [table.title.partition(":")[0] for table in sheet.tables]
-    tables = [_summary_of(table) for table in sheet.tables]
+    tables = list(map(_summary_of, titles, sheet.tables))
     screen = FirstScreen(
         f"msvalidate simulator: {sheet.who}",
         name,
@@ -84,11 +85,11 @@ def sheet_files(
     return content | {PAGE: page.encode()}
 
 
-def _summary_of(table: SheetTable) -> Summary:
+def _summary_of(title: str, table: SheetTable) -> Summary:
     """Table of a page; the name of a frozen case is left to the record."""
     shown = [place for place, head in enumerate(table.columns) if head != "case"]
     heads, *rows = ([row[place] for place in shown] for row in (table.columns, *table.rows))
-    return Summary(CAPTIONS.get(table.title, f"{table.title}."), heads, rows, [False] * len(shown))
+    return Summary(CAPTIONS[title], heads, rows, [False] * len(shown))
 
 
 def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
@@ -98,7 +99,6 @@ def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
         x, move = frozen_case(row.case, row.mesh, nu).points, np.asarray(row.move)
         size = np.linalg.norm(move, axis=1)
         times = SHOWN * float(np.ptp(x, axis=0).max() / (size.max() or 1.0))
-        surface = draw_solid(axis, x, x + times * move, size, Normalize(0.0, size.max()))
-        figure.colorbar(surface, ax=axis, label="displacement (m)", shrink=0.6)
+        draw_solid(axis, x, x + times * move, size, Normalize(0.0, size.max()))
         axis.set_title(f"{row.body}, enlarged {times:.3g} times")
     return figure

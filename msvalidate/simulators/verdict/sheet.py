@@ -222,8 +222,8 @@ def _bodies_table(found: Judgement) -> SheetTable:
     below = []
     if found.large is not None:
         large = found.large
-        said = {"case": large.case, "strain": large.strain, "apart": large.apart}
-        below.append(text_of(phrase("large line", **said, linear=large.from_linear)))
+        said = {"case": large.case, "strain": large.strain, "apart": percent(large.apart)}
+        below.append(text_of(phrase("large line", **said, linear=percent(large.from_linear))))
     columns = (
         "body", "case", "mesh", "error", "law", "resolution", "mass", "solver", "not explained",
     )  # fmt: skip
