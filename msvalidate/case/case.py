@@ -134,7 +134,7 @@ class Case:
     fracture: Fracture | None = None
     unit: str = "m"
     notes: Mapping[str, str] = field(default_factory=dict)
-    """What the page tells of the case beside: file, unit of length."""
+    """Name and text of the case's file, which the page shows."""
 
     def __post_init__(self) -> None:
         require_type("case: problem", self.problem, Problem)

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from msvalidate.case.choice import BETTER, MAIN, NONE, Choice, Need
+from msvalidate.case.choice import BETTER, MAIN, Choice
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison
 from msvalidate.case.judge import Judged, driven_by
+from msvalidate.case.quantities import NotCompared
 from msvalidate.case.units import quantity_text
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
@@ -56,7 +57,7 @@ class Recommendation:
     @property
     def sentence(self) -> str:
         """Recommendation as one sentence."""
-        return f"{f'Use {self.use}' if self.use else 'No recommendation'}: {self.reason}."
+        return f"{f'Use {self.use}' if self.use else 'No choice yet'}: {self.reason}."
 
 
 def overall(rows: Sequence[Difference]) -> str:
@@ -75,7 +76,8 @@ def springs_sentence(found: Comparison) -> str:
     """Verdict on the springs of a case as one sentence."""
     word = overall(found.rows)
     if word == NOT_ASKED:
-        return "Nothing was compared."
+        why = (each.why if isinstance(each, NotCompared) else each for each in found.notes)
+        return f"Nothing was compared: {'; '.join(why)}."
     if word not in {AGREES, DIFFERS}:
         return f"Not resolved: {_unresolved_reason(found.rows, found)}."
     wanted = found.reference.displacement.value
@@ -138,11 +140,9 @@ def _unresolved_reason(rows: Sequence[Difference], found: Comparison | Judged) -
     row = next(row for row in rows if row.word in {NOT_AT_REST, NOT_RESOLVED})
     if row.word == NOT_AT_REST:
         return f"the displacements may still change by {percent(row.residual_motion)}"
+    size = part_text(row.error, row.uncertainty)
     known = percent(row.uncertainty)
-    return (
-        f"{row.quantity} differs by {percent(row.error)}, which an uncertainty of {known} does not "
-        f"place inside or outside the band of {percent(row.band)}"
-    )
+    return f"{row.quantity} differs by {size} ± {known}, for a band of {percent(row.band)}"
 
 
 def recommend(found: Comparison, chosen: Choice) -> Recommendation:
@@ -163,37 +163,31 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
 
 def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     """Recommendation if some quantity lies outside the band."""
-    if found.kind == OTHER_MATERIAL:
-        material = "the springs differ from elasticity at any spacing"
-        return Recommendation(ELEMENTS, material)
     off = [row for row in found.rows if row.word == DIFFERS]
-    if any(row.quantity != DISPLACEMENT for row in off):
-        worst = max(off, key=lambda row: row.error / row.band)
-        size = part_text(worst.error, worst.uncertainty)
-        return Recommendation(ELEMENTS, f"{worst.quantity} differs by {size}")
-    finer = _sufficient(chosen, found.case.band)
-    cheaper = _equal_cost(chosen)
-    if cheaper or finer is None or found.kind != COARSE:
-        return Recommendation(ELEMENTS, cheaper or "no tested spacing reaches the band")
-    spacing = quantity_text(finer.spacing, "m", found.case.unit)
-    return Recommendation(
-        SPRINGS, f"a spacing of {spacing} ({finer.count:,} springs) reaches the band"
-    )
-
-
-def _sufficient(chosen: Choice, band: float) -> Need | None:
-    """First lattice for a target within the band; None if none can be laid."""
-    needs = (need for need in chosen.springs if need.target <= band)
-    return next((need for need in needs if need.where != NONE and need.count), None)
+    worst = max(off, key=lambda row: row.error / row.band)
+    cheaper, band = _equal_cost(chosen), found.case.band
+    finer = [each for each in chosen.springs if each.count and each.target <= band]
+    if found.kind == OTHER_MATERIAL:
+        reason = "the springs differ from elasticity at any spacing"
+    elif any(row.quantity != DISPLACEMENT for row in off):
+        reason = f"{worst.quantity} differs by {part_text(worst.error, worst.uncertainty)}"
+    elif cheaper or not finer or found.kind != COARSE:
+        reason = cheaper or "no tested spacing reaches the band"
+    else:
+        spacing = quantity_text(finer[0].spacing, "m", found.case.unit)
+        reason = f"a spacing of {spacing} ({finer[0].count:,} springs) reaches the band"
+        return Recommendation(SPRINGS, reason)
+    return Recommendation(ELEMENTS, reason)
 
 
 def _equal_cost(chosen: Choice) -> str:
     """Clause on elements of equal cost if they are much more accurate; else empty."""
     if not chosen.times >= BETTER:
         return ""
+    why = ", ".join(chosen.reasons)
     return (
         f"elements with the same {chosen.unknowns:,} unknowns are {chosen.times:.2g} times more "
-        "accurate"
+        f"accurate{f' ({why})' if why else ''}"
     )
 
 

@@ -16,7 +16,7 @@ from msvalidate.case.figures import Drawn, figures, judged_figures
 from msvalidate.case.network_files import network_files
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
-from msvalidate.output.rendering import render_template
+from msvalidate.output.screen import render_screen
 from msvalidate.output.stored import csv_bytes
 from msvalidate.problem.progress import report_stage
 from reference_fem.converged import Reference
@@ -44,13 +44,14 @@ def case_files(
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
     fields = files.field_files(found) | network_files(found.springs[0], case)
     head, said = page.sentences(found)
+    needs = choice.choice_sentences(chosen, case.unit)
     verdict = {
         "name": case.name,
         "verdict": headline.overall(found.rows),
-        "headline": headline.springs_sentence(found),
+        "headline": head,
         "recommendation": headline.recommend(found, chosen).sentence,
         "sentence": head,
-        "reasons": (*said, *choice.choice_sentences(chosen)),
+        "reasons": (*said, *needs),
         "kind": found.kind,
         "limitations": [asdict(each) for each in found.limitations],
         "springs": [advice_record(each) for each in found.advice],
@@ -58,8 +59,7 @@ def case_files(
         "choice": asdict(chosen),
         "notes": list(map(str, found.notes)),
     }
-    shown = {"name": case.name, "candidate": "Springs", "springs": springs, "rows": found.rows}
-    content = _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+    content = _laid_out(found, verdict, tables, fields, drawn, command, started, needs, springs)
     return found, chosen, content
 
 
@@ -102,47 +102,49 @@ def judged_files(
         },
         "notes": given.notes,
     }
-    name = f"{result.name} for {case.name}"
-    shown = {"name": name, "candidate": "Result", "springs": (), "rows": found.verdict.differences}
     fields = {"compared.vtu": compared}
-    return found, _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+    causes = tuple(each.said for each in found.verdict.causes)
+    return found, _laid_out(found, verdict, tables, fields, drawn, command, started, causes)
 
 
 def _laid_out(
     found: comparison.Comparison | judge.Judged,
     verdict: dict[str, Any],
-    shown: dict[str, Any],
     tables: dict[str, pd.DataFrame],
     fields: dict[str, bytes],
     drawn: Drawn,
     command: tuple[str, ...],
     started: datetime,
+    remarks: tuple[str, ...],
+    springs: tuple[str, ...] = (),
 ) -> dict[str, bytes]:
     """Page, `verdict.json`, tables, fields and pictures, with what all pages and verdicts say."""
-    content, pictures = files.picture_files(drawn)
+    content, pictures = files.picture_files(drawn, found.case.unit)
     seconds = (datetime.now(UTC) - started).total_seconds()
     origin = collect_provenance(command, 0, started, seconds, form="case")
-    asked = {"result": verdict["result"]} if "result" in verdict else {}
-    shown |= {
-        "verdict": verdict["verdict"],
-        "sentence": verdict["sentence"],
-        "sentences": verdict["reasons"],
-        "band": page.band_words(found.case, shown["rows"]),
-        "rows": page.shown_rows(shown["rows"]),
-        "notes": verdict["notes"],
-        "pictures": page.shown_pictures(pictures),
-        "tables": page.shown_tables(tables),
-        "fields": tuple(fields),
-        "asked": asked | page.asked(found.case),
-        "origin": origin,
-    }
+    embedded = page.shown_pictures(pictures)
+    screen = page.first_screen(found, verdict, embedded, remarks)
+    html = render_screen(
+        "case.html",
+        screen,
+        {name: name for name in page.PARTS if springs or name != "springs"},
+        reasons=[
+            *(each for each in verdict["reasons"] if not each.endswith(remarks)),
+            *verdict["notes"],
+        ],
+        springs=springs,
+        pictures=[each for each in embedded if each != screen.picture],
+        tables=page.shown_tables(tables),
+        fields=tuple(fields),
+        request={**page.facts(found), **found.case.notes},
+        origin=origin,
+    )
     verdict |= {
         "band": found.case.band,
         "quantities": tables["quantities"].to_dict("records"),
         "reference": reference_content(found.reference),
         "origin": origin,
     }
-    html = render_template("case.html", page=shown)
     content |= {f"{name}.csv": csv_bytes(table) for name, table in tables.items()} | fields
     return content | {"case.html": html.encode(), "verdict.json": files.json_bytes(verdict)}
 

@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 from msvalidate.case.advice import constants_lines
+from msvalidate.case.case import Case
 from msvalidate.case.choice import BEYOND, COARSEST, NONE, Choice, Need
 from msvalidate.case.comparison import Comparison
-from msvalidate.case.headline import (
-    DISPLACEMENT,
-    field_sentence,
-    part_text,
-    recommend,
-    recommend_for_field,
-    springs_sentence,
-)
+from msvalidate.case.headline import DISPLACEMENT
 from msvalidate.case.judge import Judged
+from msvalidate.case.page import quantity_summary
 from msvalidate.case.quantities import POINT_STRESS
 from msvalidate.case.units import quantity_text
 from msvalidate_check.text import WIDTH, align_table, percent
 from msvalidate_check.verdict import Difference
 
 MAX_LINES = 14
-"""Lines of a first screen."""
+"""Lines of a first screen; its last one is the place of the page."""
 MAX_QUANTITIES = 3
 """Rows of quantities; `-v` and the page have all of them."""
 MAX_SENTENCE = 2
@@ -34,71 +30,55 @@ MAX_CAUSES = 4
 """Causes of a judged field; the page has all of them."""
 
 
-def case_lines(found: Comparison, chosen: Choice, page: Path) -> list[str]:
-    """First screen of a case that was run, with the place of its page."""
+def case_lines(found: Comparison, chosen: Choice, verdict: Mapping[str, Any]) -> list[str]:
+    """First screen of a case that was run, by its `verdict.json`."""
     lines = [
-        *_wrapped(f"{found.case.name}: {springs_sentence(found)}"),
-        *_quantity_lines(found.rows, "springs", found.case.unit),
-        *_wrapped(recommend(found, chosen).sentence),
+        *_wrapped(f"{found.case.name}: {verdict['headline']}"),
+        *_quantity_lines(found.case, found.rows, "springs"),
+        *_wrapped(verdict["recommendation"]),
         *_need_lines(chosen, found.case.unit),
+        *constants_lines(found.advice, found.case.unit),
     ]
-    springs = constants_lines(found.advice, found.case.unit)
-    return [*lines, *springs[: MAX_LINES - 1 - len(lines)], f"page: {page}"]
+    return lines[: MAX_LINES - 1]
 
 
-def field_lines(found: Judged, page: Path, first: Sequence[str] = ()) -> list[str]:
-    """First screen of a judged field: verdict, difference, causes, next step, page.
+def field_lines(found: Judged, verdict: Mapping[str, Any], first: Sequence[str] = ()) -> list[str]:
+    """First screen of a judged field: verdict, difference, causes and next step.
 
     Parameters
     ----------
     first
         Sentences on what else is known of the field, after the verdict.
     """
-    causes = [each for each in found.verdict.causes if str(each)]
-    some = [
-        f"  {number}. {each} ({percent(each.left)} left)"
-        for number, each in enumerate(causes[:MAX_CAUSES], 1)
-    ]
-    more = f", the likeliest {MAX_CAUSES} of {len(causes)}" if len(causes) > MAX_CAUSES else ""
+    causes = found.verdict.causes[:MAX_CAUSES]
     lines = [
-        *_wrapped(f"{found.result.name}: {field_sentence(found)}"),
+        *_wrapped(f"{found.result.name}: {verdict['headline']}"),
         *(line for each in first for line in _wrapped(each)),
-        *_quantity_lines([found.displacement], "field", found.case.unit),
-        *([f"Possible causes{more}, and the difference that each of them leaves:"] if some else []),
-        *(textwrap.shorten(line.strip(), WIDTH, placeholder=" …") for line in some),
-        *_wrapped(recommend_for_field(found)),
+        *_quantity_lines(found.case, [found.displacement], "field"),
+        *["Possible causes, and the difference that each of them leaves:"] * bool(causes),
+        *(textwrap.shorten(f"- {percent(each.left)}: {each}", WIDTH) for each in causes),
+        *_wrapped(verdict["recommendation"]),
     ]
-    return [*lines[: MAX_LINES - 1], f"page: {page}"]
+    return lines[: MAX_LINES - 1]
 
 
 def _wrapped(sentence: str) -> list[str]:
-    return textwrap.wrap(
-        sentence, WIDTH, max_lines=MAX_SENTENCE, placeholder=" …", break_on_hyphens=False
-    )
+    return textwrap.wrap(sentence, WIDTH, max_lines=MAX_SENTENCE, placeholder=" …")
 
 
-def _quantity_lines(rows: Sequence[Difference], whose: str, unit: str) -> list[str]:
-    """Table of the quantities that were compared, the most important ones."""
+def _quantity_lines(case: Case, rows: Sequence[Difference], candidate: str) -> list[str]:
+    """Table of the most important quantities: displacement, stress, reaction, and others."""
     known = [row for row in rows if math.isfinite(row.error)]
-    stress = [row for row in known if row.unit == "Pa"]
-    stress = [row for row in stress if row.of == POINT_STRESS] or stress
-    reactions = sorted((row for row in known if row.unit == "N"), key=lambda row: -row.wanted)
-    first = [row for row in known if row.quantity == DISPLACEMENT] + stress[:1] + reactions[:1]
+    stress = sorted((row for row in known if row.unit == "Pa"), key=lambda r: r.of != POINT_STRESS)
+    forces = sorted((row for row in known if row.unit == "N"), key=lambda row: -row.wanted)
+    first = [row for row in known if row.quantity == DISPLACEMENT] + stress[:1] + forces[:1]
     shown = [*first, *(row for row in known if row not in first)][:MAX_QUANTITIES]
-    if not shown:
-        return []
-    texts = [
-        (
-            "largest displacement" if row.quantity == DISPLACEMENT else row.quantity,
-            quantity_text(row.found, row.unit, unit),
-            quantity_text(row.wanted, row.unit, unit),
-            part_text(row.error, row.uncertainty),
-            row.word,
-        )
+    shown = [
+        replace(row, quantity=f"largest {DISPLACEMENT}") if row.quantity == DISPLACEMENT else row
         for row in shown
     ]
-    heads = ("quantity", whose, "elements", "difference", "verdict")
-    return align_table(heads, texts, (False, True, True, True, False))
+    table = quantity_summary(case, shown, candidate)
+    return align_table(table.heads, table.rows, table.numeric) if shown else []
 
 
 def _need_lines(chosen: Choice, unit: str) -> list[str]:
@@ -116,17 +96,15 @@ def _need_lines(chosen: Choice, unit: str) -> list[str]:
 
 def _spring_texts(need: Need | None, unit: str) -> tuple[str, str, str]:
     """Spacing, number of springs and time that a target takes."""
-    if need is None:
-        return "of the mesh", "", ""
-    if need.where == NONE:
-        return "no spacing does", "", ""
+    if need is None or need.where == NONE:
+        return "of the mesh" if need is None else "no spacing does", "", ""
     spacing = quantity_text(need.spacing, "m", unit)
     if not need.count:
-        return f"finer than tried, {spacing}".rstrip(", "), "", ""
+        return f"finer than tried {spacing}", "", ""
     more = {COARSEST: " or larger", BEYOND: ", not tried"}.get(need.where, "")
     if not math.isnan(need.least):
-        ends = (quantity_text(each, "m", unit).split()[0] for each in (need.least, need.most))
-        more += f" ({' to '.join(ends)})"
+        low, high = (quantity_text(each, "m", unit).split()[0] for each in (need.least, need.most))
+        more += f" ({low} to {high})"
     return f"{spacing}{more}", f"{need.count:,}", f"{need.seconds:.2g} s"
 
 

@@ -7,7 +7,7 @@ import contextlib
 import json
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,6 @@ from msvalidate.case import (
     building,
     files,
     network_files,
-    page,
     places,
     run,
     screen,
@@ -147,24 +146,26 @@ def _solve(file: Path, folder: Path, args: argparse.Namespace) -> int:
             command = ("msvalidate", "case", "run", "FILE")
             found, chosen, content = run.case_files(case, plots=args.plots, command=command)
             files.publish(folder, content, file.name)
-    lines = screen.case_lines(found, chosen, folder / PAGE)
     verdict = json.loads(content["verdict.json"])
-    details = (verdict["sentence"], *verdict["reasons"], *body_lines(found.advice))
-    tell_time = f"{time.perf_counter() - began:.1f} s"
-    return _print_verdict(case.name, verdict["verdict"], lines, details, [tell_time], args)
+    verdict["reasons"] += body_lines(found.advice)
+    lines = screen.case_lines(found, chosen, verdict)
+    seconds = f"{time.perf_counter() - began:.1f} s"
+    return _print_screen(case.name, verdict, lines, folder, [seconds], args)
 
 
-def _print_verdict(
+def _print_screen(
     name: str,
-    word: str,
+    verdict: Mapping[str, Any],
     lines: Sequence[str],
-    details: Sequence[str],
+    folder: Path,
     notes: Sequence[str],
     args: argparse.Namespace,
 ) -> int:
-    """Print a first screen, its details if they are requested, and notes; return the exit code."""
+    """Print a first screen, reasons if they are requested, and notes; return the exit code."""
+    word = verdict["verdict"]
     if not args.quiet:
-        print_lines([*lines, *(details if args.verbose else ())])
+        reasons = [f"  {each}" for each in verdict["reasons"]] if args.verbose else []
+        print_lines([*lines, f"page: {folder / PAGE}", *reasons])
     for note in notes if not args.quiet else [word] if word != AGREES else []:
         tell(f"{name}: {note}")
     return HELD if word == AGREES else MISSED
@@ -206,10 +207,10 @@ def judge_and_tell(
     """
     found, content = run.judged_files(case, result, plots=args.plots, **options)
     files.publish(folder, content, whose)
-    lines = screen.field_lines(found, folder / PAGE, first)
-    head, reasons = page.judged_sentences(found)
+    verdict = json.loads(content["verdict.json"])
+    lines = screen.field_lines(found, verdict, first)
     notes = (*notes, *found.matched.notes)
-    return _print_verdict(result.name, found.verdict.word, lines, (head, *reasons), notes, args)
+    return _print_screen(result.name, verdict, lines, folder, notes, args)
 
 
 def _sweep(args: argparse.Namespace) -> int:

@@ -183,6 +183,8 @@ class BodyRow:
         that was not asked.
     far_away
         The same, moved by `AWAY`, where positions in floats are coarser.
+    move
+        (n, 3) m of the nodes, for figures.
     """
 
     body: str
@@ -197,6 +199,7 @@ class BodyRow:
     finer: bool = False
     loaded_more: float = math.nan
     far_away: float = math.nan
+    move: Array | None = None
 
     @property
     def is_explained(self) -> bool:
@@ -294,7 +297,9 @@ def body_row(
     error = max_length(found.move[case.named] - wanted) / max_length(wanted)
     rest = stated_residual_motion(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
-    row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
+    row = BodyRow(
+        body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even, move=found.move
+    )
     if law is None:
         asked = request.material.E, request.material.nu
         return replace(row, shapes=_shapes(found, asked, request.mass))

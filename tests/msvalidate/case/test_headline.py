@@ -78,7 +78,8 @@ def test_quantities_outside_the_band_are_named_beside_the_stiffness():
 
 def test_what_the_uncertainty_leaves_open_is_not_decided():
     found = compared(REFERENCE * 1.04, (row(0.04, 0.03),))
-    assert headline.springs_sentence(found).startswith("Not resolved: displacement differs by 4 %")
+    sentence = "Not resolved: displacement differs by 4 % ± 3 %, for a band of 5 %."
+    assert headline.springs_sentence(found) == sentence
     assert headline.recommend(found, Choice()).use == headline.NEITHER
 
 
