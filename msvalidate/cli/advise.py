@@ -64,13 +64,13 @@ def _advise(args: argparse.Namespace) -> list[str]:
         records = [advice_record(advice) for advice in found]
         record = {"lattices": records, "cannot": cannot, "springs_alone": price}
         return [json.dumps(record, ensure_ascii=False, indent=1)]
-    summary = [head, *([price] if price else []), *constants_lines(found)]
+    summary = [head, *([price] if price else []), _letters(found[0].material)]
+    summary += constants_lines(found)
     summary += [f"not for this material: {', '.join(cannot)}"] * bool(cannot)
     summary += _engines(args.engine, found[0], notes=args.verbose)
     if not args.verbose:
         return [line for text in summary for line in textwrap.wrap(text, WIDTH) or [text]]
-    lines = [*summary, _letters(found[0].material)]
-    lines += [line for advice in found for line in advice_lines(advice)]
+    lines = [*summary, *(line for advice in found for line in advice_lines(advice))]
     lines += [f"not {name}: {why.split(' lattice: ')[-1]}" for name, why in cannot.items()]
     if not args.lattice:
         plain = {2: "square", 3: "cubic18"}[material.dim]
