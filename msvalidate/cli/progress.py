@@ -17,8 +17,8 @@ from msvalidate.problem.progress import LOGGER
 
 PAUSE = 2.0
 """Seconds between two lines, at least: shorter steps are in the log alone."""
-SILENCE = 7.0
-"""Seconds without a line after which one repeats the step; with `PAUSE` it comes within 10 s."""
+SILENCE = 4.0
+"""Seconds without a line after which one repeats the step, well below 10 s: libraries delay it."""
 
 
 def log_path(folder: Path) -> Path:
