@@ -19,7 +19,7 @@ from msvalidate.cli.arguments import FAILED, HELD, INTERRUPTED, parse
 from msvalidate.cli.terminal import attempt, nowhere, print_lines, tell, tell_error
 
 LOADING = 5.0
-"""Seconds after which a command reports that it still loads its libraries."""
+"""Seconds between lines of a command that still loads its libraries."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -45,13 +45,18 @@ def main(arguments: Sequence[str]) -> int:
 def _load(act: str) -> Callable[[argparse.Namespace], int]:
     """Function of a command, whose libraries take seconds to load on a busy machine."""
     module, _, name = act.partition(":")
-    late = threading.Timer(LOADING, tell, ["loading libraries"])
-    late.start()
+    loaded = threading.Event()
+
+    def report() -> None:
+        while not loaded.wait(LOADING):
+            tell("loading libraries")
+
+    threading.Thread(target=report, daemon=True).start()
     try:
         function: Callable[[argparse.Namespace], int]
         function = getattr(import_module(f"msvalidate.cli.{module}"), name)
     finally:
-        late.cancel()
+        loaded.set()
     return function
 
 
