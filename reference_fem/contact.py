@@ -30,6 +30,7 @@ from msvalidate.problem import (
     prescribed_displacements,
 )
 from msvalidate.problem.checks import finite_coordinates
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import ReadOnly, dataclass, replace
 from reference_fem.body import Solution, loaded_sides, nodal_forces
 from reference_fem.converged import Reference
@@ -129,6 +130,7 @@ def press(
 
 def _press(problem: Problem, body: Discretisation, within: float | None) -> ElementContact:
     """Contact as `press` has it, of a patch of any size."""
+    report_step("mesh against the obstacle, %s nodes", f"{len(body.points):,}")
     contact, bare = _only_contact(problem)
     obstacle, depth = contact.obstacle, contact.depth
     held, given = prescribed_displacements(bare, body.points)

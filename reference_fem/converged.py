@@ -29,6 +29,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
 from reference_fem.closing_in import (
@@ -318,10 +319,14 @@ def converge(
     found: list[Solution] = []
     seconds: list[float] = []
     reference: Reference | None = None
+    following: More | None = None
     while True:
         began = time.perf_counter()
         if found:
             body, finer = children_of(body)
+        expected = f", about {following.seconds:.0f} s" if following else ""
+        text = "mesh %d of at least %d, %s nodes%s"
+        report_step(text, len(found) + 1, LEVELS, f"{len(body.points):,}", expected)
         try:
             if mixed:
                 found.append(solve_problem(problem, body, mixed=True, solver=solver))

@@ -500,6 +500,7 @@ WRITING = {
     "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.cli.program": ("os.open(os.devnull,",),
     "msvalidate.cli.terminal": ("open(os.devnull,",),
+    "msvalidate.cli.progress": ("open(number,", "self._log."),
     "msvalidate.linear_algebra.factor": ("os.open(os.devnull,",),
     "msvalidate.kernels.cache": (
         *("path.parent.mkdir(", "part.write_bytes(", "part.unlink()"),

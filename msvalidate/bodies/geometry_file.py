@@ -15,6 +15,7 @@ from typing import Any
 from msvalidate.linear_algebra.factor import silence_library
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.progress import report_step
 
 GEOMETRIES = (".step", ".stp", ".stl")
 """Suffixes of files that hold faces and no cells."""
@@ -107,5 +108,6 @@ def _mesh(gmsh: Any, file: Path, size: float | None) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ROUND)
     gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)
+    report_step("gmsh: cells of %.3g in a body of %d faces", largest, len(model.getEntities(2)))
     model.mesh.generate(dim)
     model.mesh.setOrder(1 if faceted else 2)

@@ -7,13 +7,14 @@ stress λ′ = Eν/(1 - ν²) for λ, with the thickness t and the spacing h.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.case.units import quantity_text
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import ROUTES, calibrate_by_route
 from msvalidate.constants.stiffness import ALIKE, CAUCHY, UNIT
@@ -26,6 +27,7 @@ from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import dataclass, replace
+from msvalidate_check.text import align_table
 
 VOLUME = {2: "({λ} - μ)t", 3: "λ - μ"}
 """Axes -> κ of a cell, N/m in the plane or Pa in space. Source: [Golec2020]."""
@@ -234,6 +236,34 @@ def block_frequency(
             f"sides cut springs ({error}); take another lattice, or a ratio nearer to "
             f"{CAUCHY[pattern.dim]:.3g} along its axes"
         ) from error
+
+
+def constants_lines(each: Sequence[Advice], unit: str = "m") -> list[str]:
+    """Table of springs, a row per lattice or material; `unit` is that of the spacing.
+
+    The step is `SAFETY` of the limit of leapfrog.
+    """
+    if not each:
+        return []
+    kinds = max(len(one.kinds) for one in each)
+    kappa = any(one.volume for one in each)
+    heads = ["springs", *(f"k{number} (N/m)" for number in range(1, kinds + 1))]
+    heads += [f"κ ({UNIT[each[0].material.dim]})"] * kappa
+    heads += ["mass (kg)", "step (s)", "density (kg/m³)"]
+    rows = []
+    for number, one in enumerate(each):
+        label = f"{one.lattice}, {quantity_text(one.spacing, 'm', unit)}"
+        if number and one.lattice == each[0].lattice:
+            label = f"region {number}"
+        constants = [f"{kind.constant:.4g}" for kind in one.kinds]
+        constants += [""] * (kinds - len(constants)) + [f"{one.volume:.4g}"] * kappa
+        density = one.material.density
+        default = " (default)" if density == Isotropic.density else ""
+        rows.append([
+            label, *constants,
+            f"{one.mass:.4g}", f"{SAFETY * one.limits['leapfrog']:.3g}", f"{density:g}{default}",
+        ])  # fmt: skip
+    return align_table(heads, rows, [False, *[True] * (len(heads) - 1)])
 
 
 def advice_lines(advice: Advice) -> tuple[str, ...]:

@@ -392,7 +392,8 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
             "linear_theory": "requested" if compare.geometry == GEOMETRIES[0] else "",
         },
     }
-    notes, values = {"file": source.name, "unit of length": f"{data.body.unit}"}, dict[str, Any]()
+    notes = {"file": source.name, "text": source.text}
+    values: dict[str, Any] = {"unit": data.body.unit if isinstance(data.body.unit, str) else "m"}
     for name, own in tables.items():
         with source.at(name):
             if name == "fracture" and data.fracture is not None:

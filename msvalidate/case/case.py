@@ -11,6 +11,7 @@ import numpy as np
 from msvalidate.case.fracture import Fracture
 from msvalidate.case.part_mesh import cuts_for, edge_lattice, mean_edge, straighten
 from msvalidate.case.schema import QUANTITIES
+from msvalidate.case.units import LENGTH
 from msvalidate.constants.routes import check_route
 from msvalidate.lattice import Lattice, cut_lattice, fill
 from msvalidate.lattice.cut import joins_corners
@@ -106,7 +107,10 @@ class Case:
     fracture
         Criterion for breaking springs, if they break.
     notes
-        Name -> remark that the report shows, such as the file and the unit of length.
+        Name -> remark that the report shows, such as the file.
+    unit
+        Unit of length in which results are shown, a key of `case.units.LENGTH`; values here stay in
+        SI units.
 
     Raises
     ------
@@ -141,8 +145,9 @@ class Case:
     geometry: Literal["linear", "nonlinear"] = "linear"
     linear_theory: str = ""
     fracture: Fracture | None = None
+    unit: str = "m"
     notes: Mapping[str, str] = field(default_factory=dict)
-    """What the page tells of the case beside: file, unit of length."""
+    """Name and text of the case's file, which the page shows."""
 
     def __post_init__(self) -> None:
         require_type("case: problem", self.problem, Problem)
@@ -211,6 +216,7 @@ class Case:
             require_one_of("quantity", name, QUANTITIES)
         positive_number("band", self.band)
         require_one_of("law", self.law, LAWS)
+        require_one_of("unit", self.unit, LENGTH)
         require_one_of("geometry", self.geometry, GEOMETRIES)
         require_one_of("linear theory", self.linear_theory, LINEAR_THEORY)
         if self.problem.contacts and self.geometry == "nonlinear":

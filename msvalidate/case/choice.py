@@ -30,6 +30,7 @@ from msvalidate.case.springs import (
     compared_points,
     solve_springs,
 )
+from msvalidate.case.units import user_unit
 from msvalidate.lattice import PatternLattice
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.outline import outline
@@ -267,39 +268,40 @@ def _thickest(answer: SpringAnswer) -> float:
     return 2 * float(depth) / h + 1
 
 
-def choice_sentences(chosen: Choice) -> tuple[str, ...]:
+def choice_sentences(chosen: Choice, length: str = "m") -> tuple[str, ...]:
     """What to take, in words."""
     said = []
     for kind, needs in {"Springs": chosen.springs, "Elements": chosen.elements}.items():
         each = [
-            f"for about {100 * need.target:g} % in displacement: {_need_words(need)}"
+            f"for about {100 * need.target:g} % in displacement: {_need_words(need, length)}"
             for need in needs
         ]
         said += [f"{kind} {'; '.join(each)}."] if each else []
     if chosen.no_coarser:
         said.append(f"Coarser lattices are left out of this choice: {chosen.no_coarser}.")
-    if chosen.times >= BETTER:
-        why = f": {', '.join(chosen.reasons)}" if chosen.reasons else ""
-        said.append(
-            f"Use elements: at {chosen.unknowns:,} unknowns they are {chosen.times:.2g} times "
-            f"nearer than springs{why}."
-        )
     return tuple(said)
 
 
-def _need_words(need: Need) -> str:
+def _need_words(need: Need, length: str) -> str:
+    unit, size = user_unit("m", length)
     if need.where == NONE:
         return "no spacing does"
     if not need.count:
-        near = "" if math.isnan(need.spacing) else f", some {need.spacing:.2g} m"
+        near = "" if math.isnan(need.spacing) else f", some {need.spacing / size:.2g} {unit}"
         return f"finer than was tried{near}"
     if not need.cells:
         at_most = "at most " if need.where == COARSEST else ""
         return f"{at_most}{need.count:,} nodes, {need.seconds:.2g} s"
-    between = "" if math.isnan(need.least) else f", from {need.least:.2g} to {need.most:.2g} m"
+    between = (
+        ""
+        if math.isnan(need.least)
+        else f", from {need.least / size:.2g} to {need.most / size:.2g} {unit}"
+    )
     coarser = {COARSEST: ", or coarser" * (need.cells > 1), BEYOND: ", finer than was solved"}.get(
         need.where, ""
     )
-    said = f"cells = {need.cells} ({need.spacing:.3g} m{between}), {need.count:,} springs"
+    said = (
+        f"cells = {need.cells} ({need.spacing / size:.3g} {unit}{between}), {need.count:,} springs"
+    )
     off = max(need.most / need.spacing, need.spacing / need.least)
     return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {need.seconds:.2g} s{coarser}"

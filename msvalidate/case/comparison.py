@@ -51,6 +51,7 @@ from msvalidate.problem import (
     SolverError,
 )
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.progress import report_stage, report_step
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.breaking import Growth, grow
 from msvalidate.statics.equilibrium import equilibrium
@@ -59,6 +60,11 @@ from reference_fem.converged import LargeChange, Reference, converge
 
 COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
 """Why springs differ: their spacing, or what they are at any spacing, or either."""
+STAGES = (
+    *("springs", "elements", "quantities", "springs on the mesh", "time step", "budget"),
+    *("coarser springs", "pictures"),
+)
+"""Stages of a case, as the progress reports them; springs on a mesh are of bodies that have one."""
 WITHIN = 1e-3
 """Part of a point's distance by which a place nearest to it lies in the body: curves are drawn by
 straight lines."""
@@ -176,7 +182,7 @@ class Comparison:
         return advise_body(self.case, self.springs[0])
 
 
-def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
+def compare_case(case: Case) -> Comparison:
     """Solve a case with springs and with finite elements, and compare the results.
 
     The springs are solved on the lattice of the case and on finer ones, so that discretisation
@@ -187,8 +193,6 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     ----------
     case
         Comparison task.
-    progress
-        Function that receives a message at each stage.
 
     Returns
     -------
@@ -217,10 +221,10 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     ('agrees', True)
     """
     require_type("compare", case, Case)
-    progress("springs")
+    report_stage("springs", STAGES)
     answers = solve_finer(case)
     if case.fracture is not None:
-        progress("springs that break")
+        report_step("springs that break")
         growth = break_springs(case.fracture, case, answers[0])
         answers = (replace(answers[0], growth=growth), *answers[1:])
     points = compared_points(case, answers[0].lattice)
@@ -228,7 +232,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     missing = [Limitation("lattice", at, detail=why) for at, why in no_finer]
     values, not_compared = displacements_at(answers, points)
     answers = answers[: len(values)]
-    progress("elements")
+    report_stage("elements", STAGES)
     reference = converge_case(case, points)
     if not max_length(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
@@ -236,10 +240,11 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     notes += [f"finer lattices: not compared: {not_compared}"] if not_compared else []
     support = _support(case, answers, homogenised or reference)
     limit = limit_of(answers, [u - part for u, part in zip(values, support, strict=True)])
-    rows, more = compare_quantities(case, answers[0], reference, progress)
+    report_stage("quantities", STAGES)
+    rows, more = compare_quantities(case, answers[0], reference)
     missing += [*no_material, *(Limitation("quantity", detail=str(e)) for e in more if e.failed)]
     if isinstance(case.problem.domain, Mesh):
-        progress("springs on the mesh")
+        report_stage("springs on the mesh", STAGES)
     on_mesh, why = compare_on_mesh(case, reference, len(answers[0].lattice.points))
     remarks: tuple[str | NotCompared, ...] = (*notes, *more, *([why] if why else []))
     bridged = say_bridged(answers[0].lattice)

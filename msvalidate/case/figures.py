@@ -12,11 +12,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.fracture import draw_breaks
 from msvalidate.case.judge import Judged
+from msvalidate.case.units import user_unit
 from msvalidate.output.body_drawing import (
     ARROW,
     MOST_ARROWS,
@@ -51,24 +53,42 @@ def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> 
     """Pictures of a comparison."""
     drawn: Drawn = {}
     if found.reference.contact is not None:
-        words = "Pressure of the obstacle on springs and elements"
+        words = "The obstacle presses on springs and elements with these pressures."
         drawn["pressure"] = (words, partial(draw_pressure, found))
     growth = found.springs[0].growth
     if growth is not None:
-        words = "Springs that broke as the loads were raised"
+        words = "These springs broke as the loads were raised."
         drawn["breaks"] = (words, partial(draw_breaks, growth))
-    drawn["body"] = ("The body, its supports and its loads", partial(draw_body, found))
-    words = "Springs over elements, displacements enlarged"
+    drawn["body"] = (
+        "The body is drawn with its supports and its loads.",
+        partial(draw_body, found),
+    )
+    words = "Deformed springs are drawn over the deformed elements, both enlarged alike."
     drawn["field"] = (words, partial(draw_fields, found))
-    words = "Difference of springs and elasticity against their spacing"
+    words = "The difference of springs and elasticity depends on the spacing."
     drawn["spacing"] = (words, partial(draw_spacing, found, lattices))
     return drawn | _difference_figures(found, "springs", found.points, budget)
 
 
 def judged_figures(found: Judged, budget: pd.DataFrame) -> Drawn:
     """Pictures of a judgement."""
-    drawn: Drawn = {"matching": ("Points of the result in the body", partial(draw_matching, found))}
+    drawn: Drawn = {
+        "matching": ("These points of the result lie in the body.", partial(draw_matching, found))
+    }
     return drawn | _difference_figures(found, "result", found.matched.places, budget)
+
+
+def show_in_units(figure: Figure, length: str) -> None:
+    """Label axes in m and Pa in the units of a case with a unit of length."""
+    for axes in figure.axes:
+        scales = [axes.xaxis, axes.yaxis, *([axes.zaxis] if hasattr(axes, "zaxis") else [])]
+        for scale in scales:
+            name, _, unit = scale.get_label_text().rpartition(" (")
+            shown, size = user_unit(unit.rstrip(")"), length)
+            if name and size != 1:
+                scale.set_label_text(f"{name} ({shown})")
+                scale.set_major_formatter(lambda at, _, size=size: f"{at / size:.4g}")
+                scale.set_minor_formatter(NullFormatter())
 
 
 def _difference_figures(
@@ -76,11 +96,11 @@ def _difference_figures(
 ) -> Drawn:
     return {
         "difference": (
-            f"Difference of {whose} and elasticity over the largest displacement",
+            f"Colour is the difference of {whose} and elasticity over the largest displacement.",
             partial(draw_difference, points, found.relative, found.reference),
         ),
         "budget": (
-            "What makes up the difference where it is largest",
+            "These parts make up the difference where it is largest.",
             partial(draw_budget, budget, found.case.band),
         ),
     }

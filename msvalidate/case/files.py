@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.figures import show_in_units
 from msvalidate.case.judge import Judged
 from msvalidate.output.stored import draw_files
 from msvalidate.output.vtu import vtu_bytes
@@ -66,13 +68,22 @@ def publish(folder: Path, files: exchange.Files, whose: str) -> None:
 
 
 def picture_files(
-    pictures: Mapping[str, tuple[str, Callable[[], Figure]]],
+    pictures: Mapping[str, tuple[str, Callable[[], Figure]]], length: str = "m"
 ) -> tuple[dict[str, bytes], dict[str, tuple[str, bytes]]]:
-    """PNG and SVG of each picture, and name -> caption and SVG for the page."""
+    """PNG and SVG of each picture, and name -> caption and SVG for the page.
+
+    Axes are in the unit `length`, a key of `case.units.LENGTH`.
+    """
+
+    def in_units(draw: Callable[[], Figure]) -> Figure:
+        figure = draw()
+        show_in_units(figure, length)
+        return figure
+
     files: dict[str, bytes] = {}
     shown = {}
     for name, (caption, draw) in pictures.items():
-        made = draw_files(name, caption, draw)
+        made = draw_files(name, caption, partial(in_units, draw))
         files |= made
         shown[name] = (caption, made[f"{name}.svg"])
     return files, shown

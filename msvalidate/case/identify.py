@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from itertools import product
 
 import numpy as np
@@ -24,6 +25,7 @@ from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
+from msvalidate_check.text import WIDTH, align_table
 
 STABLE = "stable"
 ROUNDING = 1e-13
@@ -121,42 +123,46 @@ def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
     return Identified(what, tensor, solid.error, stable, whole)
 
 
-def identified_lines(found: Identified, thickness: float | None = None) -> tuple[str, ...]:
-    """What it is, its tensor, moduli and stable steps, with units.
+def identified_lines(found: Identified, thickness: float | None = None) -> list[str]:
+    """Table of what the springs are: tensor, moduli and stable steps, with units.
 
     A thickness (m) makes moduli in N/m ones in Pa, of plane stress and of plane strain.
     """
     C, d = found.tensor, AXES_OF[len(found.tensor)]
-    unit, order = UNIT[d], {2: "xx, yy, xy", 3: "xx, yy, zz, yz, xz, xy"}[d]
+    unit, order = UNIT[d], {2: "xx yy xy", 3: "xx yy zz yz xz xy"}[d].split()
     shown = np.where(np.abs(C) > ROUNDING * np.abs(C).max(), C, 0.0).tolist()
-    rows = "; ".join(", ".join(f"{each:.9g}" for each in row) for row in shown)
-    lines = [
-        f"{found.what}: {found.stable}",
-        f"  C in {unit} ({order}; to {found.error:.1g}): {rows}",
-    ]
+    digits = {2: 9, 3: 7}[d]
+    values = [[f"{each:.{digits}g}" for each in row] for row in shown]
+    head = textwrap.wrap(f"{found.what}: {found.stable}", WIDTH)
+    head += [f"C in {unit} (to {found.error:.1g}):"]
+    head += align_table(order, values, [True] * len(order))
     if not found.solid:
-        return tuple(lines)
-    mean = isotropic_moduli(C)
+        return head
+    return [*head, *align_table(("property", "value"), _moduli_rows(found, thickness))]
+
+
+def _moduli_rows(found: Identified, thickness: float | None) -> list[tuple[str, str]]:
+    """Moduli and stable steps of a solid, as names and texts."""
+    C, d = found.tensor, AXES_OF[len(found.tensor)]
+    unit, mean, rows = UNIT[d], isotropic_moduli(found.tensor), []
     solid = f"E = {mean.E:.9g} {unit}, nu = {mean.nu:.9g}"
     if is_same_tensor(C, isotropic_part(C)):
-        lines.append(f"  isotropic: {solid}")
+        rows.append(("isotropic", solid))
     else:
         way = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
         way = way[np.argsort((way**2).sum(axis=1), kind="stable")]  # of those alike the simplest
         E = directional_modulus(C, way / np.linalg.norm(way, axis=1)[:, None])
-        ends = [np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0)) for end in (E.min(), E.max())]
-        span = " to ".join(f"{E[at]:.6g} {unit} along {tuple(way[at].tolist())}" for at in ends)
-        zener = f"Zener ratio along the axes {mean.zener:.6g}"
-        lines.append(f"  not isotropic: E from {span}, {zener}; nearest isotropic: {solid}")
+        for name, end in (("lowest E", E.min()), ("highest E", E.max())):
+            at = np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0))
+            rows.append((name, f"{E[at]:.6g} {unit} along {tuple(way[at].tolist())}"))
+        rows.append(("Zener ratio along the axes", f"{mean.zener:.6g}"))
+        rows.append(("nearest isotropic", solid))
     if d == 2 and thickness is not None:
         t, strain = length_in_metres("thickness", thickness), mean.nu / (1 + mean.nu)
-        lines[-1] += (
-            f"; in plane stress E = {mean.E / t:.6g} Pa, nu = {mean.nu:.6g}; in plane strain E = "
-            f"{mean.E / t * (1 - strain**2):.6g} Pa, nu = {strain:.6g}"
-        )
+        rows.append(("in plane stress", f"E = {mean.E / t:.6g} Pa, nu = {mean.nu:.6g}"))
+        E_strain = mean.E / t * (1 - strain**2)
+        rows.append(("in plane strain", f"E = {E_strain:.6g} Pa, nu = {strain:.6g}"))
     if math.isfinite(found.omega):
-        steps = step_words(step_limits(found.omega))
-        lines.append(
-            f"  highest frequency {found.omega:.6g} rad/s of {found.whose}; step of {steps}"
-        )
-    return tuple(lines)
+        rows.append(("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"))
+        rows.append(("step", step_words(step_limits(found.omega))))
+    return rows

@@ -20,6 +20,7 @@ from msvalidate.case.validity import Limitation, limit_verdict, limitations
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.progress import report_stage
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.beside import MOST_RATIO
 from msvalidate_check.causes import Cause
@@ -29,6 +30,8 @@ from reference_fem.body import solve_problem
 from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference
 from reference_fem.first_mesh import first_mesh
 
+STAGES = ("points", "elements", "causes", "large displacements", "pictures")
+"""Stages of a judgement, as the progress reports them."""
 Known = Mapping[str, Callable[[float], Array]]
 RATIO_NODES = 10_000
 """Nodes of the mesh on which other ratios are tried."""
@@ -88,7 +91,6 @@ def judge_result(
     *,
     unit: float = 1.0,
     residual_motion: float | None = None,
-    progress: Callable[[str], None] = lambda _: None,
 ) -> Judged:
     """Compare displacements with the elasticity that a case asks for.
 
@@ -100,8 +102,6 @@ def judge_result(
         What the file's lengths are multiples of, in m.
     residual_motion
         How much they may still change, over the largest, if the file does not say.
-    progress
-        Told what is being done.
 
     Raises
     ------
@@ -113,10 +113,10 @@ def judge_result(
     require_type("case", case, Case)
     require_type("result", result, Result)
     refuse_extreme("displacement", result.displacement)
-    progress("points")
+    report_stage("points", STAGES)
     body = first_mesh(case.problem)
     matched = match(case, result, unit, body)
-    progress("elements")
+    report_stage("elements", STAGES)
     reference = converge_case(case, matched.places, body)
     wanted = reference.displacement.value
     size = max_length(wanted)
@@ -124,7 +124,7 @@ def judge_result(
         raise ProblemError("case: elasticity does not move at these points; load the body")
     rest = result.rest if residual_motion is None else residual_motion
     uncertainty = reference.error + result.accuracy + matched.contradiction / size
-    progress("causes")
+    report_stage("causes", STAGES)
     catalogue = known_mistakes(case, matched.places, reference)
     field = _field(case.problem, matched, reference, uncertainty, result.known)
     # Elements on the result's own mesh, where they are known, leave nothing to be tried.
@@ -133,7 +133,7 @@ def judge_result(
     field = replace(field, mistakes=mistakes)
     omitted: list[str] = []
     verdict = judge_field(field, case.band, rest, partial(_explained, omitted=omitted))
-    progress("large displacements")
+    report_stage("large displacements", STAGES)
     alone = replace(case, quantities=("displacement",))
     limits = limitations(alone, reference, lambda: answer_in_full(case, reference))
     verdict = limit_verdict(verdict, limits)

@@ -22,6 +22,7 @@ from msvalidate.problem import (
     SolverError,
     prescribed_displacements,
 )
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Solution, nodal_forces
 from reference_fem.contact import converge_contact
@@ -101,6 +102,8 @@ def change_in_full(reference: Reference, law: LawOf) -> LargeChange:
     found: list[Array] = []
     no_finer: SolverError | None = None
     for solution in reversed(reference.solutions_up_to(LARGE_NODES)):
+        nodes = f"{len(solution.body.points):,}"
+        report_step("large displacements, mesh of %s nodes", nodes)
         try:
             found.append(elements_in_full(reference.problem, solution, reference.points, law))
         except SolverError as error:

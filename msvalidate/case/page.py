@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.case import MESH_EDGES, Case, spacing_of
+from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.comparison import (
     COARSE,
     OTHER_MATERIAL,
@@ -18,9 +18,11 @@ from msvalidate.case.comparison import (
     say_bridged,
 )
 from msvalidate.case.fracture import break_sentence
+from msvalidate.case.headline import part_text, springs_sentence
 from msvalidate.case.judge import Judged
 from msvalidate.case.mesh_springs import mesh_warning
-from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND, NotCompared, difference_row
+from msvalidate.case.quantities import POINT_STRESS, STRESS_BAND
+from msvalidate.case.units import quantity_text, user_unit
 from msvalidate.case.validity import geometric_limitations
 from msvalidate.judging.columns import column_key, read_columns
 from msvalidate.lattice import CutLattice
@@ -28,49 +30,62 @@ from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
+from msvalidate.output.screen import FirstScreen, Summary
 from msvalidate.problem import (
-    Load,
-    Material,
     Mesh,
-    PointForce,
-    Support,
-    Traction,
-    Weight,
 )
 from msvalidate.problem.normals import is_faceted
 from msvalidate_check.diagnosis import NOTICED
-from msvalidate_check.verdict import (
-    AGREES,
-    DIFFERS,
-    NOT_ASKED,
-    NOT_AT_REST,
-    NOT_RESOLVED,
-    Difference,
-)
+from msvalidate_check.text import percent
+from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
 
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
+PARTS = ("reasons", "springs", "pictures", "tables")
+"""Parts of the page; a judged field has no springs."""
 ROUNDING = 1e-9
 """Difference, over the largest displacement, below which none remains."""
-WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
-"""Words of several quantities: the first that one of them has is the case's."""
 
 
-def overall(rows: Sequence[Difference]) -> str:
-    """The word of a case: the worst of its quantities'."""
-    words = {row.word for row in rows}
-    return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
+def first_screen(
+    found: Comparison | Judged,
+    verdict: Mapping[str, Any],
+    pictures: Sequence[Picture],
+    remarks: Sequence[str],
+) -> FirstScreen:
+    """First screen of a case, or of a judged field, from its `verdict.json`."""
+    case = found.case
+    if isinstance(found, Judged):
+        kind, name = "judged field", f"{found.result.name} for {case.name}"
+        candidate, rows, cover = "field", found.verdict.differences, "difference"
+    else:
+        kind, name = "case: springs compared with elasticity", case.name
+        candidate, rows, cover = "springs", found.rows, "field"
+    return FirstScreen(
+        f"msvalidate {kind}",
+        name,
+        verdict["verdict"],
+        verdict["headline"],
+        verdict["recommendation"],
+        quantity_summary(case, rows, candidate),
+        next((each for each in pictures if each.source and each.file == f"./{cover}.svg"), None),
+        remarks,
+    )
 
 
-def shown_rows(rows: Sequence[Difference]) -> list[dict[str, str]]:
-    """Quantities with few digits."""
-    return [
-        difference_row(row)
-        | {"difference": percent(row.error), "uncertainty": percent(row.uncertainty)}
-        | {"candidate": _number(row.found), "elasticity": _number(row.wanted)}
-        for row in rows
-    ]
+def quantity_summary(case: Case, rows: Sequence[Difference], candidate: str) -> Summary:
+    """Quantities in the units of the case; differences below their uncertainty are bounds."""
+    texts = []
+    for row in rows:
+        unit, size = user_unit(row.unit, case.unit)
+        values = (_number(value / size) for value in (row.found, row.wanted))
+        error = part_text(row.error, row.uncertainty)
+        name = f"{row.quantity}{f' ({unit})' if unit else ''}"
+        texts.append((name, *values, error, percent(row.uncertainty), row.word))
+    heads = ("quantity", candidate, "elasticity", "difference", "uncertainty", "verdict")
+    caption = f"Differences are relative to elasticity. {band_words(case, rows)}."
+    return Summary(caption, heads, texts, (False, True, True, True, True, False))
 
 
 def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, ...]:
@@ -90,21 +105,7 @@ def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
 
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
-    """What the springs of a case are good for: one sentence, and those that say why."""
-    springs = f"Springs ({_describe_spacing(found.case)})"
-    groups = []
-    for word in WORST_FIRST[:-1]:
-        rows = [each for each in found.rows if each.word == word]
-        said = [f"{r.quantity} ({percent(r.error)} ± {percent(r.uncertainty)})" for r in rows]
-        groups += [f"{word} in {', '.join(said)}"] if rows else []
-    band = band_words(found.case, found.rows)
-    head = f"{springs} beside elasticity: {'; '.join(groups)}. {band}."
-    if not groups:
-        why = "; ".join(
-            f"{each.quantity}, {each.why}" if isinstance(each, NotCompared) else each
-            for each in found.notes
-        )
-        head = f"{springs} are compared in nothing that was asked: {why}."
+    """Verdict on the springs of a case, and its reasons."""
     reasons = (
         *_limit_sentences(found),
         _kind_sentence(found),
@@ -114,15 +115,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         _contact_sentence(found),
         break_sentence(found.springs[0].growth),
     )
-    return head, tuple(filter(None, reasons))
-
-
-def _describe_spacing(case: Case) -> str:
-    """Words for the lattice and its spacing."""
-    if case.lattice == MESH_EDGES:
-        under = ", of no rest length" if case.are_elements else ""
-        return f"a spring on each edge of the mesh{under}, {spacing_of(case):.4g} m"
-    return f"{case.lattice}, {spacing_of(case):.6g} m"
+    return springs_sentence(found), tuple(filter(None, reasons))
 
 
 def _limit_sentences(found: Comparison) -> list[str]:
@@ -142,9 +135,10 @@ def _hole_sentence(found: Comparison) -> str:
         return ""
     x, y, wide = holes[holes[:, 2].argmin()]
     cells = wide / found.springs[0].spacing
+    unit, size = user_unit("m", found.case.unit)
     return (
-        f"A hole at ({x:.4g}, {y:.4g}) m is {cells:.2g} cells wide: these springs hardly know it; "
-        "take a smaller spacing, or the part's own mesh."
+        f"A hole at ({x / size:.4g}, {y / size:.4g}) {unit} is {cells:.2g} cells wide: "
+        "these springs hardly know it; take a smaller spacing, or the part's own mesh."
     )
 
 
@@ -328,66 +322,6 @@ def _law_difference(found: Comparison) -> float:
     return max_length(springs[0] - target[0]) / found.size
 
 
-def asked(case: Case) -> dict[str, str]:
-    """What a case asks, in words."""
-    problem, law = case.problem, case.problem.material
-    state = getattr(law, "state", "tensor").replace("_", " ")
-    thickness = f", {law.thickness:g} m thick" if law.dim == 2 else ""
-    words = {**case.notes, "body": str(problem.domain)}
-    words["material"] = f"{_moduli(law)}, {state}{thickness}"
-    for number, zone in enumerate(problem.zones, 1):
-        words[f"region {number}"] = f"{zone.region}: {_moduli(zone.material)}"
-    words["supports"] = "; ".join(_support(each) for each in problem.supports)
-    words["loads"] = "; ".join(_load(each) for each in problem.loads) or "none"
-    for each in problem.contacts:
-        how = f"{each.depth:g} m deep" if each.force is None else f"pressed by {each.force:g} N"
-        words["contact"] = f"{each.obstacle.shape} on {each.region}, {how}"
-    words["springs"] = _describe_spacing(case)
-    words["points"] = case.points if isinstance(case.points, str) else f"{len(case.points)} places"
-    if case.geometry == "nonlinear":
-        words["displacements"] = f"large; elements of the law {case.law}"
-    words["band"] = percent(case.band)
-    words["elasticity asked to"] = percent(case.accuracy)
-    return words | {"density": f"{law.density:g} kg/m³"}
-
-
-def _moduli(law: Material) -> str:
-    E, nu = getattr(law, "E", math.nan), getattr(law, "nu", math.nan)
-    return f"E = {E:g} Pa, nu = {nu:g}"
-
-
-def _support(support: Support) -> str:
-    moved = ("free" if each is None else _words(each) for each in support.displacement)
-    return f"{support.region}: {', '.join(moved)} m"
-
-
-def _words(given: Any) -> str:
-    """A number, some, or a field of them."""
-    if callable(given):
-        return "a field"
-    return f"({', '.join(map(_words, given))})" if isinstance(given, tuple) else f"{given:g}"
-
-
-def _load(load: Load) -> str:
-    match load:
-        case Traction():
-            return f"traction {_words(load.traction)} Pa on {load.region}"
-        case PointForce():
-            return f"force {_words(load.force)} N at {_words(load.at)} m"
-        case Weight():
-            return f"weight, g = {_words(load.acceleration)} m/s²"
-    return f"body force {_words(load.force)} N/m³"
-
-
-def percent(value: float) -> str:
-    """A part as a percentage with two digits."""
-    if not math.isfinite(value):
-        return "not known"
-    if value and abs(value) < 1e-5:
-        return f"{100 * value:.0e} %"
-    return f"{100 * value + 0.0:.2g} %" if abs(value) < 10 else f"{value:.3g} times"
-
-
 def _number(value: float) -> str:
     return f"{value:.4g}" if math.isfinite(value) else ""
 
@@ -396,3 +330,17 @@ def _text(value: object) -> str:
     if isinstance(value, float):
         return repr(value) if math.isfinite(value) else ""
     return str(value)
+
+
+def facts(found: Comparison | Judged) -> dict[str, str]:
+    """Facts of a request that its file may leave to defaults."""
+    case, problem = found.case, found.case.problem
+    about = {"result": found.result.name} if isinstance(found, Judged) else {}
+    return about | {
+        "body": str(problem.domain),
+        "material (SI units)": str(problem.material),
+        "lattice": f"{case.lattice}, {quantity_text(spacing_of(case), 'm', case.unit)}",
+        "theory": case.geometry,
+        "band": percent(case.band),
+        "accuracy of elasticity": percent(case.accuracy),
+    }

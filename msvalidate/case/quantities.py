@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -15,6 +14,7 @@ from msvalidate.case.springs import SpringAnswer
 from msvalidate.lattice import CutLattice, PatternLattice
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Mask, ProblemError, SolverError, Support
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass
 from msvalidate.statics.stress import fitted_stress
 from msvalidate_check.verdict import Difference
@@ -56,7 +56,7 @@ class NotCompared:
 
 
 def compare_quantities(
-    case: Case, springs: SpringAnswer, reference: Reference, progress: Callable[[str], None]
+    case: Case, springs: SpringAnswer, reference: Reference
 ) -> tuple[tuple[Difference, ...], list[NotCompared]]:
     """A difference a quantity that a case asks for, and what was not compared, and why."""
     rows, notes = list[Difference](), list[NotCompared]()
@@ -72,7 +72,7 @@ def compare_quantities(
     }
     for name, make in makers.items():
         if name in case.quantities:
-            progress(name)
+            report_step("%s", name)
             try:
                 _refuse_unknown(case, reference)
                 rows += make(case, springs, reference)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
 
 import pandas as pd
 
-from msvalidate.case import budget, choice, comparison, files, judge, page
+from msvalidate.case import budget, choice, comparison, files, headline, judge, page
 from msvalidate.case.advice import advice_record
 from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case
@@ -17,8 +16,9 @@ from msvalidate.case.figures import Drawn, figures, judged_figures
 from msvalidate.case.network_files import network_files
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
-from msvalidate.output.rendering import render_template
+from msvalidate.output.screen import render_screen
 from msvalidate.output.stored import csv_bytes
+from msvalidate.problem.progress import report_stage
 from reference_fem.converged import Reference
 
 
@@ -27,29 +27,31 @@ def case_files(
     *,
     plots: bool = True,
     command: tuple[str, ...] = (),
-    progress: Callable[[str], None] = lambda _: None,
-) -> tuple[comparison.Comparison, dict[str, bytes]]:
-    """What springs and elements say of a case, and the files that show it: name -> content.
+) -> tuple[comparison.Comparison, choice.Choice, dict[str, bytes]]:
+    """Comparison of a case, the choice between springs and elements, and files: name -> content.
 
     Errors are those of `compare_case`.
     """
     started = datetime.now(UTC)
-    found = comparison.compare_case(case, progress)
-    progress("springs in hand")
+    found = comparison.compare_case(case)
+    report_stage("time step", comparison.STAGES)
     springs = body_lines(found.advice)
-    progress("budget")
+    report_stage("budget", comparison.STAGES)
     tables = budget.tables(found)
-    progress("coarser springs")
+    report_stage("coarser springs", comparison.STAGES)
     chosen = choice.choose(found)
-    progress("pictures")
+    report_stage("pictures", comparison.STAGES)
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
     fields = files.field_files(found) | network_files(found.springs[0], case)
     head, said = page.sentences(found)
+    needs = choice.choice_sentences(chosen, case.unit)
     verdict = {
         "name": case.name,
-        "verdict": page.overall(found.rows),
+        "verdict": headline.overall(found.rows),
+        "headline": head,
+        "recommendation": headline.recommend(found, chosen).sentence,
         "sentence": head,
-        "reasons": (*said, *choice.choice_sentences(chosen)),
+        "reasons": (*said, *needs),
         "kind": found.kind,
         "limitations": [asdict(each) for each in found.limitations],
         "springs": [advice_record(each) for each in found.advice],
@@ -57,8 +59,8 @@ def case_files(
         "choice": asdict(chosen),
         "notes": list(map(str, found.notes)),
     }
-    shown = {"name": case.name, "candidate": "Springs", "springs": springs, "rows": found.rows}
-    return found, _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+    content = _laid_out(found, verdict, tables, fields, drawn, command, started, needs, springs)
+    return found, chosen, content
 
 
 def judged_files(
@@ -69,18 +71,15 @@ def judged_files(
     residual_motion: float | None = None,
     plots: bool = True,
     command: tuple[str, ...] = (),
-    progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[judge.Judged, dict[str, bytes]]:
     """What displacements from a file are beside a case's elasticity, and the files that show it.
 
     Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are.
     """
     started = datetime.now(UTC)
-    found = judge.judge_result(
-        case, result, unit=unit, residual_motion=residual_motion, progress=progress
-    )
+    found = judge.judge_result(case, result, unit=unit, residual_motion=residual_motion)
     tables = judge.tables(found)
-    progress("pictures")
+    report_stage("pictures", judge.STAGES)
     drawn = judged_figures(found, tables["budget"]) if plots else {}
     given = found.matched
     compared = files.compared_file(given.places, "result", given.displacement, found)
@@ -89,6 +88,8 @@ def judged_files(
         "name": case.name,
         "result": result.name,
         "verdict": found.verdict.word,
+        "headline": headline.field_sentence(found),
+        "recommendation": headline.recommend_for_field(found),
         "sentence": head,
         "reasons": said,
         "limitations": [asdict(each) for each in found.limitations],
@@ -101,47 +102,49 @@ def judged_files(
         },
         "notes": given.notes,
     }
-    name = f"{result.name} for {case.name}"
-    shown = {"name": name, "candidate": "Result", "springs": (), "rows": found.verdict.differences}
     fields = {"compared.vtu": compared}
-    return found, _laid_out(found, verdict, shown, tables, fields, drawn, command, started)
+    causes = tuple(each.said for each in found.verdict.causes)
+    return found, _laid_out(found, verdict, tables, fields, drawn, command, started, causes)
 
 
 def _laid_out(
     found: comparison.Comparison | judge.Judged,
     verdict: dict[str, Any],
-    shown: dict[str, Any],
     tables: dict[str, pd.DataFrame],
     fields: dict[str, bytes],
     drawn: Drawn,
     command: tuple[str, ...],
     started: datetime,
+    remarks: tuple[str, ...],
+    springs: tuple[str, ...] = (),
 ) -> dict[str, bytes]:
     """Page, `verdict.json`, tables, fields and pictures, with what all pages and verdicts say."""
-    content, pictures = files.picture_files(drawn)
+    content, pictures = files.picture_files(drawn, found.case.unit)
     seconds = (datetime.now(UTC) - started).total_seconds()
     origin = collect_provenance(command, 0, started, seconds, form="case")
-    asked = {"result": verdict["result"]} if "result" in verdict else {}
-    shown |= {
-        "verdict": verdict["verdict"],
-        "sentence": verdict["sentence"],
-        "sentences": verdict["reasons"],
-        "band": page.band_words(found.case, shown["rows"]),
-        "rows": page.shown_rows(shown["rows"]),
-        "notes": verdict["notes"],
-        "pictures": page.shown_pictures(pictures),
-        "tables": page.shown_tables(tables),
-        "fields": tuple(fields),
-        "asked": asked | page.asked(found.case),
-        "origin": origin,
-    }
+    embedded = page.shown_pictures(pictures)
+    screen = page.first_screen(found, verdict, embedded, remarks)
+    html = render_screen(
+        "case.html",
+        screen,
+        {name: name for name in page.PARTS if springs or name != "springs"},
+        reasons=[
+            *(each for each in verdict["reasons"] if not each.endswith(remarks)),
+            *verdict["notes"],
+        ],
+        springs=springs,
+        pictures=[each for each in embedded if each != screen.picture],
+        tables=page.shown_tables(tables),
+        fields=tuple(fields),
+        request={**page.facts(found), **found.case.notes},
+        origin=origin,
+    )
     verdict |= {
         "band": found.case.band,
         "quantities": tables["quantities"].to_dict("records"),
         "reference": reference_content(found.reference),
         "origin": origin,
     }
-    html = render_template("case.html", page=shown)
     content |= {f"{name}.csv": csv_bytes(table) for name, table in tables.items()} | fields
     return content | {"case.html": html.encode(), "verdict.json": files.json_bytes(verdict)}
 

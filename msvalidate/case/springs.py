@@ -32,6 +32,7 @@ from msvalidate.case.case import (
     spacing_of,
 )
 from msvalidate.case.part_mesh import edge_lattice, mean_edge
+from msvalidate.case.units import quantity_text
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import calibrate_by_route
 from msvalidate.constants.zones import OneOrEach, calibrate_zones
@@ -41,6 +42,7 @@ from msvalidate.lattice.edges import EdgeLattice
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.shapes import STRAIGHT, weights_at
 from msvalidate.statics.breaking import Growth
@@ -204,6 +206,9 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     contacts = case.problem.contacts
     bare = replace(case, problem=replace(case.problem, contacts=())) if contacts else case
     problem, lattice, network, calibration = make_network(bare, spacing)
+    length = quantity_text(spacing, "m", case.unit)
+    counts = (f"{len(lattice.cells):,}", f"{len(network.springs):,}")
+    report_step("lattice %s, spacing %s, %s cells, %s springs", case.lattice, length, *counts)
     contact = None
     if contacts:
         problem = laid_problem(case, spacing)

@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.case.building import build_case
 from msvalidate.case.comparison import compare_case
-from msvalidate.case.page import overall
+from msvalidate.case.headline import overall
 from msvalidate.case.reading import parse_source, read_source
 from msvalidate.judging.sweep import end_with_parent
 from msvalidate.output.figures import add_shared_legend, new_figure, series_style

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import textwrap
 import tomllib
 from pathlib import Path
 
 from msvalidate import case
-from msvalidate.case.advice import Advice, advice_lines, advice_record, advise
+from msvalidate.case.advice import Advice, advice_lines, advice_record, advise, constants_lines
 from msvalidate.case.identify import identified_lines, identify_lattice
 from msvalidate.case.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
@@ -19,6 +20,7 @@ from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
+from msvalidate_check.text import WIDTH, align_table
 
 
 def print_advice(args: argparse.Namespace) -> int:
@@ -27,19 +29,16 @@ def print_advice(args: argparse.Namespace) -> int:
 
 
 def _material(args: argparse.Namespace) -> tuple[Isotropic, str]:
-    """The material, and what was taken for what is not given."""
+    """Material, and the line that describes it, with the defaults that were taken."""
     t = args.thickness
     state: State = args.state or ("solid" if t is None else "plane_stress")
     if state == "solid" and t is not None:
         raise ProblemError("--thickness: a solid has none; leave it out, or take a plane --state")
-    density = 1000.0 if args.density is None else args.density
+    density = Isotropic.density if args.density is None else args.density
     m = Isotropic(args.E, args.nu, state, density, 1.0 if t is None else t)
     thick = f", {m.thickness:g} m thick" if m.dim == 2 else ""
-    names = ("state", "density")
-    first, then = (
-        " (taken; another by --" + n + ")" if not getattr(args, n) else "" for n in names
-    )
-    return m, f"E = {m.E:g} Pa, nu = {m.nu:g} in {state}{first}{thick}, {density:g} kg/m³{then}"
+    default = "" if args.state else " (default; another by --state)"
+    return m, f"E = {m.E:g} Pa, nu = {m.nu:g}, {state}{default}{thick}"
 
 
 def _advise(args: argparse.Namespace) -> list[str]:
@@ -65,14 +64,19 @@ def _advise(args: argparse.Namespace) -> list[str]:
         records = [advice_record(advice) for advice in found]
         record = {"lattices": records, "cannot": cannot, "springs_alone": price}
         return [json.dumps(record, ensure_ascii=False, indent=1)]
-    lines = [head, *([price] if price else []), _letters(found[0].material)]
-    lines += [line for advice in found for line in advice_lines(advice)]
+    summary = [head, *([price] if price else []), _letters(found[0].material)]
+    summary += constants_lines(found)
+    summary += [f"not for this material: {', '.join(cannot)}"] * bool(cannot)
+    summary += _engines(args.engine, found[0], notes=args.verbose)
+    if not args.verbose:
+        return [line for text in summary for line in textwrap.wrap(text, WIDTH) or [text]]
+    lines = [*summary, *(line for advice in found for line in advice_lines(advice))]
     lines += [f"not {name}: {why.split(' lattice: ')[-1]}" for name, why in cannot.items()]
     if not args.lattice:
         plain = {2: "square", 3: "cubic18"}[material.dim]
         known = mistake_lines(material, plain, args.spacing)
         lines += ["known mistakes:", *(f"  {line}" for line in known)]
-    return lines + _engines(args.engine, found[0])
+    return lines
 
 
 def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic], str]:
@@ -104,28 +108,28 @@ def _letters(m: Isotropic) -> str:
     )
 
 
-def _engines(engine: str | None, advice: Advice) -> list[str]:
-    """Lines with the constants of a lattice or material as other programs take them."""
+def _engines(engine: str | None, advice: Advice, *, notes: bool) -> list[str]:
+    """Table of the numbers that other programs take, with notes and sources if requested."""
     if engine is None:
-        return ["how other programs take these: --engine springs, --engine cells"]
+        return ["numbers for other programs: --engine springs, --engine cells; formulas: -v"]
     m, springs = advice.material, engine == "springs"
     lam, mu = lame(3, m.E, m.nu)
     names = {"mu": mu, "lam": lam, "E": m.E, "rho": m.density, "t": m.thickness}
     each = [names | {"k": kind.constant, "L": kind.length} for kind in advice.kinds]
-    whose = f"programs take {advice.lattice}'s" if springs else "programs of elements take these"
-    lines = [f"how other {whose}:"]
+    rows = []
     table = Path(case.__file__).with_name("engines.toml").read_text(encoding="utf-8")
     for row in tomllib.loads(table)["engine"]:
         if (row["takes"] != "elements") == springs and row.get("axes", m.dim) == m.dim:
-            factor, number = row["factor"], ""
+            factor, number = row["factor"], "none"
             if factor:  # of our own table
                 values = dict.fromkeys(f"{eval(factor, known):.6g}" for known in each)  # noqa: S307
-                number = f"{factor} = {', '.join(values)} {row['unit']}; "
-            lines.append(f"  {row['name']}: {number}{row['note']} {row['source']}")
-    return lines
+                number = f"{factor} = {', '.join(values)} {row['unit']}"
+            rows.append((row["name"], number, *([row["note"], row["source"]] if notes else [])))
+    heads = ("program", f"of {advice.lattice}" if springs else "of the material", "note", "source")
+    return ["", *align_table(heads[: len(rows[0])], rows)]
 
 
-def _identify(args: argparse.Namespace) -> tuple[str, ...]:
+def _identify(args: argparse.Namespace) -> list[str]:
     """Lines about the elastic solid that given springs represent."""
     thickness = args.thickness
     if args.identify:

@@ -14,7 +14,6 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import replace
 from datetime import UTC, datetime
 
 from msvalidate.cli.outcome import Outcome, Task, run_task, unfinished
@@ -34,10 +33,8 @@ def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) ->
             began(task.name)
             yield run_task(task)
         return
-    # Workers have no terminal to themselves: bars would write over each other.
-    quiet = [replace(task, progress=False) for task in tasks]
-    alone = [task for task in quiet if catalogue.alone(task.name)]
-    yield from _run_in_parallel([task for task in quiet if task not in alone], jobs, began)
+    alone = [task for task in tasks if catalogue.alone(task.name)]
+    yield from _run_in_parallel([task for task in tasks if task not in alone], jobs, began)
     yield from _run_in_parallel(alone, 1, began)
 
 

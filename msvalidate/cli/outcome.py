@@ -35,7 +35,7 @@ DIED = "crashed: its process died"
 
 @dataclass(frozen=True)
 class Task:
-    """A study to be run as the options of a command, `args`, say, with bars on a terminal or not.
+    """A study to be run as the options of a command, `args`, say.
 
     Its tables are held `against` a folder, of the form that is run. One that puts together what
     others found is given their `results`.
@@ -43,7 +43,6 @@ class Task:
 
     name: str
     args: argparse.Namespace
-    progress: bool
     against: Path | None = None
     results: Results | None = None
 
@@ -131,7 +130,7 @@ def _since(started: datetime) -> float:
 def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
     """Evidence of a study and its verdict, by its own limits or a candidate's."""
     run, args = catalogue.load(task.name).run, task.args
-    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=task.progress)
+    setting = Setting(quick=args.form == "quick", seed=args.seed)
     if args.questions is not None and "questions" not in inspect.signature(run).parameters:
         raise ProblemError(f"--questions: {task.name} has one question only; leave it out")
     if args.candidate:

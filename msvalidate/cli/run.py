@@ -18,7 +18,8 @@ from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE
 from msvalidate.cli.candidates import check_candidate
 from msvalidate.cli.jobs import run_tasks
 from msvalidate.cli.outcome import Outcome, Task
-from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
+from msvalidate.cli.progress import Progress, log_path
+from msvalidate.cli.terminal import print_lines, tell, tell_error
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import is_missed
 from msvalidate.judging.summary import NAME as SUMMARY
@@ -27,11 +28,11 @@ from msvalidate.output.results import Results
 from msvalidate.output.stored import Result, Stored
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.progress import report_stage
 from msvalidate.problem.records import replace
 from msvalidate_check import exchange
+from msvalidate_check.text import WIDTH
 
-WIDTH = 100
-"""Width of findings, in characters."""
 FINDINGS = 8
 """Lines of findings a study: with its question and what was left out, ten."""
 FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
@@ -51,8 +52,6 @@ def make_report(args: argparse.Namespace) -> int:
 def run_studies(args: argparse.Namespace) -> int:
     """Run and judge studies, saying how each ended, and write what they found."""
     _refuse(args)
-    if not args.quiet:
-        announce_compilation()
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
     codes, clock = [HELD], time.perf_counter()
     if args.verb == "check" and not args.update and not args.named:
@@ -60,7 +59,8 @@ def run_studies(args: argparse.Namespace) -> int:
         for name in baseline.unknown_folders(against, catalogue.names()):
             said = f"{args.form} baseline: {name} is no study; check --update leaves it out"
             codes.append(tell_error(said, NOTHING))
-    outcomes = _run(args, codes)
+    with Progress("studies", shown=not args.quiet, log=log_path(args.out)):
+        outcomes = _run(args, codes)
     finished = {each.name: each.files for each in outcomes if each.result}
     late = {each.name: each.files_beside for each in outcomes if not each.result}
     stored = report.publish(finished, args.out, late)
@@ -128,9 +128,10 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     def task(name: str) -> Task:
         # A study of a user's own has no baseline among ours: its tolerances alone judge it.
         own = against if args.baseline or catalogue.is_ours(name) else None
-        return Task(name, args, not args.quiet, own)
+        return Task(name, args, own)
 
     def began(name: str) -> None:
+        report_stage(name, args.studies)
         if args.verbose:
             tell(f"{name}: {catalogue.question(name)}")
 

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from tqdm import tqdm
 
 from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER
@@ -33,6 +32,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.progress import report_step
 from msvalidate.statics.equilibrium import (
     Equilibrium,
     equilibrium_at,
@@ -295,27 +295,18 @@ def _run_to_rest(
     allowed = given or run.most_steps()
     look_every = stride or max(method.look_every, run.look_every)
     started, monitor = time.perf_counter(), Monitor(run)
-    with tqdm(
-        total=1.0,
-        desc=method.title,
-        delay=1.0,
-        disable=None,
-        leave=False,
-        bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
-    ) as bar:
-        while True:
-            seen = monitor.record()
-            if not bar.disable:
-                monitor.show(bar)
-            at_ease = run.test.met(seen.residual, seen.kinetic)
-            enough = watch is not None and watch(run)
-            if at_ease or enough:
-                return monitor.result(time.perf_counter() - started), at_ease
-            if run.steps >= allowed:
-                raise SolverError(monitor.unfinished)
-            run.until = min(run.steps + look_every, allowed)
-            while run.block > 0:
-                next(walk)
+    while True:
+        seen = monitor.record()
+        monitor.report()
+        at_ease = run.test.met(seen.residual, seen.kinetic)
+        enough = watch is not None and watch(run)
+        if at_ease or enough:
+            return monitor.result(time.perf_counter() - started), at_ease
+        if run.steps >= allowed:
+            raise SolverError(monitor.unfinished)
+        run.until = min(run.steps + look_every, allowed)
+        while run.block > 0:
+            next(walk)
 
 
 class HistoryRow(NamedTuple):
@@ -388,13 +379,12 @@ class Monitor:
             seconds=seconds,
         )
 
-    def show(self, bar: tqdm[None]) -> None:
-        """Show how far it is on the way to rest, in logarithms of the residual."""
+    def report(self) -> None:
+        """Report how far the run is on the way to rest, in logarithms of the residual."""
         first, last = self.history[0].residual, self.history[-1]
-        if not first:
-            return
         target = self.run.test.target()
+        if not (first and target):
+            return
         way = math.log(first / max(last.residual, target)) / math.log(max(first / target, 2))
-        bar.n = max(bar.n, min(way, 1.0))
-        bar.set_postfix(step=last.step, residual=f"{last.residual:.2g} N", refresh=False)
-        bar.update(0)
+        text = "%s: %.0f %% of the way to rest, step %d, residual %.2g N"
+        report_step(text, self.run.title, 100 * min(max(way, 0.0), 1.0), last.step, last.residual)

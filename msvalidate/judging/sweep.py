@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from typing import TypeVar
 
-from tqdm import tqdm
-
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type, whole_number
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 
 Case = TypeVar("Case")
@@ -36,18 +35,14 @@ class Setting:
     executor
         Runs the cases of a sweep: any `concurrent.futures` executor, or the one that a Dask
         client's ``get_executor()`` returns. None runs them here, one after another.
-    progress
-        Whether long sweeps show a bar on a terminal.
     """
 
     quick: bool = False
     seed: int = 0
     executor: Executor | None = None
-    progress: bool = False
 
     def __post_init__(self) -> None:
-        for name, value in (("quick", self.quick), ("progress", self.progress)):
-            require_type(name, value, bool)
+        require_type("quick", self.quick, bool)
         whole_number("seed", self.seed, 0, MOST_SEED)
         if not (self.executor is None or callable(getattr(self.executor, "map", None))):
             raise ProblemError(
@@ -72,15 +67,11 @@ class Setting:
             )
         todo = list(cases)
         run = map if self.executor is None else self.executor.map
-        bar = tqdm(
-            run(function, todo),
-            total=len(todo),
-            desc=label,
-            delay=0.5,
-            leave=False,
-            disable=None if self.progress else True,
-        )
-        return list(bar)
+        found = list[Result]()
+        for result in run(function, todo):
+            found.append(result)
+            report_step("%s: %d of %d cases", label, len(found), len(todo))
+        return found
 
     def one_by_one(
         self, function: Callable[[Case], Result], cases: Iterable[Case], label: str

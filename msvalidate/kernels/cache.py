@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import logging
 import os
 import pickle
 import secrets
@@ -29,8 +28,8 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
-LOG = logging.getLogger(__name__)
-"""Says what is compiled, at level INFO."""
+from msvalidate.problem.progress import report_step
+
 HERE = Path(__file__).resolve().parent
 OUTSIDE = (
     HERE.parent / "network" / "layout.py",
@@ -109,7 +108,7 @@ class KernelCache:
             content = b""
         told, data = content[:32], content[32:]
         if not data or hashlib.sha256(data).digest() != told:
-            LOG.info("%s: compiling", self._name)
+            report_step("first run: compiling %s; later runs load it", self._name)
             return None
         rebuilt: Any = CompileResult._rebuild
         return rebuilt(target_context, *pickle.loads(data))  # noqa: S301  our own

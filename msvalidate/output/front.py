@@ -28,12 +28,11 @@ TOPIC = ("topic", "says", "topic_verdict", "found", "studies")
 ROUNDING = 1e-9
 """A number of the ledger below this is shown as 0."""
 MEASURED = ("number", "unit", "side", "bound", "measure")
-SHOWN = ("body", "springs", "material", "verdict", "condition", "study", "table")
+SHOWN = ("body", "springs", "verdict", "condition", "study", "table")
 """Columns of the rows that are shown as they are."""
 COLUMNS = {
     *SHOWN,
     *(
-        "across_coarse",
         "error_coarse",
         "error_at_20",
         "across_fine",
@@ -54,8 +53,6 @@ class Line:
 
     body: str
     springs: str
-    material: str
-    coarse: str
     middle: str
     fine: str
     verdict: str
@@ -66,11 +63,6 @@ class Line:
     table: str
     coarse_at: float = math.nan
     fine_at: float = math.nan
-
-    @property
-    def cost(self) -> str:
-        """Cells for 1 % over those of linear elements, and the same of times where measured."""
-        return times(self.cells) + self.beside
 
     @property
     def beside(self) -> str:
@@ -200,7 +192,6 @@ def _line(row: Mapping[Hashable, str]) -> Line:
     """A row in words, from its `COLUMNS` and `TIMES`."""
     return Line(
         **{name: row[name] for name in SHOWN},
-        coarse=f"{percent(row['error_coarse'])} at {row['across_coarse']}",
         middle=percent(row["error_at_20"]),
         fine=_with_uncertainty(row["error_fine"], row["uncertainty_fine"])
         + f" at {row['across_fine']}",

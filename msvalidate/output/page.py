@@ -18,7 +18,8 @@ from msvalidate.judging.evidence import OPEN, is_missed
 from msvalidate.judging.summary import NAME as SUMMARY
 from msvalidate.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.output.rendering import Block, paragraphs_and_lists, render_template
+from msvalidate.output.rendering import Block, paragraphs_and_lists
+from msvalidate.output.screen import FirstScreen, Summary, render_screen
 from msvalidate.output.stored import NUMBERS, Stored
 from msvalidate.output.summary import summary_sentence, summary_texts
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
@@ -42,6 +43,8 @@ TABLES_FIRST = ("good_for", "summary", "cases")
 """Tables that a reader wants first: above the others, and open."""
 MANY_COLUMNS = 10
 """Tables with more columns are printed on pages that lie on their side."""
+EYEBROW = "msvalidate: spring networks compared with elasticity"
+HEADING = "How accurate are mass-spring networks?"
 GLANCED = 3
 """Findings, and failures, above all else on the page of one study."""
 LONG = 28
@@ -99,17 +102,6 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Summary:
-    """Short table of the first screen: sentence, quantity, heads, rows, and columns of numbers."""
-
-    sentence: str
-    quantity: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    numeric: Sequence[bool]
-
-
-@dataclass(frozen=True)
 class Section:
     """A study as the page shows it."""
 
@@ -128,6 +120,7 @@ class Section:
     seconds: float
     cover: Picture | None
     summary: Summary | None
+    sentence: str
     advice: str
 
     @property
@@ -162,22 +155,34 @@ def render_page(studies: Sequence[Stored]) -> str:
     sections = [study_section(study, room) for study in studies]
     status, sentence = overall_verdict(sections)
     common, own = common_provenance(sections)
-    # One study: its question, verdict, findings and picture come before all else.
-    glance = sections[0] if len(sections) == 1 and not sections[0].error else None
-    return render_template(
+    # What our own springs are good for is no part of what is said of somebody else's.
+    alone = len(sections) == 1 and not sections[0].error
+    foreign = bool(sections) and all(s.candidate for s in sections)
+    front = None if alone or foreign else first_screen(studies)
+    glance = sections[0] if alone else None
+    emblem = next((p for s in sections for p in s.pictures if p.file == FIGURE), None)
+    screen = FirstScreen(
+        EYEBROW,
+        HEADING,
+        status,
+        front.verdict if front and front.lines else sentence,
+        front.advice if front else "",
+        picture=emblem,
+        remarks=[sentence] * bool(front and front.lines),
+    )
+    if glance:
+        screen = _screen_of(glance)
+    return render_screen(
         "report.html",
+        screen,
+        {"verdict": "verdict"} | {section.anchor: section.name for section in sections},
         status=status,
         sentence=sentence,
         heading=verdict_heading(sections),
         sections=sections,
         glance=glance,
-        glanced=glance.cover if glance else None,
         shown=GLANCED,
-        # What our own springs are good for is no part of what is said of somebody else's.
-        front=None
-        if glance or (sections and all(s.candidate for s in sections))
-        else first_screen(studies),
-        picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
+        front=front,
         ledger=next((ledger(s.tables[SENTENCES]) for s in studies if SENTENCES in s.tables), ()),
         there={section.name: section.anchor for section in sections},
         # An unfinished study's rows are of the run before: they say nothing about this one.
@@ -190,6 +195,21 @@ def render_page(studies: Sequence[Stored]) -> str:
     )
 
 
+def _screen_of(study: Section) -> FirstScreen:
+    """First screen of the page of one study."""
+    findings = study.findings[:GLANCED]
+    return FirstScreen(
+        " · ".join(filter(None, (EYEBROW, study.origin.get("command", "")))),
+        study.question,
+        study.status,
+        study.sentence or next(iter(findings), ""),
+        study.advice,
+        study.summary,
+        study.cover,
+        () if study.summary else findings[1:],
+    )
+
+
 def study_section(study: Stored, room: int = PICTURES) -> Section:
     """A study as the page shows it, with so much room (bytes) for pictures."""
     question, _, rest = inspect.cleandoc(study.question).partition("\n")
@@ -197,6 +217,7 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
     rows = judgements(study)
     pictures = embed_pictures(study.name, study.pictures, room)
     inside = [each for each in pictures if each.source]
+    summary, sentence = _summary(study)
     cover = f"{study.name}/{study.cover}.svg"
     return Section(
         name=study.name,
@@ -213,19 +234,21 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
         origin=study.origin,
         seconds=study.seconds,
         cover=next((each for each in inside if each.file == cover), next(iter(inside), None)),
-        summary=_summary(study),
+        summary=summary,
+        sentence=sentence,
         advice=" ".join(advice[1].split()) if advice else "",
     )
 
 
-def _summary(study: Stored) -> Summary | None:
-    """Table `summary` of a study for its first screen, if the study has one."""
+def _summary(study: Stored) -> tuple[Summary | None, str]:
+    """Table `summary` of a study for its first screen, and its verdict as one sentence."""
     table = study.tables.get(SUMMARY)
     if table is None or "difference" not in table:
-        return None
+        return None, ""
     quantity = study.columns.get(column_key(SUMMARY, "springs", study.columns), "")
-    texts = summary_texts(table, study.labels)
-    return Summary(summary_sentence(table, study.labels), quantity, *texts)
+    caption = f"{quantity[:1].upper()}{quantity[1:] or SUMMARY}."
+    made = Summary(caption, *summary_texts(table, study.labels))
+    return made, summary_sentence(table, study.labels)
 
 
 def study_status(study: Stored) -> str:

@@ -185,6 +185,8 @@ class BodyRow:
         The same, moved by `AWAY`, where positions in floats are coarser.
     driven
         Cause of the motion, as of the frozen case: "loads", "weight" or "supports".
+    move
+        (n, 3) m of the nodes, for figures.
     """
 
     body: str
@@ -200,6 +202,7 @@ class BodyRow:
     loaded_more: float = math.nan
     far_away: float = math.nan
     driven: str = ""
+    move: Array | None = None
 
     @property
     def is_explained(self) -> bool:
@@ -298,7 +301,16 @@ def body_row(
     rest = stated_residual_motion(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
     row = BodyRow(
-        body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even, driven=case.driven
+        body,
+        case.name,
+        case.mesh,
+        error,
+        on_mesh,
+        rest,
+        None,
+        even=found.even,
+        driven=case.driven,
+        move=found.move,
     )
     if law is None:
         asked = request.material.E, request.material.nu

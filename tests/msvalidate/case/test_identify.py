@@ -99,10 +99,10 @@ def test_a_body_of_a_material_is_that_material(name, tmp_path):
         mass=network.mass,
         rest_length=network.rest_length,
     )
-    lines = identified_lines(identify_files(springs), 0.2)
-    where = "plane stress" if d == 2 else "isotropic:"
-    assert f"{where} E = {E:.6g} Pa, nu = 0.4" in lines[2].replace("2800000000 ", "2.8e+09 ")
-    assert "of this body, nothing held" in lines[3]
+    text = " ".join(" ".join(identified_lines(identify_files(springs), 0.2)).split())
+    where = "plane stress" if d == 2 else "isotropic"
+    assert f"{where} E = {E:.6g} Pa, nu = 0.4" in text.replace("2800000000 ", "2.8e+09 ")
+    assert "of this body, nothing held" in text
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -176,13 +176,13 @@ def test_other_classes_are_refused(tmp_path):
 def test_the_command_identifies(tmp_path, capsys):
     words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa -.5e3 --spacing 2mm"
     assert main(words.split()) == 0
-    assert "): 2500, 500, 0; 500, 2500, 0; 0, 0, 1000" in capsys.readouterr().out
+    assert " xx yy xy 2500 500 0 500 2500 0 0 0 1000 " in " ".join(capsys.readouterr().out.split())
     sample = repeat_cell(LATTICES["square"](), 3)
     k = sample.stiffness((2.0, 1.0))
     files = written(
         tmp_path, sample.points, sample.springs, k, mass=np.full(len(sample.points), 1.0)
     )
     assert main(["advise", "--identify", str(files), "--period", "300cm", "3"]) == 0
-    out = capsys.readouterr().out
-    assert "isotropic: E = 2.66666667 N/m, nu = 0.333333333" in out
-    assert "of any wave at most; step of leapfrog and Euler-Cromer" in out
+    out = " ".join(capsys.readouterr().out.split())
+    assert "isotropic E = 2.66666667 N/m, nu = 0.333333333" in out
+    assert "of any wave at most step leapfrog and Euler-Cromer" in out

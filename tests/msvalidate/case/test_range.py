@@ -30,7 +30,7 @@ def stem(path):
 @cache
 def record_of(path):
     """Verdict and all text that a case leaves, page and tables together."""
-    _, content = case_files(read_case(path), plots=False)
+    *_, content = case_files(read_case(path), plots=False)
     text = [each.decode() for name, each in content.items() if name.endswith((".json", ".csv"))]
     page = re.sub(r'<p class="more"><b>agrees.*?</p>', "", content["case.html"].decode())
     return json.loads(content["verdict.json"]), "\n".join(text), page
@@ -79,7 +79,7 @@ def test_commands_end_with_the_same_word(tmp_path, capsys):
     for words in (["run", str(path)], ["judge", str(path), str(tmp_path / "u.csv")]):
         assert main(["case", *words, *out]) == 1
         said = capsys.readouterr()
-        assert ": not resolved\n  " in said.out
+        assert ": Not resolved: " in said.out
         assert "agrees" not in said.out + said.err
     sets = ("--set", "material.E=1e6,1e12", "--set", "springs.cells=4")
     assert main(["case", "run", str(path), *out, *sets]) == 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
 import pytest
 
@@ -29,7 +31,8 @@ def rows(*each):
 def test_stored_rows_are_told_in_per_cent():
     found = front.first_screen([stored("overview", "good_for", rows(ROW))])
     (line,) = found.lines
-    assert (line.coarse, line.fine, line.cost) == ("7.8 % at 5", "0.17 % at 80", "0.92 times")
+    assert (line.fine, line.cells) == ("0.17 % at 80", "0.92")
+    assert 0 < line.fine_at < line.coarse_at < 100
     assert found.source == "the full run of 2026-01-01 00:00 UTC"
 
 
@@ -66,7 +69,7 @@ def test_damaged_rows_are_not_shown():
     assert found.source == f"{front.COMMITTED}, as what overview left is not whole"
     words = ROW | {"error_coarse": "none", "cells_over_linear": "not asked"}
     (line,) = front.first_screen([stored("overview", "good_for", rows(words))]).lines
-    assert (line.coarse, line.cost) == ("none at 5", "not asked")
+    assert (math.isnan(line.coarse_at), line.beside) == (True, "")
 
 
 def test_the_reports_topics_and_verdicts_come_from_the_stored_ledger():
