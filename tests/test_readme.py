@@ -79,7 +79,7 @@ def test_the_ledger_is_that_of_the_committed_baseline():
 
 
 def test_readme_and_pages_describe_one_reference():
-    page = (ROOT / "msvalidate/output/templates/base.html").read_text(encoding="utf-8")
+    page = (ROOT / "msvalidate/output/templates/reference.html").read_text(encoding="utf-8")
     (sentences,) = re.findall(r"<p.*?>(.*)</p>", page)
     assert sentences in re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", " ".join(README.split()))
     rows = re.findall(r"^\| [A-Z]\d \|.* ([\d.]+) to ([\d.]+) \|$", TEXTS["docs/speed.md"], re.M)
