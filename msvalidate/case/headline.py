@@ -76,8 +76,11 @@ def springs_sentence(found: Comparison) -> str:
     """Verdict on the springs of a case as one sentence."""
     word = overall(found.rows)
     if word == NOT_ASKED:
-        why = (each.why if isinstance(each, NotCompared) else each for each in found.notes)
-        return f"Nothing was compared: {'; '.join(why)}."
+        why = "; ".join(
+            f"{each.quantity}, {each.why}" if isinstance(each, NotCompared) else each
+            for each in found.notes
+        )
+        return f"Nothing was compared: {why}."
     if word not in {AGREES, DIFFERS}:
         return f"Not resolved: {_unresolved_reason(found.rows, found)}."
     wanted = found.reference.displacement.value

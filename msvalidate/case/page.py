@@ -28,7 +28,7 @@ from msvalidate.judging.columns import column_key, read_columns
 from msvalidate.lattice import CutLattice
 from msvalidate.lattice.cut import narrow_holes
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.output.page import Table, table_excerpt
+from msvalidate.output.excerpt import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.screen import FirstScreen, Summary
 from msvalidate.problem import (

@@ -11,11 +11,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import pandas as pd
-
 from msvalidate.judging.columns import column_key
 from msvalidate.judging.evidence import OPEN, is_missed
 from msvalidate.judging.summary import NAME as SUMMARY
+from msvalidate.output.excerpt import TABLES_FIRST, Table, format_number, table_excerpt
 from msvalidate.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.rendering import Block, paragraphs_and_lists
@@ -24,8 +23,6 @@ from msvalidate.output.stored import NUMBERS, Stored
 from msvalidate.output.summary import summary_sentence, summary_texts
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
 
-ROWS_SHOWN = 12
-"""Longer tables are shown by their first rows; the CSV has them all."""
 PICTURES = 1_500_000
 """Bytes of pictures inside the page, shared out evenly among the studies."""
 LAYERS = {
@@ -35,20 +32,12 @@ LAYERS = {
     "baseline": "the values of the committed tables",
 }
 """Layer of judgement -> what it holds values to, in the order of the page."""
-WHOLE = ("good_for", "topics", "ledger")
-"""Tables of which every row is shown."""
 SUMMARISED = "baseline"
 """Layer of which only failures are listed, since it has every number."""
-TABLES_FIRST = ("good_for", "summary", "cases")
-"""Tables that a reader wants first: above the others, and open."""
-MANY_COLUMNS = 10
-"""Tables with more columns are printed on pages that lie on their side."""
 EYEBROW = "msvalidate: spring networks compared with elasticity"
 HEADING = "How accurate are mass-spring networks?"
 GLANCED = 3
 """Findings, and failures, above all else on the page of one study."""
-LONG = 28
-"""Characters beyond which a cell is prose, which needs some width to be readable."""
 PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
 MISSES = (FAIL, DIFFERS)
 STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
@@ -56,7 +45,6 @@ STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
 
 ADVICE = re.compile(r"^Recommendation: (.*?)(?:\n\s*\n|\Z)", re.DOTALL | re.MULTILINE)
 """Paragraph of a study's docstring that its first screen shows as the recommendation."""
-_NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
 
 
 Judged = Mapping[str, str]
@@ -73,32 +61,6 @@ class Layer:
     missed: int
     listed: tuple[Judged, ...]
     open: int = 0
-
-
-@dataclass(frozen=True)
-class Column:
-    """Name, meaning and head of a column, and how its cells are set."""
-
-    name: str
-    meaning: str
-    kind: str
-    label: str
-
-
-@dataclass(frozen=True)
-class Table:
-    """The first rows of a table."""
-
-    name: str
-    columns: tuple[Column, ...]
-    rows: tuple[tuple[str, ...], ...]
-    length: int
-    open: bool
-
-    @property
-    def wide(self) -> bool:
-        """True if the table needs a landscape page in print."""
-        return len(self.columns) > MANY_COLUMNS
 
 
 @dataclass(frozen=True)
@@ -357,67 +319,3 @@ def tables(study: Stored) -> tuple[Table, ...]:
     names = sorted(study.tables, key=lambda name: name not in TABLES_FIRST)
     known = study.columns, study.labels
     return tuple(table_excerpt(name, study.tables[name], *known) for name in names)
-
-
-def table_excerpt(
-    name: str, content: pd.DataFrame, meanings: Mapping[str, str], labels: Mapping[str, str]
-) -> Table:
-    """The first rows of a table, its numbers with six digits."""
-
-    def of(column: object, known: Mapping[str, str], default: str) -> str:
-        return known.get(column_key(name, str(column), known), default)
-
-    texts = {column: [str(value) for value in content[column]] for column in content}
-    shown = len(content) if name in WHOLE else ROWS_SHOWN
-    kept = [format_column(values)[:shown] for values in texts.values()]
-    return Table(
-        name=name,
-        columns=tuple(
-            Column(
-                str(column),
-                of(column, meanings, ""),
-                column_kind(values),
-                of(column, labels, str(column)),
-            )
-            for column, values in texts.items()
-        ),
-        rows=tuple(zip(*kept, strict=True)),
-        length=len(content),
-        open=name in TABLES_FIRST,
-    )
-
-
-def column_kind(values: Sequence[str]) -> str:
-    """Kind of a column: "number" (even if among words), "word" or "prose"."""
-    if any(_NUMBER.fullmatch(value) for value in values):
-        return "number"
-    return "prose" if any(len(value) > LONG for value in values) else "word"
-
-
-def format_column(values: Sequence[str]) -> list[str]:
-    """A column's values with six digits.
-
-    If no value has more, they are left as they are: digits such as those of 0.2000 are meant.
-    """
-    if not any(_has_many_digits(value) for value in values):
-        return list(values)
-    return [format_number(float(value)) if _is_decimal(value) else value for value in values]
-
-
-def format_number(value: float) -> str:
-    """A number with six digits; zero has no sign."""
-    return f"{value + 0.0:.6g}"
-
-
-def _is_decimal(value: str) -> bool:
-    """Return True for a number that is not written as an integer."""
-    found = _NUMBER.fullmatch(value)
-    return bool(found) and not value.lstrip("+-").isdigit()
-
-
-def _has_many_digits(value: str) -> bool:
-    """Return True for a decimal number with more than six digits."""
-    found = _NUMBER.fullmatch(value)
-    if found is None or not _is_decimal(value):
-        return False
-    return len(found["digits"].replace(".", "").lstrip("0")) > 6

@@ -8,7 +8,6 @@ source whose key the page contains.
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -20,13 +19,10 @@ from msvalidate.problem.records import dataclass
 
 BIBLIOGRAPHY = "references.bib"
 """File of all sources; a wheel has it inside the package."""
-ACCENTS = {"'": "\u0301", '"': "\u0308", "`": "\u0300", "c": "\u0327", "v": "\u030c"}
-"""Accent of the bibliography -> combining character."""
 FIELDS = ("author", "title", "journal", "booktitle", "publisher", "school", "howpublished", "note")
 """Fields of a source that are shown, in this order; the year follows."""
 _ENTRY = re.compile(r"^@\w+\{(\w+),(.*?)^\}", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"(\w+)\s*=\s*\{((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}")
-_ACCENT = re.compile(r"\\(['\"`cv])\s*\{?(\w)\}?")
 _KEYS = re.compile(r"\[(\w+(?:,\s+\w+)*)\]")
 
 
@@ -98,12 +94,7 @@ def bibliography() -> dict[str, str]:
 
 
 def _entry_text(entry: Mapping[str, str]) -> str:
-    shown = [_plain(entry[name]) for name in FIELDS if name in entry]
+    shown = [
+        re.sub(r"[{}]|\.$", "", " ".join(entry[name].split())) for name in FIELDS if name in entry
+    ]
     return f"{'. '.join(shown)}{', ' * ('year' in entry)}{entry.get('year', '')}."
-
-
-def _plain(text: str) -> str:
-    """Text of the bibliography without its markup."""
-    text = text.replace(r"\ss", "ß").replace(r"\&", "&").replace("--", "–")
-    text = _ACCENT.sub(lambda m: unicodedata.normalize("NFC", m[2] + ACCENTS[m[1]]), text)
-    return " ".join(re.sub(r"[{}]", "", text).split()).rstrip(".")

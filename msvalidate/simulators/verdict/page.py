@@ -22,7 +22,7 @@ from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
 PAGE = "check.html"
 CAPTIONS = {
     "gate": "Each question was passed, failed, or could not be answered.",
-    "bodies at rest": "Error, and the factor by which each cause multiplies the displacement.",
+    "bodies at rest": "Error, and factor of the displacement by each cause; an empty cell is 1.",
     "law at small strain": "Modulus and ratio as requested, as documented, and as measured.",
 }
 """Beginning of a table's title -> its caption."""
