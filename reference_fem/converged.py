@@ -1,6 +1,6 @@
 """A problem's solution with its own error: on meshes each twice as fine as the last.
 
-Every quantity is read off each mesh, and `closing_in` tells how far the last is from the limit.
+Every quantity is read off each mesh, and `richardson` tells how far the last is from the limit.
 Some questions have none, and corners where materials cross hide how slow they are: `limits`.
 """
 
@@ -32,14 +32,6 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
-from reference_fem.closing_in import (
-    ROUNDING,
-    TRUSTED_ORDER,
-    TWO_MESHES,
-    Estimate,
-    close_in,
-    unlimited,
-)
 from reference_fem.effort import MEMORY, More, fits_within, one_more_mesh
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.first_mesh import MOST_MIXED, MOST_NODES, first_mesh
@@ -49,6 +41,14 @@ from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
+from reference_fem.richardson import (
+    ROUNDING,
+    TRUSTED_ORDER,
+    TWO_MESHES,
+    Estimate,
+    close_in,
+    unlimited,
+)
 from reference_fem.systems.cells import ElasticForces
 from reference_fem.systems.direct import favours_factor
 from reference_fem.systems.nested import NESTED, Nested

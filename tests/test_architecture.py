@@ -91,7 +91,7 @@ def test_sources_are_found():
     for package in HOMES:
         least = 2 if package == "msvalidate_check" else 10
         assert sum(within(module, package) for module in SOURCES) > least, package
-    assert {"problem", "network", "statics", "cli"} <= FOLDERS
+    assert {"problem", "springs", "bench", "cli"} <= FOLDERS
 
 
 # --- independence of the reference, by its source -------------------------------------------------
@@ -156,14 +156,14 @@ def test_optional_guard_fires():
 def test_import_guard_fires():
     planted = (
         "import msvalidate",
-        "import msvalidate.constants",
-        "import msvalidate.problem, msvalidate.lattice",
-        "import msvalidate.constants as problem",
+        "import msvalidate.springs.constants",
+        "import msvalidate.problem, msvalidate.springs.lattice",
+        "import msvalidate.springs.constants as problem",
         "import msvalidate.problems",
         "from msvalidate import lattice",
         "from msvalidate import Problem",
         "from msvalidate import problem, network",
-        "from msvalidate.constants.stiffness import square_tensor",
+        "from msvalidate.springs.constants.stiffness import square_tensor",
         "from msvalidate.problem_of_mine import Box",
         "from msvalidate import *",
         "import studies",
@@ -175,18 +175,18 @@ def test_import_guard_fires():
         "from .. import msvalidate",
         "from ..msvalidate.constants import stiffness",
         "def solve():\n    from msvalidate import constants",
-        "if TYPE_CHECKING:\n    from msvalidate.lattice import Lattice",
-        "try:\n    import msvalidate.kernels\nexcept ImportError:\n    pass",
+        "if TYPE_CHECKING:\n    from msvalidate.springs.lattice import Lattice",
+        "try:\n    import msvalidate.springs.kernels\nexcept ImportError:\n    pass",
         "import importlib",
         "from importlib import import_module",
         "import importlib.util as u",
-        "__import__('msvalidate.constants')",
+        "__import__('msvalidate.springs.constants')",
         "load = __import__",
-        "__builtins__['__import__']('msvalidate.constants')",
-        "exec('import msvalidate.constants')",
+        "__builtins__['__import__']('msvalidate.springs.constants')",
+        "exec('import msvalidate.springs.constants')",
         "eval('1')",
         "import runpy",
-        "import sys\nsys.modules['msvalidate.constants']",
+        "import sys\nsys.modules['msvalidate.springs.constants']",
         "import subprocess",
     )
     assert unnoticed(dependent, planted) == []
@@ -295,9 +295,10 @@ def test_reference_loads_nothing_of_the_springs():
 
 
 PLANTED = {
-    "early": "import msvalidate.constants.stiffness",
-    "hidden": "getattr(__import__('importlib'), 'import' + '_module')('msvalidate.lattice')",
-    "late": "def solve():\n    import msvalidate.network.mechanism",
+    "early": "import msvalidate.springs.constants.stiffness",
+    "hidden": "getattr(__import__('importlib'), 'import' + '_module')("
+    "'msvalidate.springs.lattice')",
+    "late": "def solve():\n    import msvalidate.springs.network.mechanism",
     "front": "import msvalidate\nmsvalidate.relax",
     "library": "import numba",
 }
@@ -311,19 +312,22 @@ def test_process_guard_fires(tmp_path):
         (package / f"{name}.py").write_text(text, encoding="utf-8")
     found = set(alien(loaded_by("planted_fem", "package.late.solve()", tmp_path)))
     seen = ("constants.stiffness", "lattice", "network.mechanism", "dynamics.relax")
+    seen = [f"springs.{name}" for name in seen]
     assert {"numba", *(f"msvalidate.{name}" for name in seen)} <= found
 
 
 def test_springs_load_nothing_of_the_reference():
     # The other direction: what the reference computes must not reach the springs either.
     modules = loaded_by("msvalidate")
-    assert {"msvalidate.network", "msvalidate.cli.program"} <= set(modules)
+    assert {"msvalidate.springs.network", "msvalidate.cli.program"} <= set(modules)
     assert not [name for name in modules if within(name, "reference_fem") or within(name, "skfem")]
 
 
 # --- floors ---------------------------------------------------------------------------------------
 
-JUDGE = tuple(f"msvalidate.judging.{name}" for name in ("columns", "compare", "evidence", "rules"))
+JUDGE = tuple(
+    f"msvalidate.bench.judging.{name}" for name in ("columns", "compare", "evidence", "rules")
+)
 MAIN = ("msvalidate.__main__", "msvalidate.study")
 """Programs: what they define would exist twice, so they are imported by nobody."""
 
@@ -385,21 +389,27 @@ def test_folders_use_each_other_one_way_only():
     assert circle(graph) == []
 
 
-def part(module):
-    """The sub-package of the reference that a module is in, or else the module."""
-    return ".".join(module.split(".")[:2]) if within(module, "reference_fem") else module
+def part(module, package="reference_fem"):
+    """The subpackage (or module) of a package that a module is in, or else the module."""
+    depth = package.count(".") + 2
+    return ".".join(module.split(".")[:depth]) if within(module, package) else module
 
 
-def test_parts_of_the_reference_use_each_other_one_way_only():
-    graph = used(trees("reference_fem"), part)
-    assert {"reference_fem.mesh", "reference_fem.electric"} <= set(graph)
+PARTED = ["reference_fem"]
+PARTED += [f"msvalidate.{name}" for name in ("springs", "case", "simulators", "dielectric")]
+
+
+@pytest.mark.parametrize("package", PARTED)
+def test_subpackages_use_each_other_one_way_only(package):
+    graph = used(trees(package), lambda module: part(module, package))
+    assert len(graph) > 3
     assert circle(graph) == []
 
 
-def floors_drawn():
+def floors_drawn(whole="floor"):
     """Folder -> its floor, as ARCHITECTURE.md draws them, counted from the ground."""
     text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^floor +(\d+) +((?:[a-z_]+/ *)+)", text, flags=re.M)
+    rows = re.findall(rf"^{whole} +(\d+) +((?:[a-z_]+/ *)+)", text, flags=re.M)
     return {name.strip("/"): int(floor) for floor, names in rows for name in names.split()}
 
 
@@ -411,6 +421,21 @@ def test_the_drawing_is_true():
         for folder, targets in used(trees(), folder_of).items()
         for target in targets
         if folder in drawn and target in drawn and drawn[target] >= drawn[folder]
+    ]
+    assert upwards == []
+
+
+@pytest.mark.parametrize("name", ["springs", "case"])
+def test_the_drawing_of_a_package_is_true(name):
+    package, drawn = f"msvalidate.{name}", floors_drawn(name)
+    graph = used(trees(package), lambda module: part(module, package))
+    inside = {each: each.rpartition(".")[2] for each in graph if each.startswith(f"{package}.")}
+    assert set(drawn) == set(inside.values())
+    upwards = [
+        f"{each} uses {low}"
+        for each in inside
+        for low in graph[each] & set(inside)
+        if drawn[inside[low]] >= drawn[inside[each]]
     ]
     assert upwards == []
 
@@ -454,12 +479,13 @@ def test_floor_guard_fires(module, planted, why):
 
 
 def test_floor_guard_lets_pass():
+    judging = "msvalidate.bench.judging"
     allowed = {
-        "msvalidate.kernels": "from msvalidate.network import Network",
-        "msvalidate.judging.compare": "from msvalidate.judging.evidence import Observed",
-        "msvalidate.judging.evidence": "import pandas as pd\nfrom msvalidate.problem import Array",
+        "msvalidate.springs.kernels": "from msvalidate.springs.network import Network",
+        f"{judging}.compare": f"from {judging}.evidence import Observed",
+        f"{judging}.evidence": "import pandas as pd\nfrom msvalidate.problem import Array",
         "msvalidate.studies.poisson.block": "import reference_fem\nfrom . import controls",
-        "msvalidate.cli.program": "from msvalidate.output import report",
+        "msvalidate.cli.program": "from msvalidate.bench.output import report",
     }
     found = {module: misplaced(module, ast.parse(text)) for module, text in allowed.items()}
     assert not any(found.values()), found
@@ -467,9 +493,9 @@ def test_floor_guard_lets_pass():
 
 def test_circle_guard_fires():
     planted = {
-        "msvalidate.lattice": "from msvalidate.network import Network",
-        "msvalidate.network": "def f():\n    from msvalidate.constants import stiffness",
-        "msvalidate.constants.stiffness": "import msvalidate.lattice",
+        "msvalidate.springs.lattice": "from msvalidate.springs.network import Network",
+        "msvalidate.springs.network": "def f(): from msvalidate.springs.constants import stiffness",
+        "msvalidate.springs.constants.stiffness": "import msvalidate.springs.lattice",
         "reference_fem.mesh.boxes": "from reference_fem.electric.slab import Slab",
         "reference_fem.electric.mesh": "from reference_fem.mesh.checks import checked_cells",
     }
@@ -491,18 +517,18 @@ WRITERS = {
 }
 """Functions and methods that put something into a file or change a folder."""
 WRITING = {
-    "msvalidate.case.sweep": ("journal.open(", "journal.parent.mkdir("),
+    "msvalidate.case.report.sweep": ("journal.open(", "journal.parent.mkdir("),
     "msvalidate_check.exchange": ("",),
-    "msvalidate.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
-    "msvalidate.output.report": ("",),
-    "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.springs.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.bench.output.report": ("",),
+    "msvalidate.bench.output.vtu": ("tempfile.TemporaryDirectory(",),
     "msvalidate.simulators.exchange.program": ("tempfile.TemporaryDirectory(",),
-    "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
+    "msvalidate.bench.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.cli.program": ("os.open(os.devnull,",),
     "msvalidate.cli.terminal": ("open(os.devnull,",),
     "msvalidate.cli.progress": ("open(number,", "self._log."),
     "msvalidate.linear_algebra.factor": ("os.open(os.devnull,",),
-    "msvalidate.kernels.cache": (
+    "msvalidate.springs.kernels.cache": (
         *("path.parent.mkdir(", "part.write_bytes(", "part.unlink()"),
         *("shutil.rmtree(old,", "old.unlink("),
     ),
@@ -571,9 +597,11 @@ def uses_meshio(parsed):
 
 
 def test_two_modules_know_meshio():
-    known = {"msvalidate.bodies.mesh_file", "msvalidate.output.vtu"}
+    known = {"msvalidate.springs.bodies.mesh_file", "msvalidate.bench.output.vtu"}
     assert set(wrong_in(uses_meshio)) == known
-    assert "meshio.write" not in SOURCES["msvalidate.bodies.mesh_file"].read_text(encoding="utf-8")
+    assert "meshio.write" not in SOURCES["msvalidate.springs.bodies.mesh_file"].read_text(
+        encoding="utf-8"
+    )
 
 
 def test_meshio_guard_fires():

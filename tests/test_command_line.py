@@ -89,13 +89,13 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 from msvalidate.cli import program as study
-from msvalidate.judging import catalogue
+from msvalidate.bench.judging import catalogue
 """
 STUDY = """
 import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.output import baseline
-from msvalidate.output.figures import new_figure
+from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.bench.output import baseline
+from msvalidate.bench.output.figures import new_figure
 from msvalidate.problem import ProblemError, SolverError
 def found(gap=0.0, reference=0.0, tables=None, figures={}, **more):
     tables = tables or {"t": pd.DataFrame({"x": [1.0]})}
@@ -119,7 +119,7 @@ def patched(body, script=PATCHED, made=STUDY):
 
 TINY = '''"""How long is μ ± σ²?"""
 import pandas as pd
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
 FAULTS = {}
 def run(setting):
     table = pd.DataFrame({"length": range(50), "word": "μ ± σ²"})
@@ -314,7 +314,7 @@ def test_verbose_crash_shows_where(tmp_path):
     assert "Traceback" in done.stderr
 
 
-BROKEN = "from msvalidate.output import report\nreport.publish = lambda *_: {}['key']\n"
+BROKEN = "from msvalidate.bench.output import report\nreport.publish = lambda *_: {}['key']\n"
 
 
 @pytest.mark.parametrize("verbose", [True, False])
@@ -616,7 +616,7 @@ def test_a_place_for_junit_that_is_taken(checked):
 
 SINGLE = """
 import numpy as np
-from msvalidate.judging.candidate import solve_springs
+from msvalidate.bench.judging.candidate import solve_springs
 
 
 def mine(problem, network, answer):

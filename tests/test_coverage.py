@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.constants.homogenise import homogenise_network
 from msvalidate.problem import Box, Isotropic
+from msvalidate.springs.constants.homogenise import homogenise_network
 from reference_fem import box_discretisation
 from reference_fem.electric.electrostatics import Dielectric
 from reference_fem.large_strain import Solid, deform, neo_hookean

@@ -29,10 +29,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging import catalogue
-from msvalidate.output import baseline
-from msvalidate.output.figures import new_figure
+from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.output import baseline
+from msvalidate.bench.output.figures import new_figure
 from msvalidate.problem import ProblemError
 
 baseline.CHECKOUT = Path("base")

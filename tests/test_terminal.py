@@ -4,14 +4,14 @@ import time
 
 import pytest
 
-from msvalidate.case.screen import MAX_LINES
+from msvalidate.case.report.screen import MAX_LINES
 from msvalidate.cli import progress
 from msvalidate.cli.arguments import COMMANDS
 from msvalidate.cli.program import main
 from msvalidate.linear_algebra.factor import silence_library
 from msvalidate.problem.progress import report_stage, report_step
 from msvalidate_check.text import WIDTH
-from tests.msvalidate.case.test_sweep import BEAM
+from tests.msvalidate.case.report.test_sweep import BEAM
 
 RUNS = {
     "study new": "own_study",

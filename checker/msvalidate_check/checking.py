@@ -116,7 +116,7 @@ def check(
         How far the displacements may be off by their digits, over the largest: of differences of
         positions in single precision, 6e-8 of the largest coordinate.
     quantities
-        Some of `case.quantities` by name, in the same units: each is held to the same band.
+        Some of `case.compare.quantities` by name, in the same units: each is held to the same band.
 
     Raises
     ------

@@ -8,18 +8,24 @@ import textwrap
 import tomllib
 from pathlib import Path
 
-from msvalidate import case
-from msvalidate.case.advice import Advice, advice_lines, advice_record, advise, constants_lines
-from msvalidate.case.identify import identified_lines, identify_lattice
-from msvalidate.case.mistakes import mistake_lines
+from msvalidate.case import advise as advise_package
+from msvalidate.case.advise.advice import (
+    Advice,
+    advice_lines,
+    advice_record,
+    advise,
+    constants_lines,
+)
+from msvalidate.case.advise.identify import identified_lines, identify_lattice
+from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
-from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame, springs_ratio
-from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
+from msvalidate.springs.constants.stiffness import ALIKE, UNIT, axes_moduli, lame, springs_ratio
+from msvalidate.springs.lattice.patterns import all_patterns
 from msvalidate_check.text import WIDTH, align_table
 
 
@@ -83,7 +89,7 @@ def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic]
     """The material, and if springs alone are asked for the nearest they can be, and its price."""
     if engine != "springs":
         return [material], ""
-    from msvalidate.case.nearest_ratio import change_of_blocks
+    from msvalidate.case.advise.nearest_ratio import change_of_blocks
 
     nu = springs_ratio(material)
     if abs(nu - material.nu) <= ALIKE:
@@ -117,7 +123,7 @@ def _engines(engine: str | None, advice: Advice, *, notes: bool) -> list[str]:
     names = {"mu": mu, "lam": lam, "E": m.E, "rho": m.density, "t": m.thickness}
     each = [names | {"k": kind.constant, "L": kind.length} for kind in advice.kinds]
     rows = []
-    table = Path(case.__file__).with_name("engines.toml").read_text(encoding="utf-8")
+    table = Path(advise_package.__file__).with_name("engines.toml").read_text(encoding="utf-8")
     for row in tomllib.loads(table)["engine"]:
         if (row["takes"] != "elements") == springs and row.get("axes", m.dim) == m.dim:
             factor, number = row["factor"], "none"
@@ -133,7 +139,7 @@ def _identify(args: argparse.Namespace) -> list[str]:
     """Lines about the elastic solid that given springs represent."""
     thickness = args.thickness
     if args.identify:
-        from msvalidate.case.identify_files import identify_files
+        from msvalidate.case.advise.identify_files import identify_files
 
         period = tuple(args.period) if args.period else None
         return identified_lines(identify_files(Path(args.identify), period), thickness)

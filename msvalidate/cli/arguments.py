@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from msvalidate import __version__
-from msvalidate.case.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
-from msvalidate.judging import catalogue
+from msvalidate.bench.judging import catalogue
+from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
 
 HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
 DOCUMENTED = "python -m msvalidate.study"

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from msvalidate import studies
-from msvalidate.judging.foreign import asks_displacements
+from msvalidate.bench.judging.foreign import asks_displacements
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 

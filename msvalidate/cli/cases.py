@@ -16,20 +16,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from msvalidate.case import (
-    building,
-    files,
-    network_files,
-    places,
-    run,
-    screen,
-    springs,
-    sweep,
-)
-from msvalidate.case.body_advice import body_lines
-from msvalidate.case.case import Case, spacing_of
-from msvalidate.case.results import Result, read_result
-from msvalidate.case.schema import CaseFile
+from msvalidate.bench.output.stored import csv_bytes, draw_files
+from msvalidate.case.compare.body_advice import body_lines
+from msvalidate.case.file import building, places
+from msvalidate.case.file.case import Case, spacing_of
+from msvalidate.case.file.schema import CaseFile
+from msvalidate.case.judge.results import Result, read_result
+from msvalidate.case.report import files, run, screen, sweep
+from msvalidate.case.springs import lattice_springs, network_files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import (
@@ -39,7 +33,6 @@ from msvalidate.cli.terminal import (
     tell,
     tell_error,
 )
-from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, whole_number
 from msvalidate.problem.progress import report_step
@@ -89,7 +82,7 @@ def export(args: argparse.Namespace) -> int:
             tell_ratio(case)
             answer, content = lammps_of(case)
         else:
-            answer = springs.solve_springs(case, spacing_of(case))
+            answer = lattice_springs.solve_springs(case, spacing_of(case))
             content = {"network.json": network_files.network_json(answer, case)}
             if args.to == "csv":
                 whole = network_files.network_files(answer, case)

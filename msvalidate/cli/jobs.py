@@ -16,9 +16,9 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from datetime import UTC, datetime
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.sweep import end_with_parent
 from msvalidate.cli.outcome import Outcome, Task, run_task, unfinished
-from msvalidate.judging import catalogue
-from msvalidate.judging.sweep import end_with_parent
 
 
 def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:

@@ -15,17 +15,17 @@ from pathlib import Path
 
 import pandas as pd
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.evidence import Evidence, all_passed, judge
+from msvalidate.bench.judging.foreign import judge_candidate
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.bench.output import baseline, stored
+from msvalidate.bench.output.junit import printable
+from msvalidate.bench.output.provenance import collect_provenance
+from msvalidate.bench.output.results import Results
+from msvalidate.bench.output.stored import Result
 from msvalidate.cli.arguments import FAILED, HELD, USAGE, as_shown
 from msvalidate.cli.candidates import load_candidate, shown_name
-from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import Evidence, all_passed, judge
-from msvalidate.judging.foreign import judge_candidate
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import baseline, stored
-from msvalidate.output.junit import printable
-from msvalidate.output.provenance import collect_provenance
-from msvalidate.output.results import Results
-from msvalidate.output.stored import Result
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, field, replace

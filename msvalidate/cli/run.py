@@ -14,18 +14,18 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.evidence import is_missed
+from msvalidate.bench.judging.summary import NAME as SUMMARY
+from msvalidate.bench.output import baseline, junit, report, summary
+from msvalidate.bench.output.results import Results
+from msvalidate.bench.output.stored import Result, Stored
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE
 from msvalidate.cli.candidates import check_candidate
 from msvalidate.cli.jobs import run_tasks
 from msvalidate.cli.outcome import Outcome, Task
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import print_lines, tell, tell_error
-from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import is_missed
-from msvalidate.judging.summary import NAME as SUMMARY
-from msvalidate.output import baseline, junit, report, summary
-from msvalidate.output.results import Results
-from msvalidate.output.stored import Result, Stored
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.progress import report_stage

@@ -16,15 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.case import building, files
-from msvalidate.case.case import Case
-from msvalidate.case.results import Result
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.output.provenance import collect_provenance
+from msvalidate.case.file import building
+from msvalidate.case.file.case import Case
+from msvalidate.case.judge.results import Result
+from msvalidate.case.report import files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
 from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_of, request_of
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
-from msvalidate.judging import catalogue
-from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.progress import report_step

@@ -10,8 +10,8 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from typing import TextIO
 
+from msvalidate.bench.judging import catalogue
 from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
-from msvalidate.judging import catalogue
 from msvalidate_check.text import WIDTH
 
 

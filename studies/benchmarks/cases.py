@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from reference_fem.closing_in import close_in_each
+from reference_fem.richardson import close_in_each
 
 ROUNDING = 1e-10
 """Relative difference below which a value is exact: 1e-16 times a condition number of up to 1e6."""

@@ -23,7 +23,7 @@ import pandas as pd
 
 from msvalidate import kit
 
-from .controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
+from .claims_controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
 from .reading import last_sizes, read
 from .record import BACKGROUND, IF, NONE, SENTENCES, TOPICS, VERDICTS, Sentence
 

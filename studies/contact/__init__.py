@@ -16,7 +16,7 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.statics.contact import press
+from msvalidate.springs.statics.contact import press
 
 from . import moving, resting
 

@@ -21,13 +21,13 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import contact_network
-from msvalidate.lattice import mesh_lattice, square
-from msvalidate.network import Configuration, Network
 from msvalidate.problem.records import replace
-from msvalidate.statics.contact import ContactEquilibrium, Pressed, Touching, press
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import contact_network
+from msvalidate.springs.lattice import mesh_lattice, square
+from msvalidate.springs.network import Configuration, Network
+from msvalidate.springs.statics.contact import ContactEquilibrium, Pressed, Touching, press
+from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem import contact as elements
 from reference_fem.first_mesh import first_mesh
 from reference_fem.large_strain import Solid, deform, neo_hookean

@@ -27,8 +27,8 @@ from functools import cache, partial
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Method
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Method
 
 from . import dynamic_relaxation, frontier, space, spoilt, steps, strained, times
 

@@ -17,9 +17,9 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.dynamics.ledger import Ledger
-from msvalidate.network.breakage import Breakage
-from msvalidate.statics.breaking import grow
+from msvalidate.springs.dynamics.ledger import Ledger
+from msvalidate.springs.network.breakage import Breakage
+from msvalidate.springs.statics.breaking import grow
 
 from . import faults, growth, intensity, moving, paths
 from .springs import Grow

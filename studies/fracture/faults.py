@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.network import Network
-from msvalidate.network.breakage import critical_stretches
 from msvalidate.problem import Index
 from msvalidate.problem.records import replace
-from msvalidate.statics.breaking import Break, Growth, Way
+from msvalidate.springs.network import Network
+from msvalidate.springs.network.breakage import critical_stretches
+from msvalidate.springs.statics.breaking import Break, Growth, Way
 
 from .intensity import INFINITE
 from .moving import Late, Mends

@@ -20,8 +20,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.bodies.toughness import (
+from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Traction
+from msvalidate.problem.records import replace
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.bodies.toughness import (
     Toughness,
     crack_patch,
     critical_stretch,
@@ -29,10 +31,8 @@ from msvalidate.bodies.toughness import (
     springs_energy,
     starts,
 )
-from msvalidate.lattice import fill
-from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Traction
-from msvalidate.problem.records import replace
-from msvalidate.statics.breaking import Growth
+from msvalidate.springs.lattice import fill
+from msvalidate.springs.statics.breaking import Growth
 
 from . import intensity
 from .springs import LATTICES, NU, E, Grow, filled, middles, pulled

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.network import Network
+from msvalidate.springs.network import Network
 
 from . import bending, buckling, rubber, stretch, twins
 

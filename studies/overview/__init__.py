@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import cache, partial
 
 from msvalidate import kit
-from msvalidate.network import faults
+from msvalidate.springs.network import faults
 
 from . import good_for, ordinary, part
 

@@ -9,10 +9,10 @@ import pytest
 
 import reference_fem
 from msvalidate.problem import Anisotropic, Box, Isotropic, Problem, SolverError, Support, Traction
-from reference_fem.closing_in import close_in_each
 from reference_fem.elasticity import elastic_tensor
 from reference_fem.locking import bulk_over_shear
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from reference_fem.richardson import close_in_each
 from tests.table import table
 
 SIZE = 0.37

@@ -4,8 +4,8 @@ import pandas as pd
 import pytest
 from msvalidate.studies.fracture import paths
 
-from msvalidate.judging.sweep import Setting
-from msvalidate.statics.breaking import grow
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.springs.statics.breaking import grow
 
 
 @pytest.mark.parametrize("seed", [11])

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.columns import common_columns
+from msvalidate.bench.judging.evidence import UNGATED, all_passed, judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.cli.program import main
-from msvalidate.judging import catalogue
-from msvalidate.judging.columns import common_columns
-from msvalidate.judging.evidence import UNGATED, all_passed, judge
-from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 
 QUICK = Setting(quick=True)

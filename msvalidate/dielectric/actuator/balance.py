@@ -11,10 +11,10 @@ from scipy.sparse import coo_array, csr_array
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
-from msvalidate.network import Configuration, tangent
-from msvalidate.network.residual import force_scale, out_of_balance_force
 from msvalidate.problem import Array
-from msvalidate.statics.tangents import LARGEST_TURN
+from msvalidate.springs.network import Configuration, tangent
+from msvalidate.springs.network.residual import force_scale, out_of_balance_force
+from msvalidate.springs.statics.tangents import LARGEST_TURN
 
 ITERATIONS = 25
 """Newton steps to one voltage: several times what quadratic convergence needs."""

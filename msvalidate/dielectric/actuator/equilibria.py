@@ -19,7 +19,7 @@ from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite, finite_number, format_value, require_type
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 TOLERANCE = 1e-10
 """Residual at which an equilibrium is found, over the forces that meet at a point. Newton's last

@@ -10,7 +10,6 @@ import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import check_plane_points, freeze
-from msvalidate.kernels.values import Complex
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -24,6 +23,7 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.kernels.values import Complex
 
 GRADINGS = ("uniform", "cosine")
 Moved = TypeVar("Moved", bound="Segments")

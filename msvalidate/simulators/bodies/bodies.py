@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.case.mistakes import mistakes_on_mesh
+from msvalidate.case.judge.mistakes import mistakes_on_mesh
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.case.case import Case
-from msvalidate.constants.stiffness import axes_moduli, lame
+from msvalidate.case.file.case import Case
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Array,
@@ -65,6 +64,7 @@ from msvalidate.simulators.gate.rows import (
 )
 from msvalidate.simulators.probe.block import wave_speed
 from msvalidate.simulators.probe.reading import BAND
+from msvalidate.springs.constants.stiffness import axes_moduli, lame
 from msvalidate_check.beside import best_scale
 from msvalidate_check.causes import Phrase, phrase
 

@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.case.figures import Drawn
-from msvalidate.case.files import picture_files
-from msvalidate.case.page import shown_pictures
-from msvalidate.output.body_drawing import SHOWN
-from msvalidate.output.figures import draw_solid, solid_axes
-from msvalidate.output.screen import FirstScreen, Summary, render_screen
+from msvalidate.bench.output.body_drawing import SHOWN
+from msvalidate.bench.output.figures import draw_solid, solid_axes
+from msvalidate.bench.output.screen import FirstScreen, Summary, render_screen
+from msvalidate.case.report.figures import Drawn
+from msvalidate.case.report.files import picture_files
+from msvalidate.case.report.page import shown_pictures
 from msvalidate.simulators.bodies.blocks import frozen_case
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.verdict.judgement import Judgement

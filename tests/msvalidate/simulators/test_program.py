@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.case.case import Case
+from msvalidate.case.file.case import Case
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.simulators.exchange.export import export_case
 from msvalidate.simulators.exchange.program import KEPT, Program, label_of, words_of
