@@ -4,8 +4,8 @@ What they change by shows the order p, u_h = u + C h^p, and what is left (Richar
 extrapolation, as in [Roache1994]). Corners, ends of supports and changes of material leave an order
 between about 1 and 2 even of quadratic elements; smooth bodies have up to 4. A field has one p, of
 the 2-norm of all components, which serves all but those that close in more slowly (`close_in`);
-values that are questions of their own have each its own (`close_in_each`, and `refine`, which makes
-the meshes). Where theory knows two orders, `extrapolate` goes by these.
+values that are questions of their own have each its own (`extrapolate_each`, and `refine`, which
+makes the meshes). Where theory knows two orders, `extrapolate` goes by these.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ def _order(first: Array, last: Array) -> float:
     return float(np.log2(ratio)) if ratio >= 2**LOWEST_ORDER else float("nan")
 
 
-def close_in_each(
+def extrapolate_each(
     values: Sequence[Array], cells: int, highest_order: float = HIGHEST_ORDER
 ) -> Estimate:
     """The last of three or more rows of values on meshes each twice as fine, each with its error.
@@ -217,7 +217,7 @@ def refine(
     tolerance
         Largest accepted uncertainty, in the unit of the quantity.
     highest_order
-        As for `reference_fem.richardson.close_in_each`.
+        As for `reference_fem.richardson.extrapolate_each`.
     finest
         Cells per side beyond which to give up.
 
@@ -240,7 +240,7 @@ def refine(
             continue
         if len({value.shape for value in values}) > 1:
             raise ProblemError("refined quantity: gives another number of values on another mesh")
-        estimate = close_in_each(values, cells, highest_order)
+        estimate = extrapolate_each(values, cells, highest_order)
         if estimate.uncertainty.max() <= tolerance:
             return estimate
     raise SolverError(

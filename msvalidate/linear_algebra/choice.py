@@ -44,7 +44,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-ASKED = "asked for"
+QUESTIONS = "asked for"
 SMALL = "a factor of so small, plane or slender a body is cheap"
 LARGE = "a large body, whose factor fills up"
 

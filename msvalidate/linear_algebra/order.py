@@ -98,15 +98,15 @@ def pairs_in(cells: Index) -> Index:
     return np.stack([cells[:, first].ravel(), cells[:, second].ravel()], axis=1)
 
 
-def free_unknowns(order: Index, held: Mask, *, by_component: bool = False) -> Index:
+def free_unknowns(order: Index, fixed: Mask, *, by_component: bool = False) -> Index:
     """Positions (f,) of the free components in the order (n,) of their points.
 
-    `held` (n, d) are those that are not; they are counted by point, or else by component.
+    `fixed` (n, d) are those that are not; they are counted by point, or else by component.
     """
-    counted = held.T if by_component else held
+    counted = fixed.T if by_component else fixed
     number = (np.cumsum(~counted.ravel()) - 1).reshape(counted.shape)
     number = number.T if by_component else number
-    return np.asarray(number[order][~held[order]])
+    return np.asarray(number[order][~fixed[order]])
 
 
 def _scale_by_spacing(points: Array, pairs: Index) -> Array:

@@ -242,11 +242,11 @@ def finite_angle(name: str, value: ArrayLike) -> float:
     return finite_number(name, value, least=-LARGEST_ANGLE, most=LARGEST_ANGLE, unit="rad")
 
 
-def check_name(said: str, name: object) -> None:
+def check_name(label: str, name: object) -> None:
     """Raise `ProblemError` for a name that is too long or not printable on one line."""
     if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
         need = f"give 1 to {LONGEST_NAME} printable letters on one line as its name"
-        raise ProblemError(f"{said}: {format_value(name)}; {need}")
+        raise ProblemError(f"{label}: {format_value(name)}; {need}")
 
 
 def require_one_of(name: str, value: object, names: Iterable[str]) -> None:

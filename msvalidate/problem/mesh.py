@@ -277,29 +277,31 @@ class Mesh:
         self._take_named("zones", "cells", zones, self._checked_cells)
 
     def _take_named(
-        self, what: str, of: str, given: object, checked: Callable[[object, Index], Index]
+        self, what: str, of: str, entries: object, checked: Callable[[object, Index], Index]
     ) -> None:
-        if not isinstance(given, Mapping):
-            raise ProblemError(f"mesh {what}: {format_value(given)}; give {of} by their names")
-        found = {name: checked(name, each) for name, each in given.items()}
+        if not isinstance(entries, Mapping):
+            raise ProblemError(f"mesh {what}: {format_value(entries)}; give {of} by their names")
+        found = {name: checked(name, each) for name, each in entries.items()}
         for each in found.values():
             each.setflags(write=False)
         object.__setattr__(self, what, found)
 
-    def _checked_cells(self, name: object, given: Index) -> Index:
+    def _checked_cells(self, name: object, numbers: Index) -> Index:
         """Numbers of a zone's cells, each once and rising."""
         said = f"mesh zone {format_value(name)}"
         check_name("mesh zone", name)
         need = "give numbers (z,) of its cells"
-        cells = indices(said, given, len(self.cells), "z>0", need=need, what="cells")
+        cells = indices(said, numbers, len(self.cells), "z>0", need=need, what="cells")
         return np.unique(cells)
 
-    def _checked(self, name: object, given: Index) -> Index:
+    def _checked(self, name: object, numbers: Index) -> Index:
         """Facets of a boundary, each once, as the surface lists them."""
         said = f"mesh boundary {format_value(name)}"
         check_name("mesh boundary", name)
         k = self.surface.shape[1]
-        facets = integers(said, given, "f>0", k, need=f"{self.shape} needs (f, {k}), or none of it")
+        facets = integers(
+            said, numbers, "f>0", k, need=f"{self.shape} needs (f, {k}), or none of it"
+        )
         both = np.sort(np.concatenate([self.surface, facets]), axis=1)
         _, first, which = np.unique(both, axis=0, return_index=True, return_inverse=True)
         at = first[which.ravel()[len(self.surface) :]]

@@ -164,7 +164,7 @@ class Problem:
             corners = corners_of(contact.region, self.domain)
             _refuse_off_side("contact", contact.region, self.domain, corners)
             _refuse_centre_inside(contact, self.domain)
-        self._held_corners()
+        self._support_corners()
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -188,7 +188,7 @@ class Problem:
                     f"{2 * SLIGHT * stiffness * length:.1g} N or more"
                 )
 
-    def _held_corners(self) -> tuple[Array, Mask]:
+    def _support_corners(self) -> tuple[Array, Mask]:
         """Corners of the supported regions and the components held there.
 
         A rigid motion is affine, so it vanishes on a region when it vanishes on its corners.
@@ -211,7 +211,7 @@ class Problem:
 
         The message names each. What solves for rest asks it before it meshes.
         """
-        refuse_free_motions(self.name, *self._held_corners())
+        refuse_free_motions(self.name, *self._support_corners())
         mesh = self.domain
         if not isinstance(mesh, Mesh) or not mesh.pieces.any():
             return

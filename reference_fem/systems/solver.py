@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import bsr_array, csr_matrix, issparse
 
 from msvalidate.linear_algebra import choice as limits
-from msvalidate.linear_algebra.choice import ASKED, Choice
+from msvalidate.linear_algebra.choice import QUESTIONS, Choice
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.factor import (
     Factor,
@@ -279,7 +279,7 @@ class Solver:
     def _planned(self) -> tuple[Choice, Dissection | None]:
         """The solver to begin with, and what a factor takes where that was counted."""
         if self.choice != "auto":
-            return Choice("multigrid" if self.choice == "multigrid" else "direct", ASKED), None
+            return Choice("multigrid" if self.choice == "multigrid" else "direct", QUESTIONS), None
         if not self.body.in_one_piece:
             why = "parts that hang by edges may be mechanisms, which a factor shows"
             return Choice("direct", why), None

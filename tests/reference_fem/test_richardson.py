@@ -23,8 +23,8 @@ from reference_fem.richardson import (
     SAFETY_OF_EACH,
     TRUSTED_ORDER,
     close_in,
-    close_in_each,
     extrapolate,
+    extrapolate_each,
     refine,
 )
 from tests.table import table
@@ -130,7 +130,7 @@ def test_the_order_is_the_lower_of_all_and_of_the_largest(many):
 def three(sequence, cells=8, highest=4.5):
     """Estimate from cells, 2 cells and 4 cells per side."""
     rows = [np.atleast_1d(np.asarray(sequence(n), float)) for n in (cells, 2 * cells, 4 * cells)]
-    return close_in_each(rows, 4 * cells, highest)
+    return extrapolate_each(rows, 4 * cells, highest)
 
 
 def power(limit, factor, order):

@@ -239,26 +239,26 @@ def nothing_judged() -> pd.DataFrame:
     return pd.DataFrame([judge_one(Tolerance("", 0.0, "1", "none"), Observed(0.0))]).iloc[:0]
 
 
-def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
+def judge_one(tolerance: Tolerance, observed: Observed) -> dict[str, object]:
     """Row of a verdict: layer, quantity, unit, observed, reference, error, limit, verdict, because.
 
     Beside them, of how many `rows` of a table this is the farthest, and `at` which of them.
 
     A value that is not finite fails.
     """
-    within = np.isfinite(seen.error) and seen.error <= tolerance.limit
+    within = np.isfinite(observed.error) and observed.error <= tolerance.limit
     return {
         "layer": tolerance.layer,
         "quantity": tolerance.quantity,
         "unit": tolerance.unit,
-        "observed": float(seen.value),
-        "reference": float(seen.reference),
-        "error": float(seen.error),
+        "observed": float(observed.value),
+        "reference": float(observed.reference),
+        "error": float(observed.error),
         "limit": float(tolerance.limit),
         "verdict": "pass" if within else "fail",
         "because": tolerance.because,
-        "rows": seen.rows,
-        "at": seen.at,
+        "rows": observed.rows,
+        "at": observed.at,
     }
 
 

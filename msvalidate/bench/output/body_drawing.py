@@ -39,7 +39,7 @@ WIDE, TALLEST = 6.2, 6.0
 DEFORMED = "#66a9d4"
 ARROW_WIDTH = 0.08
 """Width of an arrow's shaft, relative to the longest arrow."""
-HELD = {
+FIXED = {
     (True, True): ("s", "held"),
     (True, False): (">", "held along x"),
     (False, True): ("^", "held along y"),
@@ -106,7 +106,7 @@ def plot(network: Network, displacement: Any = None, magnification: float | None
             if label == "at rest" or displacement is not None:
                 draw_springs(axis, at, network.springs, label, colour)
         arrows = moved[on], network.force[on], ARROW * size
-        draw_held_and_loaded(axis, moved, network.held, *arrows)
+        draw_supports_and_loads(axis, moved, network.held, *arrows)
         axis.set_title(title, loc="left")
         add_shared_legend(figure, [axis])
     return figure
@@ -144,19 +144,19 @@ def loaded_points(force: Array, most: int = MOST_ARROWS) -> Index:
     return on[:: max(1, -(-len(on) // most))]
 
 
-def draw_held_and_loaded(
-    axis: Any, points: Array, held: Mask, at: Array, force: Array, length: float
+def draw_supports_and_loads(
+    axis: Any, points: Array, fixed: Mask, at: Array, force: Array, length: float
 ) -> None:
     """Supports of points (n, d) and forces (k, d) in N at places (k, d), on axes of `body_axes`.
 
     The longest arrow is `length` m long.
     """
     if points.shape[1] == 2:
-        draw_supports(axis, points, held, 4.0)
+        draw_supports(axis, points, fixed, 4.0)
         draw_loads(axis, at, force, length)
         return
     style: dict[str, Any] = {"ms": 2.5, "mfc": "none", "color": "black", "label": "held"}
-    axis.plot(*points[held.any(axis=1)][:, UPWARDS].T, "s", **style)
+    axis.plot(*points[fixed.any(axis=1)][:, UPWARDS].T, "s", **style)
     if len(at):
         arrow = length * force / np.linalg.norm(force, axis=1).max()
         start, along = (at - arrow)[:, UPWARDS].T, arrow[:, UPWARDS].T
@@ -184,13 +184,13 @@ def draw_outline(axis: Axes, ring: Array, label: str, **style: Any) -> None:
     axis.plot(*np.vstack([ring, ring[:1]]).T, label=label, **style)
 
 
-def draw_supports(axis: Axes, at: Array, held: Mask, size: float = 6.0) -> None:
+def draw_supports(axis: Axes, at: Array, fixed: Mask, size: float = 6.0) -> None:
     """Open markers at points (n, 2) in m whose components (n, 2) are held: squares where both are.
 
     A triangle points along the only component that is held. `size` of markers in points.
     """
-    for components, (marker, label) in HELD.items():
-        here = (held == components).all(axis=1)
+    for components, (marker, label) in FIXED.items():
+        here = (fixed == components).all(axis=1)
         if here.any():
             style: dict[str, Any] = {"color": "black", "ms": size, "mfc": "none", "mew": 1}
             axis.plot(*at[here].T, marker, label=label, zorder=3, **style)

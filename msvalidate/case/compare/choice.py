@@ -20,7 +20,7 @@ from scipy.spatial import KDTree
 from msvalidate.case.compare.budget import lattice_row, mesh_rows
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.compare.quantities import POINT_STRESS
-from msvalidate.case.file.case import MESH_EDGES, MOST_ASKED, Case, is_filled, spacing_of
+from msvalidate.case.file.case import MAX_REQUESTED, MESH_EDGES, Case, is_filled, spacing_of
 from msvalidate.case.file.units import user_unit
 from msvalidate.case.springs.lattice_springs import (
     HIGHEST_ORDER,
@@ -200,7 +200,10 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
 def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need:
     """What can be laid near a wanted spacing, and what it costs."""
     laid, dim = _laid(found, wanted.spacing), found.case.problem.domain.dim
-    if laid is None or found.case.problem.domain.volume / spacing_of(laid) ** dim > MOST_ASKED[dim]:
+    if (
+        laid is None
+        or found.case.problem.domain.volume / spacing_of(laid) ** dim > MAX_REQUESTED[dim]
+    ):
         return wanted
     h, cells = spacing_of(laid), laid.cells or 0
     near = min(rows, key=lambda row: abs(math.log(row["spacing"] / h)))

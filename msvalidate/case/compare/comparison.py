@@ -24,11 +24,11 @@ from msvalidate.case.springs.large import (
 )
 from msvalidate.case.springs.lattice_springs import (
     ROUNDING,
+    Extrapolation,
     SpringAnswer,
-    SpringLimit,
     compared_points,
     displacements_at,
-    limit_of,
+    extrapolate,
     solve_finer,
 )
 from msvalidate.case.springs.mesh_springs import MeshSprings, compare_on_mesh
@@ -53,7 +53,7 @@ from msvalidate.springs.lattice.cut import bridged_gaps
 from msvalidate.springs.lattice.outline import outline
 from msvalidate.springs.lattice.patterns import all_patterns
 from msvalidate.springs.network import Network
-from msvalidate.springs.statics.breaking import Growth, grow
+from msvalidate.springs.statics.breaking import FractureResult, propagate_crack
 from msvalidate.springs.statics.equilibrium import equilibrium
 from msvalidate_check.verdict import AGREES, DIFFERS, Difference, agreement
 from reference_fem.converged import LargeChange, Reference, converge
@@ -107,7 +107,7 @@ class Comparison:
     points: Array
     springs: tuple[SpringAnswer, ...]
     support: Array
-    limit: SpringLimit
+    limit: Extrapolation
     reference: Reference
     homogenised: Reference | None
     differences: tuple[Difference, ...]
@@ -239,7 +239,7 @@ def compare_case(case: Case) -> Comparison:
     homogenised, notes, no_material = _homogenised(case, answers[0], points)
     notes += [f"finer lattices: not compared: {not_compared}"] if not_compared else []
     support = _support(case, answers, homogenised or reference)
-    limit = limit_of(answers, [u - part for u, part in zip(values, support, strict=True)])
+    limit = extrapolate(answers, [u - part for u, part in zip(values, support, strict=True)])
     report_stage("quantities", STAGES)
     rows, more = compare_quantities(case, answers[0], reference)
     missing += [*no_material, *(Limitation("quantity", detail=str(e)) for e in more if e.failed)]
@@ -253,15 +253,15 @@ def compare_case(case: Case) -> Comparison:
     return Comparison(case, points, *given, on_mesh, tuple(missing))
 
 
-def break_springs(asked: Fracture, case: Case, springs: SpringAnswer) -> Growth:
+def break_springs(rule: Fracture, case: Case, springs: SpringAnswer) -> FractureResult:
     """Springs of a case that break as its loads are raised.
 
-    Raises what `springs.bodies.toughness.critical_stretch` and `springs.statics.breaking.grow`
-    raise, or `ProblemError` if a fracture energy is given of anything but one lattice of one
-    material.
+    Raises what `springs.bodies.toughness.critical_stretch` and
+    `springs.statics.breaking.propagate_crack` raise, or `ProblemError` if a fracture energy is
+    given of anything but one lattice of one material.
     """
-    stretch = asked.critical_stretch
-    if asked.G_c is not None:
+    stretch = rule.critical_stretch
+    if rule.G_c is not None:
         make, problem = all_patterns().get(str(case.lattice)), case.problem
         if make is None or problem.zones:
             raise ProblemError(
@@ -269,11 +269,11 @@ def break_springs(asked: Fracture, case: Case, springs: SpringAnswer) -> Growth:
                 "lattice of one material, so give critical_stretch"
             )
         stretch = critical_stretch(
-            make(), springs.calibration or case.constants or (), asked.G_c, spacing=springs.spacing,
-            thickness=problem.material.thickness, direction=asked.direction, rule=asked.rule,
+            make(), springs.calibration or case.constants or (), rule.G_c, spacing=springs.spacing,
+            thickness=problem.material.thickness, direction=rule.direction, rule=rule.rule,
         ).critical_stretch  # fmt: skip
     assert stretch is not None  # noqa: S101  one of the two is given
-    return grow(springs.network, stretch, asked.raised, most_breaks=MOST_BREAKS)
+    return propagate_crack(springs.network, stretch, rule.raised, most_breaks=MOST_BREAKS)
 
 
 def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:
@@ -282,7 +282,7 @@ def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> 
     for answer in answers:
         other, lattice = None, answer.lattice
         if isinstance(lattice, CutLattice):
-            other = _held_as(case.problem, lattice, answer.network, body.finest.at, room)
+            other = _fixed_as(case.problem, lattice, answer.network, body.finest.at, room)
         if other is None:
             found.append(np.zeros(body.points.shape))
         else:
@@ -291,7 +291,7 @@ def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> 
     return found
 
 
-def _held_as(
+def _fixed_as(
     problem: Problem,
     lattice: CutLattice,
     network: Network,
@@ -368,7 +368,7 @@ def say_bridged(lattice: Lattice) -> str:
     )
 
 
-def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
+def _kind_of_error(case: Case, limit: Extrapolation, reference: Reference) -> str:
     """Whether springs would agree on finer lattices, never, or one cannot tell."""
     wanted = reference.displacement.value
     size = max_length(wanted)

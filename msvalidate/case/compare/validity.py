@@ -19,7 +19,7 @@ from msvalidate.case.springs.large import NonlinearAnswer
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Problem, SolverError
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.springs.statics.breaking import Growth
+from msvalidate.springs.statics.breaking import FractureResult
 from msvalidate_check.verdict import NOT_RESOLVED, Difference, Verdict
 from reference_fem.body import Solution
 from reference_fem.converged import Reference
@@ -91,7 +91,7 @@ def limitations(
     case: Case,
     reference: Reference,
     nonlinear: Callable[[], NonlinearAnswer],
-    growth: Growth | None = None,
+    growth: FractureResult | None = None,
     missing: Sequence[Limitation] = (),
 ) -> tuple[Limitation, ...]:
     """Limitations of a case's verdict, the first one first in its reasons.
@@ -186,7 +186,7 @@ def strain_exceeded(solution: Solution, load: float = 1.0) -> float:
     return float(size[order[np.searchsorted(volume, STRAINED_VOLUME * volume[-1])]])
 
 
-def _separated(growth: Growth | None) -> list[Limitation]:
+def _separated(growth: FractureResult | None) -> list[Limitation]:
     """Separation, or a load that nothing bears any more."""
     if growth is None or growth.ended not in ("parted", "falls"):
         return []

@@ -159,9 +159,9 @@ def _domain(source: Source, unit: float) -> Domain:
         return read_mesh(_mesh_path(source, str(body.mesh)), unit, cell)
 
 
-def _one_of(source: Source, path: Keys, given: object, what: str, keys: Iterable[str]) -> str:
+def _one_of(source: Source, path: Keys, table: object, what: str, keys: Iterable[str]) -> str:
     """The one of some keys that a table has; `what` they are."""
-    there = [key for key in keys if getattr(given, key) is not None]
+    there = [key for key in keys if getattr(table, key) is not None]
     if len(there) != 1:
         said = " and ".join(there) or f"no {what}"
         raise source.error(path, f"{said}; give one of {', '.join(keys)}")
@@ -197,61 +197,63 @@ def _material(source: Source, domain: Domain, unit: float) -> Isotropic:
 
 
 def _zone(
-    source: Source, number: int, given: PartOfBody, domain: Domain, material: Isotropic
+    source: Source, number: int, zone: PartOfBody, domain: Domain, material: Isotropic
 ) -> Zone:
     """A part of the body of another material."""
     path = ("region", number)
-    place = _one_of(source, path, given, "place", ("cells", "box", "ball"))
+    place = _one_of(source, path, zone, "place", ("cells", "box", "ball"))
     with source.at(*path, place):
-        where = _zone_region(source, path, given, domain)
+        where = _zone_region(source, path, zone, domain)
     with source.at(*path):
-        density = material.density if given.density is None else given.density
-        own = Isotropic(given.E, given.nu, material.state, density, material.thickness)
+        density = material.density if zone.density is None else zone.density
+        own = Isotropic(zone.E, zone.nu, material.state, density, material.thickness)
         return Zone(where, own)
 
 
 def _zone_region(
-    source: Source, path: Keys, given: PartOfBody, domain: Domain
+    source: Source, path: Keys, zone: PartOfBody, domain: Domain
 ) -> Region | Ball | CellSet:
     unit = unit_in_metres("unit", source.data.body.unit)
-    if given.cells is not None:
+    if zone.cells is not None:
         if not isinstance(domain, Mesh):
             raise ProblemError(
-                f"{format_value(given.cells)}: the body is no mesh; give a box or ball"
+                f"{format_value(zone.cells)}: the body is no mesh; give a box or ball"
             )
-        return domain.zone(given.cells)
-    if given.ball is not None:
-        centre = tuple(unit * x for x in given.ball.centre)
-        return Ball(centre, unit * given.ball.radius)
-    return region_by_coordinates(source, (*path, "box"), given.box or Place(), domain)
+        return domain.zone(zone.cells)
+    if zone.ball is not None:
+        centre = tuple(unit * x for x in zone.ball.centre)
+        return Ball(centre, unit * zone.ball.radius)
+    return region_by_coordinates(source, (*path, "box"), zone.box or Place(), domain)
 
 
 # Supports and loads -------------------------------------------------------------------------------
 
 
 def _support(
-    source: Source, number: int, given: Support, domain: Domain
+    source: Source, number: int, support: Support, domain: Domain
 ) -> tuple[ProblemSupport, ...]:
     path = ("support", number)
     with source.at(*path):
-        components = _components(source, number, given, domain.dim)
-        if given.nodes is not None:
-            if given.on is not None or given.at is not None:
+        components = _components(source, number, support, domain.dim)
+        if support.nodes is not None:
+            if support.on is not None or support.at is not None:
                 raise ProblemError("nodes and a place; give one of on, at and nodes")
             regions: list[Part] = [
-                node_region(source, (*path, "nodes"), node, domain) for node in given.nodes
+                node_region(source, (*path, "nodes"), node, domain) for node in support.nodes
             ]
             if not regions:
                 raise source.error((*path, "nodes"), "none; give at least one")
         else:
-            regions = [named_part(source, path, given, domain)]
+            regions = [named_part(source, path, support, domain)]
         return tuple(ProblemSupport(region, components) for region in regions)
 
 
-def _components(source: Source, number: int, given: Support, dim: int) -> tuple[float | None, ...]:
+def _components(
+    source: Source, number: int, support: Support, dim: int
+) -> tuple[float | None, ...]:
     """Displacement (m) of each axis that a support holds; None where it does not."""
     unit, axes = unit_in_metres("unit", source.data.body.unit), list(AXES[:dim])
-    held = axes if given.components is None else given.components
+    held = axes if support.components is None else support.components
     with source.at("support", number, "components"):
         for name in held:
             require_one_of("component", name, axes)
@@ -260,7 +262,7 @@ def _components(source: Source, number: int, given: Support, dim: int) -> tuple[
                 f"{format_value(held)}; name each of {', '.join(axes)} once or not at all"
             )
     with source.at("support", number, "value"):
-        values = given.value if isinstance(given.value, list) else [given.value] * len(held)
+        values = support.value if isinstance(support.value, list) else [support.value] * len(held)
         if len(values) != len(held):
             raise ProblemError(
                 f"{len(values)} values for {len(held)} components, {', '.join(held)}; give one each"
@@ -269,55 +271,55 @@ def _components(source: Source, number: int, given: Support, dim: int) -> tuple[
     return tuple(moved.get(axis) for axis in axes)
 
 
-def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLoad:
+def _load(source: Source, number: int, load: Load, domain: Domain) -> ProblemLoad:
     path = ("load", number)
-    kind = _one_of(source, path, given, "load", LOADS)
-    _refuse_place(source, path, given, kind)
+    kind = _one_of(source, path, load, "load", LOADS)
+    _refuse_place(source, path, load, kind)
     if kind in {"traction", "pressure"}:
-        region = named_part(source, path, given, domain)
+        region = named_part(source, path, load, domain)
         with source.at(*path, kind):
-            if given.pressure is not None:
-                return pressure(region, domain, given.pressure)
-            return Traction(region, tuple(given.traction or ()))
-    if given.force is not None:
-        at = _point(source, path, given, domain)
+            if load.pressure is not None:
+                return pressure(region, domain, load.pressure)
+            return Traction(region, tuple(load.traction or ()))
+    if load.force is not None:
+        at = _point(source, path, load, domain)
         with source.at(*path, "force"):
-            return PointForce(at, tuple(given.force))
+            return PointForce(at, tuple(load.force))
     with source.at(*path, "gravity"):
-        return Weight(tuple(given.gravity or ()))
+        return Weight(tuple(load.gravity or ()))
 
 
-def _refuse_place(source: Source, path: Keys, given: Load, kind: str) -> None:
+def _refuse_place(source: Source, path: Keys, load: Load, kind: str) -> None:
     """Refuse a place that does not go with a kind of load."""
     goes = {"force": ("point", "node"), "gravity": ()}.get(kind, ("on", "at"))
     for key in ("on", "at", "point", "node"):
-        if getattr(given, key) is not None and key not in goes:
+        if getattr(load, key) is not None and key not in goes:
             need = f"it acts at {' or '.join(goes)}" if goes else "it acts on the whole body"
             raise source.error((*path, key), f"goes with no {kind}: {need}; leave {key} out")
 
 
-def _point(source: Source, path: Keys, given: Load, domain: Domain) -> tuple[float, ...]:
+def _point(source: Source, path: Keys, load: Load, domain: Domain) -> tuple[float, ...]:
     """The place (m) of a point force."""
-    if (given.point is None) == (given.node is None):
+    if (load.point is None) == (load.node is None):
         raise source.error((*path, "force"), "give its place, by point or by node")
-    if given.node is not None:
-        place = node_region(source, (*path, "node"), given.node, domain).extent
+    if load.node is not None:
+        place = node_region(source, (*path, "node"), load.node, domain).extent
         return tuple(float(x) for x in place)  # type: ignore[arg-type]
     unit = unit_in_metres("unit", source.data.body.unit)
-    return tuple(unit * x for x in given.point or ())
+    return tuple(unit * x for x in load.point or ())
 
 
-def _contact(source: Source, number: int, given: Contact, domain: Domain) -> ProblemContact:
+def _contact(source: Source, number: int, contact: Contact, domain: Domain) -> ProblemContact:
     """An obstacle at a side; lengths are in the unit of the body's."""
     path, unit = ("contact", number), unit_in_metres("unit", source.data.body.unit)
     if number:
         said = "a second one; elements meet one obstacle, leave the others out"
         raise source.error(path, said)
-    shape = _one_of(source, path, given, "obstacle", OBSTACLES)
-    if given.depth is None and given.force is None:
+    shape = _one_of(source, path, contact, "obstacle", OBSTACLES)
+    if contact.depth is None and contact.force is None:
         raise source.error(path, "neither depth nor force; give one of them")
-    region = named_part(source, path, given, domain)
-    told = getattr(given, shape)
+    region = named_part(source, path, contact, domain)
+    told = getattr(contact, shape)
     with source.at(*path, shape):
         towards = told.towards
         if towards is None:
@@ -332,8 +334,8 @@ def _contact(source: Source, number: int, given: Contact, domain: Domain) -> Pro
         at = tuple(unit * x for x in told.at)
         obstacle = Obstacle(shape, at, tuple(towards), radius)
     with source.at(*path):
-        depth = unit * (given.depth or 0.0)
-        return ProblemContact(region, obstacle, depth, given.force, given.friction)
+        depth = unit * (contact.depth or 0.0)
+        return ProblemContact(region, obstacle, depth, contact.force, contact.friction)
 
 
 # The rest -----------------------------------------------------------------------------------------

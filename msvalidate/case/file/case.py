@@ -48,7 +48,7 @@ ACROSS = {2: 20, 3: 8}
 """Cells across the narrowest side where nothing is said, by the number of axes."""
 MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
-MOST_ASKED = {2: 1_000_000, 3: 300_000}
+MAX_REQUESTED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
 LITTLE = 1.25
 """How many times as large or small cells may be made to lie on supports, and to end where they do:
@@ -222,7 +222,7 @@ class Case:
         if self.problem.contacts and self.geometry == "nonlinear":
             raise ProblemError(
                 "geometry 'nonlinear': elements meet obstacles to first order; take 'linear', or "
-                "`springs.statics.contact.press` for springs alone"
+                "`springs.statics.contact.solve_contact` for springs alone"
             )
         if self.fracture and (self.problem.contacts or self.geometry == "nonlinear"):
             raise ProblemError(
@@ -319,7 +319,7 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     """
     domain, pattern = case.problem.domain, _pattern(case)
     cells = domain.volume / spacing**domain.dim
-    most = MOST_ASKED[domain.dim]
+    most = MAX_REQUESTED[domain.dim]
     if cells > most:
         raise ProblemError(
             f"spacing {spacing:g} m: {cells:.3g} cells in the body, and the most is {most:g}; take "

@@ -13,7 +13,7 @@ from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.problem.checks import positive_number, require_one_of
 from msvalidate.problem.records import dataclass
 from msvalidate.springs.bodies.toughness import RULES
-from msvalidate.springs.statics.breaking import Growth
+from msvalidate.springs.statics.breaking import FractureResult
 
 SMALL = 0.05
 """Stretch up to which small displacements are said to do."""
@@ -52,7 +52,7 @@ class Fracture:
         positive_number("raised", self.raised)
 
 
-def break_table(growth: Growth | None) -> dict[str, pd.DataFrame]:
+def break_table(growth: FractureResult | None) -> dict[str, pd.DataFrame]:
     """A row each spring that breaks: event, factor of the loads, middle (m), energies (J)."""
     if growth is None:
         return {}
@@ -69,11 +69,11 @@ def break_table(growth: Growth | None) -> dict[str, pd.DataFrame]:
     return {"breaks": pd.DataFrame(rows, columns=[*names, "own_energy", "released"])}
 
 
-def _middle(growth: Growth, spring: int) -> Array:
+def _middle(growth: FractureResult, spring: int) -> Array:
     return np.asarray(growth.network.points[growth.network.springs[spring]].mean(axis=0))
 
 
-def break_sentence(growth: Growth | None) -> str:
+def break_sentence(growth: FractureResult | None) -> str:
     """What broke, and what of it is the lattice's; "" where nothing may."""
     if growth is None:
         return ""
@@ -99,7 +99,7 @@ def break_sentence(growth: Growth | None) -> str:
     )
 
 
-def draw_breaks(growth: Growth) -> Figure:
+def draw_breaks(growth: FractureResult) -> Figure:
     """Springs, and those that broke, where the body was."""
     points = growth.network.points[:, :2]
     figure, axis = body_axes(points, 0.03 * float(np.ptp(points, axis=0).max()))

@@ -20,7 +20,7 @@ from msvalidate.bench.output.body_drawing import (
     MOST_ARROWS,
     SHOWN,
     body_axes,
-    draw_held_and_loaded,
+    draw_supports_and_loads,
 )
 from msvalidate.bench.output.figures import COLOURS, UPWARDS, add_shared_legend, new_figure
 from msvalidate.case.compare.comparison import Comparison
@@ -181,7 +181,7 @@ def draw_body(found: Comparison) -> Figure:
     if x.shape[1] == 2:
         style: dict[str, Any] = {"ms": 1.5, "color": "#9aa6b2", "zorder": 1, "rasterized": True}
         axis.plot(*network.points.T, ".", label="particles", **style)
-    draw_held_and_loaded(axis, network.points, network.held, *_arrows(found), ARROW * size)
+    draw_supports_and_loads(axis, network.points, network.held, *_arrows(found), ARROW * size)
     if x.shape[1] == 2:
         _legend_below(axis, x, 4)
     else:

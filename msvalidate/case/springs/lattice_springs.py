@@ -45,8 +45,8 @@ from msvalidate.springs.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.springs.lattice.cut import cell_weights, joins_corners
 from msvalidate.springs.lattice.edges import EdgeLattice
 from msvalidate.springs.network import Network, mode_energy
-from msvalidate.springs.statics.breaking import Growth
-from msvalidate.springs.statics.contact import ContactEquilibrium, press
+from msvalidate.springs.statics.breaking import FractureResult
+from msvalidate.springs.statics.contact import ContactEquilibrium, solve_contact
 from msvalidate.springs.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.springs.statics.stress import cell_stress, cell_volume, point_stress
 
@@ -101,7 +101,7 @@ class SpringAnswer:
     seconds: float
     geometry: str = "linear"
     contact: ContactEquilibrium | None = None
-    growth: Growth | None = None
+    growth: FractureResult | None = None
     no_finer: tuple[float, str] | None = None
 
     def at(self, places: Array) -> Array:
@@ -174,7 +174,7 @@ class SpringAnswer:
 
 
 @dataclass(frozen=True, eq=False)
-class SpringLimit:
+class Extrapolation:
     """What springs close in on as their spacing shrinks.
 
     Parameters
@@ -213,7 +213,7 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     if contacts:
         problem = laid_problem(case, spacing)
         try:
-            contact = press(network, touching_points(problem, lattice))
+            contact = solve_contact(network, touching_points(problem, lattice))
         except SolverError:
             problem.refuse_slight_force()
             raise
@@ -336,32 +336,32 @@ def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> tuple[
     return found, ""
 
 
-def limit_of(answers: tuple[SpringAnswer, ...], values: list[Array]) -> SpringLimit:
+def extrapolate(answers: tuple[SpringAnswer, ...], values: list[Array]) -> Extrapolation:
     """What springs close in on, from their displacement (p, d) in m on one to three lattices."""
     fine = values[-1]
     if len(values) == 1:
-        return SpringLimit(fine, math.inf)
+        return Extrapolation(fine, math.inf)
     last = fine - values[-2]
     size, change = float(np.abs(fine).max()), float(np.abs(last).max())
     if change <= ROUNDING * size:
-        return SpringLimit(fine, max(change, ROUNDING * size))
+        return Extrapolation(fine, max(change, ROUNDING * size))
     if contact := answers[-1].contact:
         # A patch ends between two points, elsewhere on each lattice: changes show no order.
         before = float(np.abs(values[1] - values[0]).max()) / 2
         bears = all((one.force > 0).sum() >= LEAST_BEARING for one in contact.contacts)
-        return SpringLimit(fine, CAUTION * max(change, before) if bears else max(size, change))
+        return Extrapolation(fine, CAUTION * max(change, before) if bears else max(size, change))
     if len(values) == 2:  # as if the order were 1
-        return SpringLimit(fine + last, CAUTION * change)
+        return Extrapolation(fine + last, CAUTION * change)
     first = values[1] - values[0]
     before = max(float(np.abs(first).max()), ROUNDING * size)
     order = float(np.log2(max(float(np.linalg.norm(first)), before) / np.linalg.norm(last)))
     if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
         # Changes that grow may grow as much again: the body is not resolved yet.
-        return SpringLimit(fine, CAUTION * max(change**2 / before, before))
+        return Extrapolation(fine, CAUTION * max(change**2 / before, before))
     left = last / (2 ** min(order, 2.0) - 1)
     uncertainty = SAFETY * float(np.abs(left).max())
     if isinstance(answers[-1].lattice, CutLattice):
         # An outline cuts the cells of each lattice differently, so the last change may be small by
         # chance. The cut's error is of first order: half the change before bounds it as well.
         uncertainty = max(uncertainty, UNEVEN * max(change, before / 2))
-    return SpringLimit(fine + left, uncertainty, order)
+    return Extrapolation(fine + left, uncertainty, order)

@@ -17,7 +17,7 @@ from msvalidate.case.file.part_mesh import count_one_cell_thick, spacing_of_poin
 from msvalidate.case.springs.lattice_springs import (
     SpringAnswer,
     displacements_at,
-    limit_of,
+    extrapolate,
     solve_finer,
 )
 from msvalidate.linear_algebra.norms import max_length
@@ -66,7 +66,7 @@ class MeshSprings:
     def order(self) -> float:
         """Of the difference in the spacing, as three meshes show it; NaN where they do not."""
         values, _ = displacements_at(self.answers, self.reference.points)
-        return limit_of(self.answers, values).order
+        return extrapolate(self.answers, values).order
 
 
 def one_cell_deflection(law: Isotropic) -> float:

@@ -148,16 +148,18 @@ def calibrate_material(
 
 
 def _check_uniform_tension(
-    material: Isotropic, lattice: Lattice, found: Calibration
+    material: Isotropic, lattice: Lattice, calibration: Calibration
 ) -> TensionCheck:
     """Response of a body of a calibrated lattice to uniform tension."""
     if isinstance(lattice, CutLattice) or not isinstance(lattice.domain, Box):
         return NOT_KNOWN
     small, scale = _smaller_lattice(lattice)
-    stiff = min(found.volume, *found.constants) >= 0
+    stiff = min(calibration.volume, *calibration.constants) >= 0
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is not known
-            body = _measure_tension(_on_rollers(material, small, found), small.points, stiff=stiff)
+            body = _measure_tension(
+                _on_rollers(material, small, calibration), small.points, stiff=stiff
+            )
     except ProblemError:  # such as cells that do not fill the body, said when it is made
         return NOT_KNOWN
     return replace(body, error=scale * body.error)
@@ -217,7 +219,7 @@ def _smaller_lattice(lattice: Lattice) -> tuple[Lattice, float]:
 
 
 def _on_rollers(
-    material: Isotropic, lattice: Lattice, found: Calibration
+    material: Isotropic, lattice: Lattice, calibration: Calibration
 ) -> list[tuple[Network, Array]]:
     """The body on rollers pulled along each axis, with the strain (d,) that the material has."""
     box = lattice.domain
@@ -232,9 +234,9 @@ def _on_rollers(
     for axis in axes:
         traction = PULL * material.E * np.eye(box.dim)[axis]
         load = Traction(box.side(names[axis, 1]), tuple(traction.tolist()))
-        network = lattice_network(Problem(box, material, rollers, (load,)), lattice, found)
-        stress = np.zeros(len(found.tensor))
+        network = lattice_network(Problem(box, material, rollers, (load,)), lattice, calibration)
+        stress = np.zeros(len(calibration.tensor))
         stress[: box.dim] = traction * (material.thickness if box.dim == 2 else 1.0)
-        strain: Array = np.linalg.solve(found.tensor, stress)[: box.dim].astype(float)
+        strain: Array = np.linalg.solve(calibration.tensor, stress)[: box.dim].astype(float)
         pulls.append((network, strain))
     return pulls

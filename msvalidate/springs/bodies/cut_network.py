@@ -49,7 +49,7 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.checks import require_type
-from msvalidate.springs.bodies.cut_solid import points_held, traction_on_solid
+from msvalidate.springs.bodies.cut_solid import fixed_points, traction_on_solid
 from msvalidate.springs.bodies.lattice_network import nodal_force
 from msvalidate.springs.constants.zones import OneOrEach, constants_by_zone
 from msvalidate.springs.lattice.cut import CutLattice
@@ -154,7 +154,7 @@ def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
         if isinstance(region, Region) and not region.is_facet:
             return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
         if lattice.points.shape[1] == 3 and not _is_wall(region, lattice):
-            return points_held(region, lattice)
+            return fixed_points(region, lattice)
         corners = corners_of(region, lattice.domain)
         flat = np.flatnonzero(np.ptp(corners, axis=0) <= lattice.domain.tolerance)
         if len(flat):

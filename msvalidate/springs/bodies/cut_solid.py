@@ -63,7 +63,7 @@ def _find(numbered: KDTree, number: Index) -> Index:
     return np.where(found < numbered.n, found, -1)
 
 
-def points_held(part: Part, lattice: CutLattice) -> Mask:
+def fixed_points(part: Part, lattice: CutLattice) -> Mask:
     """Points (n,) of the lattice that a support on a part of the surface holds.
 
     Raises

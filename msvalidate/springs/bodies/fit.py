@@ -80,12 +80,12 @@ class _Case:
     kind: Index
     solver: Once
     parts: tuple[bsr_array, ...]
-    wanted: Array
+    displacement: Array
     scale: float
 
 
 def fitted_constants(
-    networks: Sequence[Network], wanted: Sequence[ArrayLike], kind: ArrayLike
+    networks: Sequence[Network], displacements: Sequence[ArrayLike], kind: ArrayLike
 ) -> Fit:
     """Fit spring constants to given displacements by least squares.
 
@@ -97,7 +97,7 @@ def fitted_constants(
     networks
         One network per load case, all with the same springs, n points and zero prestress, built
         with all spring constants equal to 1. To fit a volume energy as well, build them with κ = 1.
-    wanted
+    displacements
         One array of displacements (m) of shape (n, d) per network; fixed components are ignored.
     kind
         Class of each spring, shape (m,), numbered from 0.
@@ -133,7 +133,7 @@ def fitted_constants(
     75000, 37500 N/m
     """
     number = _count_kinds(networks, kind)
-    cases = _load_cases(networks, wanted, np.asarray(kind), number)
+    cases = _load_cases(networks, displacements, np.asarray(kind), number)
     with_volumes = len(cases[0].parts) > number
     p = _starting_constants(cases, number, with_volumes)
     unit = float(p.max())
@@ -193,16 +193,16 @@ def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
 
 
 def _load_cases(
-    networks: Sequence[Network], wanted: Sequence[ArrayLike], kind: Index, number: int
+    networks: Sequence[Network], displacements: Sequence[ArrayLike], kind: Index, number: int
 ) -> list[_Case]:
-    count = len(wanted) if isinstance(wanted, Sequence | np.ndarray) else "no list of"
+    count = len(displacements) if isinstance(displacements, Sequence | np.ndarray) else "no list of"
     if count != len(networks):
         raise ProblemError(
             f"fitted constants: {len(networks)} networks, {count} displacements; give as many of "
             "each"
         )
     cases = []
-    for network, target in zip(networks, wanted, strict=True):
+    for network, target in zip(networks, displacements, strict=True):
         u = finite_coordinates("wanted displacement", target, *network.points.shape)
         free = np.flatnonzero(~network.held.ravel())
         largest = float(np.abs(u).max(initial=0.0)) or 1.0  # squares of small numbers are none
@@ -227,7 +227,7 @@ def _starting_constants(cases: list[_Case], number: int, volumes: bool) -> Array
     answers = [_respond(case, p).move for case in cases]
     if not all(np.isfinite(answer).all() for answer in answers):
         raise ProblemError("fitted constants: the networks are loose; add springs, or hold more")
-    wanted = np.concatenate([c.scale * c.wanted for c in cases])
+    wanted = np.concatenate([c.scale * c.displacement for c in cases])
     u = np.concatenate(answers)
     size = float(np.linalg.norm(u))
     if not size:
@@ -242,7 +242,7 @@ def _least_squares(cases: list[_Case], start: Array, unit: float, number: int) -
 
     def misfit(q: Array) -> Array:
         return np.concatenate(
-            [_respond(case, unit * q).move - case.scale * case.wanted for case in cases]
+            [_respond(case, unit * q).move - case.scale * case.displacement for case in cases]
         )
 
     def slope(q: Array) -> Array:

@@ -36,7 +36,7 @@ from msvalidate.springs.network.laws.logarithmic import LOGARITHMIC
 from msvalidate.springs.network.laws.quadratic import QUADRATIC
 from msvalidate.springs.network.laws.volumes import Volumes
 from msvalidate.springs.network.laws.zero_length import ZERO_LENGTH
-from msvalidate.springs.statics.contact import Touching
+from msvalidate.springs.statics.contact import ContactCandidates
 
 Kind = TypeVar("Kind", bound=Lattice)
 RIGHT = 1e-9
@@ -310,8 +310,8 @@ def _triangle_shares(facets: Index, corners: Array, area: Array, *, regular: boo
 
 
 def contact_network(
-    problem: Problem, lattice: Lattice, *given: Any, **named: Any
-) -> tuple[Network, tuple[Touching, ...]]:
+    problem: Problem, lattice: Lattice, *options: Any, **named: Any
+) -> tuple[Network, tuple[ContactCandidates, ...]]:
     """Network of a problem, and for each of its contacts the points that may touch.
 
     Parameters
@@ -326,10 +326,10 @@ def contact_network(
         is on the part that may touch, or the centre of a disc or ball is in the body.
     """
     touching = touching_points(problem, lattice)
-    return lattice_network(replace(problem, contacts=()), lattice, *given, **named), touching
+    return lattice_network(replace(problem, contacts=()), lattice, *options, **named), touching
 
 
-def touching_points(problem: Problem, lattice: Lattice) -> tuple[Touching, ...]:
+def touching_points(problem: Problem, lattice: Lattice) -> tuple[ContactCandidates, ...]:
     """For each contact of a problem the lattice's points that may touch; errors as above."""
     if isinstance(lattice, CutLattice | VoronoiLattice):
         raise ProblemError(
@@ -339,10 +339,12 @@ def touching_points(problem: Problem, lattice: Lattice) -> tuple[Touching, ...]:
     return tuple(_touching(problem, lattice, contact) for contact in problem.contacts)
 
 
-def _touching(problem: Problem, lattice: Lattice, contact: Contact) -> Touching:
+def _touching(problem: Problem, lattice: Lattice, contact: Contact) -> ContactCandidates:
     """Points (c,) that have a share of the part of the surface that may touch."""
     one = np.eye(lattice.points.shape[1])[0]
     area = side_force(Traction(contact.region, tuple(one)), lattice)[:, 0]
     points = np.flatnonzero(area > 0)
     share = problem.material.thickness * area[points]
-    return Touching(points, share, contact.obstacle, contact.depth, contact.force, contact.friction)
+    return ContactCandidates(
+        points, share, contact.obstacle, contact.depth, contact.force, contact.friction
+    )

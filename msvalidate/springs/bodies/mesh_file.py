@@ -158,27 +158,27 @@ def _check_path(path: object) -> Path:
     return file
 
 
-def _read_content(file: Path, said: str) -> Any:
+def _read_content(file: Path, label: str) -> Any:
     """Read a file with meshio, without its output and its exits."""
     form = FORMATS[file.suffix.lower()]
-    _refuse_before_reading(file, form, said)
+    _refuse_before_reading(file, form, label)
     heard = io.StringIO()
     try:
         with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard), _bounded(file):
             content = meshio.read(file, file_format=form)
     except ProblemError as error:
-        raise ProblemError(f"{said}: {error}") from error
+        raise ProblemError(f"{label}: {error}") from error
     except (Exception, SystemExit) as error:  # whatever its parsers stumble over
         lines = [line for line in heard.getvalue().splitlines() if "Couldn't read" not in line]
         why = str(error) if isinstance(error, meshio.ReadError) else "".join(lines[:1])
         what = format_value(why).strip("'\"") or "it ends too soon, or is of another format"
-        raise ProblemError(f"{said}: not a whole {form} file: {what}; write it again") from error
+        raise ProblemError(f"{label}: not a whole {form} file: {what}; write it again") from error
     if "not closed" in heard.getvalue() or _announced_cells(file, form) > sum(
         map(len, content.cells)
     ):
-        raise ProblemError(f"{said}: it ends too soon; write it again")
+        raise ProblemError(f"{label}: it ends too soon; write it again")
     if not len(content.points) or not len(content.cells):
-        raise ProblemError(f"{said}: no {'cells' if len(content.points) else 'points'} in it")
+        raise ProblemError(f"{label}: no {'cells' if len(content.points) else 'points'} in it")
     return content
 
 
@@ -197,12 +197,12 @@ class _Unpacking:
     """Decompressor of a file's blocks that limits their total size."""
 
     def __init__(self, start: Callable[[], Any], most: int) -> None:
-        self._start, self._left, self._most = start, most, most
+        self._start, self._budget, self._most = start, most, most
 
     def decompress(self, block: bytes) -> bytearray:
-        unpacked = _Growing(self._start().decompress(block, self._left + 1))
-        self._left -= len(unpacked)
-        if self._left < 0:
+        unpacked = _Growing(self._start().decompress(block, self._budget + 1))
+        self._budget -= len(unpacked)
+        if self._budget < 0:
             raise ProblemError(f"more than {self._most:g} bytes when unpacked; write fewer fields")
         return unpacked
 
@@ -227,30 +227,30 @@ def _first_decoded(text: str) -> bytes:
     return base64.b64decode(text.partition("=")[0] + "==")
 
 
-def _refuse_before_reading(file: Path, form: str, said: str) -> None:
+def _refuse_before_reading(file: Path, form: str, label: str) -> None:
     """Refuse what would take much memory, or lead to other files: meshio follows any path."""
     size = file.stat().st_size
     if size > LARGEST_FILE:
-        raise ProblemError(f"{said}: {size:g} bytes; the most is {LARGEST_FILE:g}")
+        raise ProblemError(f"{label}: {size:g} bytes; the most is {LARGEST_FILE:g}")
     if form == "vtu":
-        _refuse_deep(file, said)
+        _refuse_deep(file, label)
     elif form == "abaqus":
         with file.open(encoding="utf-8", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
                 if line.lstrip().upper().replace(" ", "").startswith(("*INCLUDE", "*MANIFEST")):
                     raise ProblemError(
-                        f"{said}: line {number} includes another file; join the files into one"
+                        f"{label}: line {number} includes another file; join the files into one"
                     )
 
 
-def _refuse_deep(file: Path, said: str) -> None:
+def _refuse_deep(file: Path, label: str) -> None:
     """Refuse elements in elements without end: the tree of them takes a hundred times the file."""
     outer: list[str] = []
 
     def begin(name: str, _: object) -> None:
         outer.append(name)
         if len(outer) > DEEPEST:
-            raise ProblemError(f"{said}: more than {DEEPEST} elements in each other; write again")
+            raise ProblemError(f"{label}: more than {DEEPEST} elements in each other; write again")
 
     parser = expat.ParserCreate("iso-8859-1")  # of which all bytes are
     parser.StartElementHandler, parser.EndElementHandler = begin, lambda _: outer.pop()
@@ -266,7 +266,7 @@ def _announced_cells(file: Path, form: str) -> int:
     return int(counts[0]) if counts else 0
 
 
-def _body_cells(content: Any, said: str) -> tuple[str, Index]:
+def _body_cells(content: Any, label: str) -> tuple[str, Index]:
     """Shape and nodes (c, k) of the cells of most axes, which must be of one kind."""
     dim = max(block.dim for block in content.cells)
     blocks = [block for block in content.cells if block.dim == dim and len(block.data)]
@@ -276,14 +276,14 @@ def _body_cells(content: Any, said: str) -> tuple[str, Index]:
     found = ", ".join(f"{number} {name}" for name, number in count.items())
     if dim < 2:
         raise ProblemError(
-            f"{said}: {found or 'no'} cells; give cells with an area or a volume"
+            f"{label}: {found or 'no'} cells; give cells with an area or a volume"
             f"{_group_hint(content)}"
         )
     if len(count) != 1:
-        raise ProblemError(f"{said}: cells of several kinds, {found}; mesh the body with one kind")
+        raise ProblemError(f"{label}: cells of several kinds, {found}; mesh the body with one kind")
     (name,) = count
     if name not in SHAPES:
-        raise ProblemError(f"{said}: {found} cells; {_remedy(name, dim)}")
+        raise ProblemError(f"{label}: {found} cells; {_remedy(name, dim)}")
     return name, np.concatenate([block.data for block in blocks]).astype(np.intp)
 
 

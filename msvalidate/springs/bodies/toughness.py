@@ -34,7 +34,7 @@ from msvalidate.springs.lattice import Constants, Pattern
 from msvalidate.springs.lattice.filled import number_springs
 from msvalidate.springs.lattice.turned import rotation_matrix
 from msvalidate.springs.network import Network, spring_network
-from msvalidate.springs.statics.breaking import grow
+from msvalidate.springs.statics.breaking import propagate_crack
 
 RULES = ("growth", "springs")
 RADII = (20, 40)
@@ -205,7 +205,7 @@ def _events(patch: CrackPatch) -> list[tuple[tuple[float, ...], float]]:
     """Positions of springs that break together, and the load factors."""
     network, left = patch.network, patch.ahead.copy()
     found: list[tuple[tuple[float, ...], float]] = []
-    way = grow(network, patch.stretch, AT_MOST, most_breaks=3 * int(left.sum()))
+    way = propagate_crack(network, patch.stretch, AT_MOST, most_breaks=3 * int(left.sum()))
     for one in way.breaks:
         place = patch.crossing[one.springs]
         if np.isnan(place).any():

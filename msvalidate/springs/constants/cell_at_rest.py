@@ -321,11 +321,11 @@ def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
         if part @ (B @ way) ** 2 <= least * (own @ way**2):
             raise SolverError(FLOPPY)
 
-    def refuse_unsettled(found: Iterated, *, settled: bool) -> None:
-        if not settled:
-            refuse_mechanism(found.direction if found.negative else found.solution)
-            often = f"conjugate gradients did not answer in {found.steps} steps"
-            raise _NotConverged(MEETS_NONE if found.negative else often)
+    def refuse_unsettled(iterated: Iterated, *, converged: bool) -> None:
+        if not converged:
+            refuse_mechanism(iterated.direction if iterated.negative else iterated.solution)
+            often = f"conjugate gradients did not answer in {iterated.steps} steps"
+            raise _NotConverged(MEETS_NONE if iterated.negative else often)
 
     try:
         shift = np.tile(np.eye(dim), (A.shape[0] // dim, 1))
@@ -334,7 +334,7 @@ def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
         refuse_mechanism(why.motion)
         raise _NotConverged(MEETS_NONE) from why
     found, told = answer_to_random_load(A, cycle, np.ones(len(own), dtype=bool), dim)
-    refuse_unsettled(found, settled=told)
+    refuse_unsettled(found, converged=told)
     refuse_mechanism(found.solution)
 
     def relieve(stretch: Array) -> Array:
@@ -342,7 +342,7 @@ def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
         force = (force - force.mean(axis=0)).reshape(len(own), -1)  # what rounding leaves of it
         size = np.abs(force).max(axis=0, initial=0.0)
         found = conjugate_gradients(A, force / np.where(size > 0, size, 1.0), cycle, PART)
-        refuse_unsettled(found, settled=not found.negative and found.reduction <= PART)
+        refuse_unsettled(found, converged=not found.negative and found.reduction <= PART)
         return np.asarray(-size * found.solution)
 
     return relieve

@@ -95,7 +95,7 @@ def calibrate_by_route(
 
 
 def constants_of(
-    material: Material, lattice: Lattice, given: Constants | Calibration | None, volume: float
+    material: Material, lattice: Lattice, chosen: Constants | Calibration | None, volume: float
 ) -> tuple[Array, float]:
     """Check the constants (kinds,) and κ of a material, or compute the default.
 
@@ -103,7 +103,7 @@ def constants_of(
     ----------
     material, lattice
         Of a body, or of a zone of it.
-    given, volume
+    chosen, volume
         Spring constants (N/m) with κ, or a calibration, which has its own.
 
     Raises
@@ -112,17 +112,17 @@ def constants_of(
         If the constants are not one a kind, κ is given twice, a calibration is for another lattice,
         spacing, thickness or isotropic material, or there are no constants by springs alone.
     """
-    if given is None:
+    if chosen is None:
         return np.array(default_constants(material, lattice)), volume
-    if isinstance(given, Calibration):
+    if isinstance(chosen, Calibration):
         if volume:
             raise ProblemError(
                 f"volume stiffness: {format_value(volume)}; a calibration brings its own, leave "
                 "it out"
             )
-        _refuse_other_material(given, lattice, material)
-        volume = given.volume
-    constants = given.constants if isinstance(given, Calibration) else given
+        _refuse_other_material(chosen, lattice, material)
+        volume = chosen.volume
+    constants = chosen.constants if isinstance(chosen, Calibration) else chosen
     k = finite("spring constants", constants)
     if k.shape != (lattice.kinds,):
         raise ProblemError(
@@ -149,7 +149,7 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
     return (central_modulus(material, material.dim, "springs along a mesh's edges"),)
 
 
-def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:
+def _refuse_other_material(known: Calibration, lattice: Lattice, material: Material) -> None:
     """A calibration of something else, whose constants would make another material of this."""
     if isinstance(lattice, EdgeLattice):
         name, kinds, scales, unit = lattice.name, 1, False, 0.0
@@ -157,15 +157,15 @@ def _refuse_other_material(given: Calibration, lattice: Lattice, material: Mater
         pattern, unit = _repeating_cell(lattice, None)
         name, kinds = pattern.name, pattern.kinds
         scales = pattern.dim == 3  # in the plane constants are the same at any spacing
-    if (given.lattice, len(given.constants)) != (name, kinds):
-        mismatch = f"a {given.lattice} lattice, not {name}"
-    elif scales and abs(given.spacing - unit) > ALIKE * unit:
-        mismatch = f"a spacing of {given.spacing:g} m, not {unit:g} m"
-    elif abs(given.thickness - material.thickness) > ALIKE * material.thickness:
-        mismatch = f"a thickness of {given.thickness:g} m, not {material.thickness:g} m"
-    elif isinstance(material, Isotropic) and not is_of_material(given.tensor, material):
+    if (known.lattice, len(known.constants)) != (name, kinds):
+        mismatch = f"a {known.lattice} lattice, not {name}"
+    elif scales and abs(known.spacing - unit) > ALIKE * unit:
+        mismatch = f"a spacing of {known.spacing:g} m, not {unit:g} m"
+    elif abs(known.thickness - material.thickness) > ALIKE * material.thickness:
+        mismatch = f"a thickness of {known.thickness:g} m, not {material.thickness:g} m"
+    elif isinstance(material, Isotropic) and not is_of_material(known.tensor, material):
         mismatch = (
-            f"E = {given.E:g} Pa and nu = {given.nu:g} of another state or size than the problem's "
+            f"E = {known.E:g} Pa and nu = {known.nu:g} of another state or size than the problem's "
             f"{material.E:g} and {material.nu:g} in {material.state}"
         )
     else:
@@ -336,15 +336,15 @@ def calibration_of(
     )
 
 
-def _refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> None:
+def _refuse_soft_cells(pattern: Pattern, spacing: float, result: Calibration) -> None:
     """Raise `ProblemError` where κ is too far below zero for points between the cells' corners."""
-    d, mu = pattern.dim, found.tensor[-1, -1]
-    least = least_stable_volume(pattern, found.constants) / spacing ** (d - 2)
-    if found.volume > least * (1 - ALIKE):
+    d, mu = pattern.dim, result.tensor[-1, -1]
+    least = least_stable_volume(pattern, result.constants) / spacing ** (d - 2)
+    if result.volume > least * (1 - ALIKE):
         return
     ratio = least / mu + 1  # λ/μ
     raise ProblemError(
-        f"{pattern.name} lattice: nu = {found.nu:.6g} takes κ = {found.volume:.6g} {UNIT[d]} in "
+        f"{pattern.name} lattice: nu = {result.nu:.6g} takes κ = {result.volume:.6g} {UNIT[d]} in "
         f"its cells, unstable from {least:.6g} down, for its points are not all corners of cells: "
         f"take a ratio along its axes above {ratio / ((d - 1) * ratio + 2):.6g}"
     )

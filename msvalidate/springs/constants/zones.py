@@ -94,8 +94,10 @@ def calibrate_zones(
     """
     require_type("problem", problem, Problem)
 
-    def by(way: str) -> tuple[Calibration, ...]:
-        return tuple(calibrate_by_route(each, lattice, spacing, way) for each in problem.materials)
+    def by(route: str) -> tuple[Calibration, ...]:
+        return tuple(
+            calibrate_by_route(each, lattice, spacing, route) for each in problem.materials
+        )
 
     if route is not None:
         return by(route)
@@ -106,7 +108,7 @@ def calibrate_zones(
 
 
 def constants_by_zone(
-    problem: Problem, lattice: Lattice, given: OneOrEach | None = None, volume: float = 0.0
+    problem: Problem, lattice: Lattice, constants: OneOrEach | None = None, volume: float = 0.0
 ) -> tuple[Array, Array, Array, Array]:
     """Constants of springs and cells, and the density at points, by zone.
 
@@ -116,7 +118,7 @@ def constants_by_zone(
     ----------
     problem, lattice
         The body: the lattice must fill the problem's domain.
-    given, volume
+    constants, volume
         Constants and κ, as for `lattice_network`.
 
     Raises
@@ -130,7 +132,7 @@ def constants_by_zone(
             f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
             "build it from the problem's own"
         )
-    k, kappa, pressure, shear = _constants_of_each(problem, lattice, given, volume)
+    k, kappa, pressure, shear = _constants_of_each(problem, lattice, constants, volume)
     density = np.array([material.density for material in problem.materials])
     at_points = np.full(len(lattice.points), density[0])
     if not problem.zones:
@@ -173,7 +175,7 @@ def spring_shares(
 
 
 def _constants_of_each(
-    problem: Problem, lattice: Lattice, given: OneOrEach | None, volume: float
+    problem: Problem, lattice: Lattice, constants: OneOrEach | None, volume: float
 ) -> tuple[Array, Array, Array, Array]:
     """Spring constants (materials, kinds), κ, pressure and μ (materials,) of its materials."""
     volume, count = finite_number("volume stiffness", volume), len(problem.materials)
@@ -182,12 +184,12 @@ def _constants_of_each(
             f"volume stiffness: {format_value(volume)} for {count} materials; "
             "give calibrate_zones(problem, lattice), which has one for each"
         )
-    each: tuple[Any, ...] = given if isinstance(given, tuple) else ()
-    if count == 1 or given is None:
-        each = (given,) * count
+    each: tuple[Any, ...] = constants if isinstance(constants, tuple) else ()
+    if count == 1 or constants is None:
+        each = (constants,) * count
     elif len(each) != count or not all(isinstance(one, Calibration | tuple) for one in each):
         raise ProblemError(
-            f"spring constants: {format_value(given)} for {count} materials; give a tuple of "
+            f"spring constants: {format_value(constants)} for {count} materials; give a tuple of "
             "one entry each, such as calibrate_zones(problem, lattice)"
         )
     found = [

@@ -207,29 +207,29 @@ def algorithm1(
     return relax(network, method, tolerance=tolerance, max_steps=max_steps)
 
 
-def _judge(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
+def _judge(result: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
     """A run at rest with the error of where it rests; refused where that is no answer."""
     network = run.network
-    if not is_stable(Configuration(network, found.equilibrium.displacement), run.cycle):
+    if not is_stable(Configuration(network, result.equilibrium.displacement), run.cycle):
         raise SolverError(
-            f"{run.title} came to rest after {found.steps} steps where the network is unstable "
+            f"{run.title} came to rest after {result.steps} steps where the network is unstable "
             "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "
             "the load"
         )
     if not allow_folded:
-        refuse_folded(network, found.equilibrium, f"{run.title} after {found.steps} steps")
-    error = error_of_displacement(network, found.equilibrium.displacement, run.cycle)
-    _refuse_inaccurate(network, found, error, run.title)
-    return replace(found, equilibrium=replace(found.equilibrium, error=error))
+        refuse_folded(network, result.equilibrium, f"{run.title} after {result.steps} steps")
+    error = error_of_displacement(network, result.equilibrium.displacement, run.cycle)
+    _refuse_inaccurate(network, result, error, run.title)
+    return replace(result, equilibrium=replace(result.equilibrium, error=error))
 
 
-def _refuse_inaccurate(network: Network, found: Relaxation, error: float, title: str) -> None:
+def _refuse_inaccurate(network: Network, result: Relaxation, error: float, title: str) -> None:
     """Raise `SolverError` where an error is as large as what moved, or a load moved nothing.
 
     What its prestress balances where it lies need not move, so that nothing is said by an error
     relative to that.
     """
-    rest = found.equilibrium
+    rest = result.equilibrium
     load = max_abs(network.force[~network.held])
     moved = max_abs(rest.displacement)
     seen = moved > FEW_UNITS * np.finfo(float).eps * max_abs(network.points)
@@ -237,7 +237,7 @@ def _refuse_inaccurate(network: Network, found: Relaxation, error: float, title:
         return
     off = f"{error:.2g} times its displacement" if math.isfinite(error) else "nobody knows how far"
     raise SolverError(
-        f"{title} came to rest after {found.steps} steps, {rest.residual:.3g} N short of balance, "
+        f"{title} came to rest after {result.steps} steps, {rest.residual:.3g} N short of balance, "
         f"where it is off by {off}: the load is no larger than what "
         "rounding hides, or the body too slender; tighten tolerance, raise the load, or take "
         "`equilibrium`"

@@ -123,7 +123,7 @@ class Run:
         self.most_steps = self._critically_damped
         self.look_every, self.until = 0, 0
         self.cycle: Cycle | None = None
-        self._given = frequencies
+        self._applied = frequencies
         self._force = np.empty_like(self.displacement)
         self._known = False
         self.test = ConvergenceTest(self)
@@ -156,8 +156,8 @@ class Run:
     @cached_property
     def frequencies(self) -> tuple[float, float]:
         """Lowest and highest natural frequency (rad/s) at the reference points."""
-        if self._given is not None:
-            return self._given
+        if self._applied is not None:
+            return self._applied
         network = self.network
         if not Solver(network).is_direct:
             at = Configuration(network)
@@ -231,14 +231,14 @@ class ConvergenceTest:
         # A lattice is stepped as if springs that lead the same way were the same: in the network
         # each component of their vectors, and their lengths, may differ by 4 roundings of the
         # largest coordinate.
-        self._apart = np.zeros_like(self._at_lengths)
+        self._misfit = np.zeros_like(self._at_lengths)
         if run.motion.path == "lattice":
             apart = network.rounding(max_abs(network.points))
-            self._apart = 4 * (1 + math.sqrt(network.dim)) * apart
+            self._misfit = 4 * (1 + math.sqrt(network.dim)) * apart
         k = np.abs(network.axial_stiffness)
         self._softest = float(k[k > 0].min(initial=np.inf))
         self._stiffest = _largest_point_stiffness(network)
-        self._met = math.inf, run.displacement
+        self._residual_ok = math.inf, run.displacement
 
     def met(self, residual: float, kinetic: float) -> bool:
         """Return True if the run has reached equilibrium.
@@ -252,7 +252,7 @@ class ConvergenceTest:
         still = max(run.tolerance**2 * run.stored, rounding / self._softest * rounding)
         if kinetic > still:  # the usual case, and the cheapest question
             return False
-        if residual > max(run.tolerance * self._most_met(), rounding + max_abs(self._apart)):
+        if residual > max(run.tolerance * self._all_converged(), rounding + max_abs(self._misfit)):
             return False
         held = run.network.held
         if (run.displacement[held] != run.network.displacement[held]).any():
@@ -262,9 +262,9 @@ class ConvergenceTest:
     def _balanced(self) -> bool:
         """Return True if every point is in balance, relative to the forces there."""
         run = self.run
-        small = np.maximum(run.tolerance * self._force_met(), self._floor)
+        small = np.maximum(run.tolerance * self._force_converged(), self._floor)
         excess = np.abs(run.balance()) - small
-        if not (excess <= self._apart).all():
+        if not (excess <= self._misfit).all():
             return False
         if (excess > 0).any():  # as the network is
             excess = np.abs(run.motion.balance(run.displacement)) - small
@@ -282,24 +282,24 @@ class ConvergenceTest:
 
     def allowed(self) -> float:
         """Residual force (N) that is small enough at the points where most forces meet, now."""
-        return max(self.run.tolerance * self._force_met(), self.rounding)
+        return max(self.run.tolerance * self._force_converged(), self.rounding)
 
     def target(self) -> float:
         """Approximate `allowed` from the last sum of forces.
 
         It is accurate enough to choose the method's parameters.
         """
-        met = self._met[0]
+        met = self._residual_ok[0]
         known = math.isfinite(met)
         return max(self.run.tolerance * met, self.rounding) if known else self.allowed()
 
-    def _force_met(self) -> float:
+    def _force_converged(self) -> float:
         """Largest sum of force magnitudes (N) that meet at a free point now."""
         u = self.run.displacement.copy()
-        self._met = force_scale(Configuration(self.run.network, u)), u
-        return self._met[0]
+        self._residual_ok = force_scale(Configuration(self.run.network, u)), u
+        return self._residual_ok[0]
 
-    def _most_met(self) -> float:
+    def _all_converged(self) -> float:
         """Upper bound (N) of the sum of forces at a point.
 
         A spring's force changes by k times the motion of its ends.
@@ -307,7 +307,7 @@ class ConvergenceTest:
         Where cells stand beside springs they stiffen as they are deformed; rest is then seen a few
         looks later, never too early.
         """
-        met, there = self._met
+        met, there = self._residual_ok
         if not self._stiffest or not math.isfinite(met):
             return math.inf
         return met + 2 * self._stiffest * max_abs(self.run.displacement - there)

@@ -151,21 +151,21 @@ def natural_frequencies(
 
 
 def _lowest_of_large(
-    way: Solver,
+    solver: Solver,
     network: Network,
     cycle: Cycle | None,
     matrix: csr_array,
-    asked: tuple[int, int, float, float],
+    task: tuple[int, int, float, float],
 ) -> Array:
-    """Lowest squares (count,); `asked` are their count, rigid motions, the highest, a tolerance."""
-    count, zero, highest, tolerance = asked
+    """Lowest squares (count,); `task` are their count, rigid motions, the highest, a tolerance."""
+    count, zero, highest, tolerance = task
     if count > FEW or zero:
-        way.refuse_too_large(f"natural frequencies: {count} of a body with {zero} rigid motions")
-    elif not way.is_direct:
+        solver.refuse_too_large(f"natural frequencies: {count} of a body with {zero} rigid motions")
+    elif not solver.is_direct:
         try:
             return _smallest_by_multigrid(network, cycle, matrix, count, highest, tolerance)
         except NotConvergedError as error:
-            way.give_way(error)
+            solver.give_way(error)
     return _smallest_squares(network, matrix, count, highest, tolerance)
 
 

@@ -210,24 +210,24 @@ def cut_lattice(
 
 
 def _inside(
-    kept: CutCells, domain: Domain, points: Array, number_of: Index, cells: Index, h: float
+    cut_cells: CutCells, domain: Domain, points: Array, number_of: Index, cells: Index, h: float
 ) -> Mask:
     """Points (n,) in the body or on its surface; next to bent sides as they are, not as drawn."""
-    whole = cells[kept.part.sum(axis=1) > 1 - ROUNDING]
+    whole = cells[cut_cells.part.sum(axis=1) > 1 - ROUNDING]
     inside = np.bincount(whole.ravel(), minlength=len(points)) == cells.shape[1]
     (near,) = np.nonzero(~inside)
     x = points[near]
     if not isinstance(domain, Mesh):
         inside[near] = domain.contains(x)
-    elif kept.encloses is None:  # of a prism: as one point of a column is, all are
+    elif cut_cells.encloses is None:  # of a prism: as one point of a column is, all are
         _, first, column = np.unique(
             number_of[near, :2], axis=0, return_index=True, return_inverse=True
         )
         inside[near] = domain.contains(x[first])[column.ravel()]
     else:
         on = domain.whole_surface.select(x, domain.tolerance)
-        inside[near] = kept.encloses(number_of[near]) | on
-        if kept.drawing_error:
+        inside[near] = cut_cells.encloses(number_of[near]) | on
+        if cut_cells.drawing_error:
             beside = domain.whole_surface.select(x, BESIDE * h) & ~on
             inside[near[beside]] = domain.contains(x[beside])
     return np.asarray(inside)

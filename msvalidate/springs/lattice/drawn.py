@@ -68,15 +68,15 @@ def solid_facets(domain: Domain) -> Array:
     return np.asarray((low + (high - low) * cube.nodes)[cube.facets])
 
 
-def true_areas(places: Array, drawn: DrawnSurface) -> Array:
+def true_areas(places: Array, surface: DrawnSurface) -> Array:
     """Area (t,) in m² that each triangle represents.
 
     The exact area of a facet is distributed in proportion to the areas of its triangles.
     """
-    area = triangle_areas(drawn.corners)
+    area = triangle_areas(surface.corners)
     wanted = facet_areas(places)
-    found = np.bincount(drawn.facet, area, len(places))
-    return np.asarray(area * (wanted / found)[drawn.facet])
+    found = np.bincount(surface.facet, area, len(places))
+    return np.asarray(area * (wanted / found)[surface.facet])
 
 
 def triangle_areas(corners: Array) -> Array:

@@ -181,14 +181,14 @@ def cell_parts(
     return np.concatenate(index), np.concatenate(part), (lowest, highest), crossings
 
 
-def _fill_columns(key: Index, own: Array, over: Array, shape: tuple[int, int, int]) -> Array:
+def _fill_columns(key: Index, parts: Array, over: Array, shape: tuple[int, int, int]) -> Array:
     """Fractions (cells, 2, 2, 2) of a slab in each cell and below its surface."""
     above = np.zeros((shape[0] * shape[1] * shape[2], 2, 2))
     above[key] = over
     column = above.reshape(-1, shape[2], 2, 2)
     under = np.cumsum(column[:, ::-1], axis=1)[:, ::-1] - column
     part = np.repeat(under.reshape(-1, 2, 2, 1) / 2, 2, axis=3)
-    part[key] += own
+    part[key] += parts
     return part
 
 

@@ -53,9 +53,9 @@ def point_parts(lattice: Lattice) -> csr_array:
     return _shared(point, cell, gift, (len(lattice.points), len(lattice.cells)), lattice)
 
 
-def _numbered(each: Index) -> Index:
+def _numbered(entries: Index) -> Index:
     """Number of the row of each entry (r, k), one after the other."""
-    return np.repeat(np.arange(len(each)), each.shape[1])
+    return np.repeat(np.arange(len(entries)), entries.shape[1])
 
 
 def _holding_cells(lattice: Lattice, places: Array) -> tuple[Index, Index]:

@@ -141,31 +141,31 @@ class Pattern:
                 f"{said}: tensor {format_value(self.tensor)}; give a function or None"
             )
 
-    def _refuse_misfits(self, said: str) -> None:
+    def _refuse_misfits(self, name: str) -> None:
         kinds = sorted(set(self.kind.tolist()))
         if kinds != list(range(len(kinds))):
-            raise ProblemError(f"{said}: kinds {kinds}; count from 0 without a gap")
+            raise ProblemError(f"{name}: kinds {kinds}; count from 0 without a gap")
         if len(self.formulas.kinds) not in {0, len(kinds)}:
             raise ProblemError(
-                f"{said}: formulas of {len(self.formulas.kinds)} kinds; give {len(kinds)}, or none"
+                f"{name}: formulas of {len(self.formulas.kinds)} kinds; give {len(kinds)}, or none"
             )
         if (self.factor < 0).any() or (self.volume <= 0).any():
-            raise ProblemError(f"{said}: a factor below 0 or a volume not above; give neither")
+            raise ProblemError(f"{name}: a factor below 0 or a volume not above; give neither")
         cell = math.prod(self.size)
         if abs(self.volume.sum() - cell) > 1e-9 * cell:
             raise ProblemError(
-                f"{said}: volumes sum to {self.volume.sum():g}, the cell has {cell:g}; share it out"
+                f"{name}: volumes sum to {self.volume.sum():g}, the cell has {cell:g}; share it out"
             )
 
-    def _refuse_twins(self, said: str) -> None:
+    def _refuse_twins(self, name: str) -> None:
         """A spring without length, or listed twice: from either end it would be the same."""
         if not np.linalg.norm(self.vectors, axis=1).all():
-            raise ProblemError(f"{said}: a spring has no length; leave it out")
+            raise ProblemError(f"{name}: a spring has no length; leave it out")
         there = np.column_stack([self.springs, self.image])
         back = np.column_stack([self.springs[:, ::-1], -self.image])
         both = np.concatenate([there, back])
         if len(np.unique(both, axis=0)) < len(both):
-            raise ProblemError(f"{said}: a spring is listed twice; list each from one end")
+            raise ProblemError(f"{name}: a spring is listed twice; list each from one end")
 
     @property
     def dim(self) -> int:
@@ -197,11 +197,11 @@ class Pattern:
         return np.asarray(k[self.kind] * self.factor)
 
 
-def _cell_edges(said: str, size: tuple[float, ...]) -> Array:
+def _cell_edges(name: str, size: tuple[float, ...]) -> Array:
     """Edge lengths (d,) of a cell."""
     if not isinstance(size, tuple) or len(size) not in {2, 3}:
-        raise ProblemError(f"{said}: size {format_value(size)}; give a tuple of 2 or 3 lengths")
-    return np.array([length_in_metres(f"{said}: cell edge", edge) for edge in size])
+        raise ProblemError(f"{name}: size {format_value(size)}; give a tuple of 2 or 3 lengths")
+    return np.array([length_in_metres(f"{name}: cell edge", edge) for edge in size])
 
 
 def pattern_by_shells(

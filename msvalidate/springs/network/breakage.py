@@ -72,7 +72,7 @@ class Breakage:
     def __init__(self, network: Network, critical_stretch: float) -> None:
         self.critical_stretch = positive_number("critical stretch", critical_stretch)
         critical_stretches(network, critical_stretch)
-        self._given = self.network = network
+        self._applied = self.network = network
         self.broken: Mask = np.zeros(len(network.springs), dtype=bool)
         self.released = 0.0
 
@@ -90,10 +90,10 @@ class Breakage:
 
     def whole(self, network: Network) -> Network:
         """A network of the same springs, under other loads maybe, without those that broke."""
-        if network is self._given:
+        if network is self._applied:
             return self.network
         for name in ("points", "springs", "stiffness", "rest_length"):
-            if not np.array_equal(getattr(network, name), getattr(self._given, name)):
+            if not np.array_equal(getattr(network, name), getattr(self._applied, name)):
                 raise ProblemError(f"breakage: of other {name}; make one of the network that moves")
         return replace(network, stiffness=self.network.stiffness.copy())
 

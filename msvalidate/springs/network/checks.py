@@ -20,9 +20,9 @@ def check_springs(springs: ArrayLike, n: int) -> Index:
     return pairs
 
 
-def check_cells(given: ArrayLike, n: int, d: int) -> Index:
+def check_cells(numbers: ArrayLike, n: int, d: int) -> Index:
     """Cells (c, corners) as numbers of n points in d axes."""
-    cells = integers("cells", given)
+    cells = integers("cells", numbers)
     if cells.ndim != 2 or not is_shape_of_cells(d, cells.shape[1]):
         raise ProblemError(
             f"cells: {cells.shape} of points ({n}, {d}); give triangles or quadrilaterals in the "

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import bsr_array, csr_array
 
 from msvalidate.linear_algebra import choice
-from msvalidate.linear_algebra.choice import ASKED, BYTES, Choice, choose
+from msvalidate.linear_algebra.choice import BYTES, QUESTIONS, Choice, choose
 from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
 from msvalidate.linear_algebra.multigrid import Cycle, restrain_in_place
 from msvalidate.linear_algebra.order import Dissection, free_unknowns, nested_dissection, pairs_in
@@ -96,14 +96,14 @@ class Regular:
         _refuse_unsettled(told)
         return soft, mode
 
-    def _judged(self, way: Array) -> tuple[float, Array]:
+    def _judged(self, direction: Array) -> tuple[float, Array]:
         """Relative stiffness of a motion (f,), and the motion (n·d,).
 
         A motion without stiffness is refused.
         """
         free = ~self.at.network.held.ravel()
         mode, met = np.zeros(free.shape), np.zeros(free.shape)
-        mode[free], met[free] = way, self.diagonal
+        mode[free], met[free] = direction, self.diagonal
         soft = relative_stiffness(self.at, mode, met)
         if not abs(soft) > NO_STIFFNESS:  # NaN is nothing too
             raise SolverError(describe_motion(self.at.network, mode))
@@ -120,9 +120,9 @@ class Solver:
     place close by, for the first multigrid.
     """
 
-    def __init__(self, network: Network, wanted: str = "auto", cycle: Cycle | None = None) -> None:
-        require_one_of("solver", wanted, SOLVERS)
-        self.wanted, self._network = wanted, network
+    def __init__(self, network: Network, purpose: str = "auto", cycle: Cycle | None = None) -> None:
+        require_one_of("solver", purpose, SOLVERS)
+        self.wanted, self._network = purpose, network
         self.met_negative = False
         """True if multigrid stopped at a tangent that is not positive definite."""
         self._cycle = cycle
@@ -210,7 +210,7 @@ class Solver:
 
     def _chosen(self) -> Choice:
         if self.wanted != "auto":
-            return Choice(self.wanted, ASKED)
+            return Choice(self.wanted, QUESTIONS)
         network, d = self._network, self._network.dim
         entries = d**2 * len(network.blocks.column)
         chosen, found = choose(network.points, connected_pairs(network), d, entries)
@@ -257,8 +257,8 @@ def connected_pairs(network: Network) -> Index:
     return np.concatenate([network.springs, pairs_in(network.resisting)])
 
 
-def _refuse_unsettled(told: bool) -> None:
-    if not told:
+def _refuse_unsettled(has_message: bool) -> None:
+    if not has_message:
         raise NotConvergedError("multigrid: conjugate gradients do not tell whether it is stable")
 
 

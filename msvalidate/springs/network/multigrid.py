@@ -54,7 +54,7 @@ CLEAN = 1e-10
 
 It leaves 1e-14 of other modes in one without stiffness, by `LOOSE`.
 """
-FAR_APART = 3.0
+LARGE_RATIO = 3.0
 """Mean difference of point numbers per spring beyond which points are sorted.
 
 It is in points of a layer: lattices have less than 1, random numbers n^(1/d)/3.
@@ -184,7 +184,7 @@ def _order_by_place(network: Network) -> Index | None:
     None where they are numbered with regard to their places: else cycles take more steps.
     """
     (n, d), (i, j) = network.points.shape, network.springs.T
-    if np.abs(i - j).mean() <= FAR_APART * n ** (1 - 1 / d):
+    if np.abs(i - j).mean() <= LARGE_RATIO * n ** (1 - 1 / d):
         return None
     spacing = float(np.linalg.norm(network.vector, axis=1).mean())
     layers = np.floor((network.points - network.points.min(axis=0)) / spacing + 0.25)

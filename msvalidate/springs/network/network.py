@@ -176,10 +176,10 @@ class Network:
         return none if self.volumes is None else self.volumes.cells
 
     def of_cells(
-        self, value: Callable[Concatenate[Volumes, P], T], *given: P.args, **named: P.kwargs
+        self, value: Callable[Concatenate[Volumes, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T | float:
         """A value that adds up over springs and cells: the cells' part, 0.0 of none."""
-        return 0.0 if self.volumes is None else value(self.volumes, *given, **named)
+        return 0.0 if self.volumes is None else value(self.volumes, *arguments, **named)
 
     @cached_property
     def distance(self) -> Array:

@@ -30,25 +30,25 @@ It refers to the stiffest of these modes.
 """
 
 
-def negative_modes(found: Regular) -> int:
-    """Number of negative eigenvalues of the tangent that `found` is the inverse of.
+def negative_modes(factorised: Regular) -> int:
+    """Number of negative eigenvalues of the tangent that `factorised` is the inverse of.
 
     Raises `SolverError` if more motions than can be looked at meet no more than rounding;
     `NotConvergedError` if one does, and there is no factor.
     """
-    if is_certain(found.softness):
-        return found.negative
-    if not isinstance(found.inverse, Factor):
+    if is_certain(factorised.softness):
+        return factorised.negative
+    if not isinstance(factorised.inverse, Factor):
         raise NotConvergedError(
             "multigrid: whether the network is stable cannot be told: a motion meets "
-            f"{abs(found.softness):.1g} of what its points meet alone"
+            f"{abs(factorised.softness):.1g} of what its points meet alone"
         )
-    weight = np.abs(found.diagonal)
-    modes, pushes = _softest_motions(found.inverse, weight)
+    weight = np.abs(factorised.diagonal)
+    modes, pushes = _softest_motions(factorised.inverse, weight)
     own = modes.T @ pushes
     metric = modes.T @ (weight[:, None] * modes)
     factored = eigh((own + own.T) / 2, metric, eigvals_only=True)
-    changes = np.column_stack([free_force(found.at, mode) for mode in modes.T])
+    changes = np.column_stack([free_force(factorised.at, mode) for mode in modes.T])
     exact = modes.T @ changes
     energies = eigh((exact + exact.T) / 2, metric, eigvals_only=True)
     all_seen = len(weight) <= MODES
@@ -64,7 +64,7 @@ def negative_modes(found: Regular) -> int:
             f"{np.abs(energies).min():.1g} of what its points meet alone; "
             "bring stiffnesses closer together, or add springs or supports"
         )
-    outside = found.negative - int((factored < 0).sum())
+    outside = factorised.negative - int((factored < 0).sum())
     return max(outside, 0) + int((energies < 0).sum())
 
 

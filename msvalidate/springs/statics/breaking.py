@@ -71,7 +71,7 @@ class Break:
 
 
 @dataclass(frozen=True, eq=False)
-class Growth:
+class FractureResult:
     """Result of quasi-static fracture.
 
     Parameters
@@ -127,14 +127,14 @@ class Growth:
         return left / (self.released or self.work or 1.0)
 
 
-def grow(
+def propagate_crack(
     network: Network,
     critical_stretch: ArrayLike,
     raised: float = 1.0,
     *,
     crack: ArrayLike = (),
     most_breaks: int | None = None,
-) -> Growth:
+) -> FractureResult:
     """Raise a network's loads and prescribed displacements together, and let springs break.
 
     The most stretched spring breaks, over its own critical stretch, at the factor of the loads that
@@ -177,7 +177,7 @@ def grow(
     cut = NONE
     if np.size(crack):
         cut = np.unique(indices("crack", crack, len(network.springs), "k", what="springs"))
-    found = Way(network, stretch, cut).follow(raised, most)
+    found = BreakingPath(network, stretch, cut).follow(raised, most)
     left = abs(found.work - found.stored - found.released)
     if found.breaks and not left <= CLOSED * found.released + ROUNDED * found.work:
         raise SolverError(
@@ -187,7 +187,7 @@ def grow(
     return found
 
 
-class Way:
+class BreakingPath:
     """A network on its way, its displacement in proportion to the factor of its loads.
 
     Attributes
@@ -247,7 +247,7 @@ class Way:
         i, j = self.network.springs[springs].T
         return np.asarray(((u[..., j, :] - u[..., i, :]) * self.along[springs]).sum(axis=-1))
 
-    def follow(self, raised: float, most: float) -> Growth:
+    def follow(self, raised: float, most: float) -> FractureResult:
         """Break springs up to a factor of the loads, `most` times at the most."""
         breaks: list[Break] = []
         while len(breaks) < most:
@@ -372,7 +372,7 @@ class Way:
         alone = replace(self.network, force=0 * self.given.force, displacement=moved)
         self.still = refine_linear(alone, self.solver).solution
 
-    def result(self, breaks: list[Break], ended: Ended) -> Growth:
+    def result(self, breaks: list[Break], ended: Ended) -> FractureResult:
         """State at the end of the load path."""
         load, e = self.load, self.elongation(self.unit)
         network = replace(
@@ -382,7 +382,7 @@ class Way:
             displacement=np.where(self.network.held, load * self.unit + self.still, 0.0),
         )
         u, choice = load * self.unit + self.still, self.solver.choice
-        return Growth(
+        return FractureResult(
             breaks=tuple(breaks),
             network=network,
             equilibrium=equilibrium_at(

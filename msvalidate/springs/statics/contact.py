@@ -49,12 +49,12 @@ IN_A_ROUND = 1e-3
 SMALLEST_PART = 2.0**-6
 """Smallest fraction of an obstacle's path for a step."""
 TINY = float(np.finfo(float).tiny)
-HELD = 1e-9
+CONSTRAINED = 1e-9
 """Smallest free part of a normal for which a candidate point can move."""
 
 
 @dataclass(frozen=True, eq=False)
-class Touching:
+class ContactCandidates:
     """Points of a network that an obstacle may touch.
 
     Parameters
@@ -77,13 +77,13 @@ class Touching:
 
 
 @dataclass(frozen=True, eq=False)
-class Pressed:
+class ContactForces:
     """An obstacle's contact with a network at rest.
 
     Parameters
     ----------
     points, share
-        Candidates (c,), as in `Touching`.
+        Candidates (c,), as in `ContactCandidates`.
     force, gap
         (c,) in N along the obstacle's normals, and in m.
     depth
@@ -131,15 +131,15 @@ class ContactEquilibrium:
 
     equilibrium: Equilibrium
     load: Array
-    contacts: tuple[Pressed, ...]
+    contacts: tuple[ContactForces, ...]
     complementarity: float
     rounds: int
     applications: int
 
 
-def press(
+def solve_contact(
     network: Network,
-    touching: Touching | Sequence[Touching],
+    touching: ContactCandidates | Sequence[ContactCandidates],
     geometry: Literal["linear", "nonlinear"] = "linear",
 ) -> ContactEquilibrium:
     """Static equilibrium of a network that obstacles are pressed on.
@@ -163,10 +163,10 @@ def press(
         If no equilibrium is found, or gaps do not close.
     """
     require_one_of("geometry", geometry, ("linear", "nonlinear"))
-    each = (touching,) if isinstance(touching, Touching) else tuple(touching)
+    each = (touching,) if isinstance(touching, ContactCandidates) else tuple(touching)
     _refuse_other(network, each, geometry)
     refuse_free_motions("network", network.points, network.held)
-    way = _Way(network, each, geometry)
+    way = _ContactPath(network, each, geometry)
     part, done = 1.0, 0.0
     while done < 1:
         try:
@@ -182,18 +182,18 @@ def press(
     return way.result()
 
 
-def _refuse_other(network: Network, each: Sequence[Touching], geometry: str) -> None:
+def _refuse_other(network: Network, items: Sequence[ContactCandidates], geometry: str) -> None:
     """Raise `ProblemError` for contacts that are none."""
-    if not each:
+    if not items:
         raise ProblemError("contact: none; give one, or take equilibrium")
-    numbers, times = np.unique(np.concatenate([one.points for one in each]), return_counts=True)
+    numbers, times = np.unique(np.concatenate([one.points for one in items]), return_counts=True)
     if (times > 1).any():
         point = int(numbers[times > 1][0])
         raise ProblemError(
             f"contact: two contacts claim point {point} at {network.points[point].tolist()} m; "
             "give each its own part of the surface"
         )
-    for one in each:
+    for one in items:
         shape = one.obstacle.shape
         if one.friction:
             raise ProblemError(
@@ -207,35 +207,37 @@ def _refuse_other(network: Network, each: Sequence[Touching], geometry: str) -> 
             )
 
 
-class _Way:
+class _ContactPath:
     """Obstacles on their way into a network, and where it has led to.
 
     Attributes
     ----------
     points, which
         Candidates (c,) of all obstacles, and the obstacle of each.
-    wanted, depths
+    gaps, depths
         Force (N) of each obstacle, NaN where its depth is given; and its depth (m) now.
-    found, force, load
+    factorised, force, load
         The equilibrium there, forces (c,) in N along the normals, and what they are (n, d).
     """
 
-    def __init__(self, network: Network, each: tuple[Touching, ...], geometry: str) -> None:
-        self.network, self.each = network, each
+    def __init__(
+        self, network: Network, items: tuple[ContactCandidates, ...], geometry: str
+    ) -> None:
+        self.network, self.items = network, items
         self.nonlinear = geometry == "nonlinear"
-        self.points = np.concatenate([one.points for one in each])
-        self.which = np.repeat(np.arange(len(each)), [len(one.points) for one in each])
-        self.wanted = np.array([np.nan if one.force is None else one.force for one in each])
-        self.depths = np.array([one.depth for one in each])
-        self.axes = np.array([one.obstacle.axis for one in each])
+        self.points = np.concatenate([one.points for one in items])
+        self.which = np.repeat(np.arange(len(items)), [len(one.points) for one in items])
+        self.gaps = np.array([np.nan if one.force is None else one.force for one in items])
+        self.depths = np.array([one.depth for one in items])
+        self.axes = np.array([one.obstacle.axis for one in items])
         self.force = np.zeros(len(self.points))
         self.load = np.zeros(network.points.shape)
         self.rounds = self.applications = 0
-        self.left = np.inf
+        self.misfit = np.inf
         bare = network.rest_force.any() or network.force.any() or network.displacement.any()
         still = np.zeros(network.points.shape)
         self._inverse = Solver(network) if self.nonlinear else Once(network)
-        self.found = self._rest(None) if bare else equilibrium_at(network, still, 0, error=0.0)
+        self.factorised = self._rest(None) if bare else equilibrium_at(network, still, 0, error=0.0)
         self._tangent: Tangent | None = None
         self.reach = self._reach()
 
@@ -250,17 +252,17 @@ class _Way:
         """Gaps (c,) in m and normals (c, d): to first order in the displacement, or there."""
         x = self._places()
         gap, normal = np.empty(len(x)), np.empty(x.shape)
-        for k, one in enumerate(self.each):
+        for k, one in enumerate(self.items):
             own = self.which == k
             gap[own] = one.obstacle.gap(x[own], self.depths[k])
             normal[own] = one.obstacle.normal(x[own], self.depths[k])
         if not self.nonlinear:
-            gap = gap + (normal * self.found.displacement[self.points]).sum(axis=1)
+            gap = gap + (normal * self.factorised.displacement[self.points]).sum(axis=1)
         return gap, normal
 
     def _places(self) -> Array:
         """Positions (c, d) in m of the candidates, to first order where required."""
-        x = self.network.points + (self.found.displacement if self.nonlinear else 0.0)
+        x = self.network.points + (self.factorised.displacement if self.nonlinear else 0.0)
         return np.asarray(x[self.points])
 
     def _reach(self) -> Array:
@@ -273,44 +275,46 @@ class _Way:
                 f"contact: point {point} at {self.network.points[point].tolist()} m is held inside "
                 "the obstacle; give a part of the surface that may move"
             )
-        reach = np.zeros(len(self.each))
-        for k in np.flatnonzero(np.isnan(self.wanted)):
+        reach = np.zeros(len(self.items))
+        for k in np.flatnonzero(np.isnan(self.gaps)):
             reach[k] = -float(gap[self.which == k].min())
             if reach[k] <= 0:
                 raise ProblemError(
-                    f"contact with a {self.each[k].obstacle.shape}: no point of the region can be "
+                    f"contact with a {self.items[k].obstacle.shape}: no point of the region can be "
                     f"reached, the nearest is {-reach[k]:.4g} m away; lower it by more than that"
                 )
         return reach
 
     def _still(self, normal: Array) -> Mask:
         """Candidates (c,) that supports hold along their normals (c, d)."""
-        return np.asarray((np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < HELD)
+        return np.asarray(
+            (np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < CONSTRAINED
+        )
 
     def lower(self, part: float) -> None:
         """Lower the obstacles to a fraction of the path; undo it on failure."""
         before = dict(vars(self))
-        given = np.array([one.depth for one in self.each]) - (1 - part) * self.reach
-        self.depths = np.where(np.isnan(self.wanted), given, self.depths)
+        given = np.array([one.depth for one in self.items]) - (1 - part) * self.reach
+        self.depths = np.where(np.isnan(self.gaps), given, self.depths)
         best = np.inf
         for _ in range(ROUNDS):
             try:
-                self._round(part * self.wanted)
+                self._round(part * self.gaps)
             except SolverError:
                 vars(self).update(before)
                 raise
-            if self.left <= CLOSED or best / 2 <= self.left <= ACCEPTED:  # no more to be had
+            if self.misfit <= CLOSED or best / 2 <= self.misfit <= ACCEPTED:  # no more to be had
                 return
-            best = min(best, self.left)
-        left = self.left
+            best = min(best, self.misfit)
+        left = self.misfit
         vars(self).update(before)
         raise SolverError(f"gaps of {left:.1g} of the depth are left after {ROUNDS} rounds")
 
-    def _round(self, wanted: Array) -> None:
+    def _round(self, gaps: Array) -> None:
         """Forces that close the gaps to first order, and the equilibrium under them."""
         gap, normal = self._gaps()
         if self.nonlinear or self._tangent is None:
-            u = self.found.displacement if self.nonlinear else None
+            u = self.factorised.displacement if self.nonlinear else None
             self._tangent = tangent_at(Configuration(self.network, u), self._inverse)
         exact = self._inverse.is_direct and not self.nonlinear
         turned = self._spread(self.force, normal) - self.load
@@ -320,7 +324,7 @@ class _Way:
             start=self.force,
             along=(normal * self.axes[self.which]).sum(axis=1),
             which=self.which,
-            wanted=wanted,
+            wanted=gaps,
         )
         self.force, raised = small.solve(0.0 if exact else IN_A_ROUND)
         if small.depth <= 0:
@@ -335,11 +339,11 @@ class _Way:
         self.depths = self.depths + raised
         self.load = self._spread(self.force, normal)
         self.rounds += 1
-        self.found = self._rest(self.found)
+        self.factorised = self._rest(self.factorised)
         gap, now = self._gaps()
         touched = np.where(self.force > 0, np.abs(gap), np.maximum(-gap, 0.0))
         off = self.force * np.abs(now - normal).max(axis=1)
-        self.left = max(
+        self.misfit = max(
             float(touched.max()) / small.depth, float(off.max() / self.force.max(initial=TINY))
         )
 
@@ -363,11 +367,11 @@ class _Way:
         """State at the end of the path."""
         gap, normal = self._gaps()
         x, contacts = self._places(), []
-        for k, one in enumerate(self.each):
+        for k, one in enumerate(self.items):
             own, axis = self.which == k, self.axes[k]
             force = self.force[own]
             contacts.append(
-                Pressed(
+                ContactForces(
                     points=one.points,
                     share=one.share,
                     force=force,
@@ -378,5 +382,5 @@ class _Way:
                 )
             )
         return ContactEquilibrium(
-            self.found, self.load, tuple(contacts), self.left, self.rounds, self.applications
+            self.factorised, self.load, tuple(contacts), self.misfit, self.rounds, self.applications
         )

@@ -168,11 +168,11 @@ def start_displacement(network: Network, start: Equilibrium | Array | None) -> A
     return finite_coordinates("start", given, *network.points.shape, need=need)
 
 
-def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
+def refuse_folded(network: Network, equilibrium: Equilibrium, title: str) -> None:
     """Raise `SolverError` if cells are folded, with their number and place."""
     simplices = network.simplices
-    if found.folded and simplices is not None:
-        folded = folded_cells(simplices, found.position)
+    if equilibrium.folded and simplices is not None:
+        folded = folded_cells(simplices, equilibrium.position)
         raise SolverError(
             f"{title}: {describe_folded(simplices, folded, network.points)}; raise what is "
             "applied along a path, reduce it, or take allow_folded=True"
@@ -284,7 +284,7 @@ def _follow_prestress(network: Network, solver: Solver, solves: int) -> PathResu
     return found
 
 
-def _explain_failure(network: Network, solver: Solver, found: PathResult) -> str:
+def _explain_failure(network: Network, solver: Solver, result: PathResult) -> str:
     """Explain why a load path cannot be continued."""
     what, hidden = "load", _explain_pivots(network, solver)
     if hidden:
@@ -298,8 +298,8 @@ def _explain_failure(network: Network, solver: Solver, found: PathResult) -> str
         remedy = "bring rest lengths closer to the springs' lengths, or take the start from a "
         remedy += "relaxation"
     return (
-        f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
-        f"{what} (after {found.solves} linear solves); {remedy}"
+        f"nonlinear equilibrium: no stable equilibrium found beyond {result.reached:.4g} of the "
+        f"{what} (after {result.solves} linear solves); {remedy}"
     )
 
 

@@ -138,12 +138,12 @@ def _newton_along(
     solver: Solver,
     start: PathPoint,
     t: float,
-    found: PathResult,
+    result: PathResult,
     steps: int = ITERATIONS,
 ) -> Arrival | None:
     """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one.
 
-    `found` counts the solves.
+    `result` counts the solves.
     """
     network, u = path.network_at(t), start.displacement
     force, target = path.force(t), path.prescribed(t)
@@ -159,7 +159,7 @@ def _newton_along(
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
             return None
-        found.solves += 1
+        result.solves += 1
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
         arrived = max_abs(ahead) <= _rounding(u)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
@@ -222,24 +222,24 @@ def _is_smooth(path: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tang
     return not (spring(K.move(balance, np.zeros(change.shape))) > MISSED * size).any()
 
 
-def _find_limit_point(path: LoadPath, solver: Solver, found: PathResult) -> float | None:
+def _find_limit_point(path: LoadPath, solver: Solver, result: PathResult) -> float | None:
     """T of the first limit point on the legs of a path; counts the solves it takes.
 
     Source: limit points as in [Crisfield1991].
     """
-    legs = found.legs[::-1]
+    legs = result.legs[::-1]
     while legs:
         a, b, smooth = legs.pop()
         if smooth is None:
-            onward = _newton_along(path, solver, a, b.t, found, SEARCHING)
+            onward = _newton_along(path, solver, a, b.t, result, SEARCHING)
             smooth = onward is not None and _is_same_point(onward.station, b, a) and onward.smooth
         if smooth:
             continue
         if b.t - a.t <= RESOLVED:
-            if _is_jump(path, solver, a, b, found):
+            if _is_jump(path, solver, a, b, result):
                 return b.t
             continue
-        arrival = _point_between(path, solver, a, b.t, found)
+        arrival = _point_between(path, solver, a, b.t, result)
         if arrival is None:  # b was leapt to
             return a.t
         legs.append((arrival.station, b, None))
@@ -248,21 +248,23 @@ def _find_limit_point(path: LoadPath, solver: Solver, found: PathResult) -> floa
 
 
 def _point_between(
-    path: LoadPath, solver: Solver, a: PathPoint, end: float, found: PathResult
+    path: LoadPath, solver: Solver, a: PathPoint, end: float, result: PathResult
 ) -> Arrival | None:
     """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
     t = end
     while True:
         t = (a.t + t) / 2
-        arrival = _newton_along(path, solver, a, t, found, SEARCHING)
+        arrival = _newton_along(path, solver, a, t, result, SEARCHING)
         if arrival is not None or t - a.t <= RESOLVED / 2:
             return arrival
 
 
-def _is_jump(path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: PathResult) -> bool:
+def _is_jump(
+    path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, result: PathResult
+) -> bool:
     """Return True if b, followed back to a's load, does not reach a."""
     try:
-        back = _newton_along(path, solver, b, a.t, found, SEARCHING)
+        back = _newton_along(path, solver, b, a.t, result, SEARCHING)
     except SolverError:
         return True
     return back is None or not _is_same_point(back.station, a, b)

@@ -144,10 +144,10 @@ def _check_stops(path: Path | None) -> tuple[float, ...]:
     return tuple(parts.tolist())
 
 
-def _evaluate_path(network: Network, given: Callable[[float], Applied], t: float) -> Applied:
+def _evaluate_path(network: Network, applied: Callable[[float], Applied], t: float) -> Applied:
     """Evaluate a path function at t and check the result."""
     try:
-        force, displacement = given(t)
+        force, displacement = applied(t)
     except (TypeError, ValueError) as error:
         raise ProblemError(
             f"path: at t = {t:g} no pair of force and displacement ({error}); return two arrays "
@@ -165,10 +165,10 @@ def _evaluate_path(network: Network, given: Callable[[float], Applied], t: float
     return force, displacement
 
 
-def _refuse_other_end(network: Network, given: Callable[[float], Applied]) -> None:
+def _refuse_other_end(network: Network, applied: Callable[[float], Applied]) -> None:
     """Raise `ProblemError` unless a path ends at the network's own loads and displacements."""
     own = (network.force, network.displacement)
-    ends = zip(("force", "displacement"), _evaluate_path(network, given, 1.0), own, strict=True)
+    ends = zip(("force", "displacement"), _evaluate_path(network, applied, 1.0), own, strict=True)
     for name, end, wanted in ends:
         apart = np.abs(end - wanted)
         if apart.max() > SAME_END * np.abs(wanted).max():

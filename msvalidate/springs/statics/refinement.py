@@ -35,7 +35,7 @@ SAME_TANGENT = 1e-3
 """Relative change up to which a tangent keeps the signs of its pivots."""
 FACTORS = 6
 """Tangents made at the most."""
-SETTLED = 1e-13
+CONVERGED = 1e-13
 """Error at which no other tangent is made."""
 CYCLES_PART = 1e-4
 """Relative residual of a correction by conjugate gradients."""
@@ -54,8 +54,8 @@ class _System:
     `linear`: forces are those of the inverse's configuration, and change by its tangent.
     """
 
-    def __init__(self, network: Network, found: Regular, *, linear: bool) -> None:
-        self.network, self.found, self.linear = network, found, linear
+    def __init__(self, network: Network, factorised: Regular, *, linear: bool) -> None:
+        self.network, self.factorised, self.linear = network, factorised, linear
         self.free = ~network.held
 
     def residual(self, u: Array, network: Network | None = None) -> Array:
@@ -68,20 +68,24 @@ class _System:
             force = Configuration(network, u).force()
         else:
             own = network is self.network
-            at = self.found.at if own else Configuration(network, self.found.at.displacement)
+            at = (
+                self.factorised.at
+                if own
+                else Configuration(network, self.factorised.at.displacement)
+            )
             force = at.force() + at.force_change(u - at.displacement)
         return np.where(self.free, force + self.network.force, 0.0)
 
     def change(self, motion: Array) -> Array:
         """Change of this force by a small motion (n, d) in m."""
-        return np.where(self.free, self.found.at.force_change(motion), 0.0)
+        return np.where(self.free, self.factorised.at.force_change(motion), 0.0)
 
     def solve(self, force: Array, part: float = PART) -> Array:
         """Motion (n, d) in m under a force (n, d) in N, by the inverse.
 
         `part` is the relative residual of conjugate gradients.
         """
-        motion, inverse = np.zeros(force.shape), self.found.inverse
+        motion, inverse = np.zeros(force.shape), self.factorised.inverse
         if not np.isfinite(force).all():
             raise SolverError(
                 "equilibrium: forces beyond all numbers; choose units that give ordinary forces"
@@ -94,7 +98,7 @@ class _System:
 
     def refined(self, start: Array, solved: float = 0.0) -> Refined:
         """Corrections from a start (n, d) in m, and the whole error."""
-        rate = self.found.rate
+        rate = self.factorised.rate
         found = refine_solution(self.residual, self.solve, start, rate, solved)
         scale = max_abs(found.solution)
         if not scale:
@@ -105,7 +109,7 @@ class _System:
         if rate > DOUBTFUL:
             # Of all kinds at once, the softest among them.
             motion = np.random.default_rng(0).normal(size=self.free.shape) * self.free
-            own = self.found.mode.reshape(motion.shape)
+            own = self.factorised.mode.reshape(motion.shape)
             known = motion / np.abs(motion).max() + own / np.abs(own).max()
             times = error_amplification(self.change, self.solve, rate, known)
         left = self.residual(found.solution, rounded_otherwise(self.network))
@@ -144,11 +148,11 @@ def refine_linear(network: Network, solver: Solver) -> Refined:
 
 
 def refine_equilibrium(
-    network: Network, displacement: Array, found: Regular | None, solver: Solver
+    network: Network, displacement: Array, factorised: Regular | None, solver: Solver
 ) -> Refined:
     """The equilibrium near a displacement (n, d) in m, refined, and its error.
 
-    `found` is the inverse of the tangent there, where it is at hand; `solver` makes others.
+    `factorised` is the inverse of the tangent there, where it is at hand; `solver` makes others.
 
     Raises `SolverError` if the network is a mechanism or unstable there, or no trustworthy digits
     are left.
@@ -159,15 +163,15 @@ def refine_equilibrium(
         return Refined(u, 0.0, 0)
     before, best, steps = Configuration(network, u), math.inf, 0
     for _ in range(FACTORS):
-        found = found or solver.regular(Configuration(network, u))
-        refined = _System(network, found, linear=False).refined(u)
-        turn = found.at.largest_rotation(refined.solution - found.at.displacement)
+        factorised = factorised or solver.regular(Configuration(network, u))
+        refined = _System(network, factorised, linear=False).refined(u)
+        turn = factorised.at.largest_rotation(refined.solution - factorised.at.displacement)
         steps += refined.steps
         _refuse_far(turn)
-        u, last = refined.solution, found
-        if turn <= SAME_TANGENT and not SETTLED < refined.error < STANDING * best:
+        u, last = refined.solution, factorised
+        if turn <= SAME_TANGENT and not CONVERGED < refined.error < STANDING * best:
             break
-        best, found = refined.error, None
+        best, factorised = refined.error, None
     _refuse_far(before.largest_rotation(refined.solution - before.displacement))
     error = refined.error if turn <= SAME_TANGENT else math.inf
     refuse_inaccurate(error, title, explain_rounding(network, last.softness))

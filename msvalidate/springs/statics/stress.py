@@ -42,7 +42,7 @@ from msvalidate.springs.statics.equilibrium import Equilibrium
 Geometry = Literal["linear", "nonlinear"]
 
 
-def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
+def spring_virial(network: Network, state: Equilibrium, geometry: Geometry = "linear") -> Array:
     """Virial (m, d, d) in N·m of each spring, f d⊗d/|d|.
 
     d is its vector, f its force.
@@ -58,19 +58,19 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
         If the equilibrium is not one of this network.
     """
     require_type("network", network, Network)
-    require_type("equilibrium", found, Equilibrium)
+    require_type("equilibrium", state, Equilibrium)
     require_one_of("geometry", geometry, ("linear", "nonlinear"))
-    if found.position.shape != network.points.shape:
+    if state.position.shape != network.points.shape:
         raise ProblemError(
-            f"stress: displacements {found.position.shape}, points {network.points.shape}; give "
+            f"stress: displacements {state.position.shape}, points {network.points.shape}; give "
             "the network's own equilibrium"
         )
     # Elongations come from displacements: positions have few digits of small ones, or none.
     if geometry == "nonlinear":
-        at = Configuration(network, found.displacement)
+        at = Configuration(network, state.displacement)
         return np.asarray(at.force_density[:, None, None] * _dyads(at.vector, at.vector))
     vector, (i, j) = network.vector, network.springs.T
-    apart = found.displacement[j] - found.displacement[i]
+    apart = state.displacement[j] - state.displacement[i]
     strain = (apart * vector).sum(axis=1) / network.distance**2
     tension = network.pull_at_rest
     pull = tension + (network.axial_stiffness - tension) * strain
@@ -89,7 +89,7 @@ def _dyads(a: Array, b: Array) -> Array:
 def cell_stress(
     network: Network,
     lattice: Lattice,
-    found: Equilibrium,
+    state: Equilibrium,
     *,
     geometry: Geometry = "linear",
     thickness: float = 1.0,
@@ -129,17 +129,17 @@ def cell_stress(
             raise ProblemError(f"stress: parts {parts.shape}; give spring_shares of this lattice")
         spring, cell = parts.nonzero()
         part = parts[spring, cell]
-    virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
+    virial = part[:, None, None] * spring_virial(network, state, geometry)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
-    total += network.of_cells(_pressure_virial, lattice, found, geometry)
+    total += network.of_cells(_pressure_virial, lattice, state, geometry)
     if geometry == "nonlinear":
-        volume = volume * _volume_ratio(lattice, found)
+        volume = volume * _volume_ratio(lattice, state)
     return _voigt_components(total / volume[:, None, None])
 
 
 def _pressure_virial(
-    volumes: Volumes, lattice: Lattice, found: Equilibrium, geometry: Geometry
+    volumes: Volumes, lattice: Lattice, state: Equilibrium, geometry: Geometry
 ) -> Array:
     """Virial (c, d, d) in N·m of the cells' volumes: U'(J) V along each axis."""
     if not np.array_equal(volumes.cells, lattice.cells):
@@ -148,10 +148,10 @@ def _pressure_virial(
         )
     d = volumes.dim
     if geometry == "linear":
-        grown = dilatation(volumes, found.displacement, linear=True)
+        grown = dilatation(volumes, state.displacement, linear=True)
         even = np.multiply.outer(volumes.rest_volume * volumes.curvature * grown, np.eye(d))
-        return even + tension_virial(volumes, found.displacement)
-    grown = dilatation(volumes, found.displacement)
+        return even + tension_virial(volumes, state.displacement)
+    grown = dilatation(volumes, state.displacement)
     slope = volumes.slope + volumes.law.change(*volumes.coefficients, grown)
     return np.multiply.outer(slope * volumes.rest_volume * (1 + grown), np.eye(d))
 
@@ -325,11 +325,11 @@ def _corner_volume(lattice: Lattice) -> Array:
     return corner_volumes(lattice.points, lattice.cells)
 
 
-def _volume_ratio(lattice: Lattice, found: Equilibrium) -> Array:
+def _volume_ratio(lattice: Lattice, state: Equilibrium) -> Array:
     """Volume (c,) of each cell at rest relative to that before."""
     near = lattice.points - lattice.points[0]
     now, before = (
-        corner_volumes(x, lattice.cells).sum(axis=1) for x in (near + found.displacement, near)
+        corner_volumes(x, lattice.cells).sum(axis=1) for x in (near + state.displacement, near)
     )
     return np.asarray(now / before)
 

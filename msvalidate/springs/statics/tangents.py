@@ -55,12 +55,12 @@ class Tangent:
             return True
         return not is_certain(self.found.softness)
 
-    def move(self, load: Array, held: Array) -> Array:
+    def move(self, load: Array, fixed: Array) -> Array:
         """Motion (n, d) in m that balances a load (n, d) in N.
 
-        The fixed components move by `held`.
+        The fixed components move by `fixed`.
         """
-        move = np.array(held, dtype=float).ravel()
+        move = np.array(fixed, dtype=float).ravel()
         move[self.free] = 0.0
         if self.found is not None:
             right = load.ravel() - self.K @ move if move.any() else load.ravel()

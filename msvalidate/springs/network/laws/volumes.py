@@ -266,7 +266,7 @@ def force_magnitudes(volumes: Volumes, displacement: Array) -> Array:
     x = _displaced(volumes, displacement)
     slope, _ = _slopes(volumes, displacement)
     size = np.linalg.norm(slope[:, None, None] * _gradient(volumes, x, x), axis=2)
-    return _met_at_points(volumes, size)
+    return _sums_at_points(volumes, size)
 
 
 def stiffness_magnitudes(volumes: Volumes) -> Array:
@@ -274,7 +274,7 @@ def stiffness_magnitudes(volumes: Volumes) -> Array:
     g = _gradient(volumes, volumes.corners, volumes.corners)
     root = np.sqrt(np.abs(volumes.curvature)) / np.sqrt(volumes.rest_volume)
     own = ((root[:, None, None] * g) ** 2).sum(axis=2)
-    return _met_at_points(volumes, own)
+    return _sums_at_points(volumes, own)
 
 
 def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
@@ -288,7 +288,7 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     V0 = volumes.rest_volume
     j = size.sum(axis=1) * (reach + V0 ** (1 / volumes.dim)) / V0
     met = (np.abs(volumes.curvature) * j + np.abs(volumes.slope))[:, None] * size
-    return _met_at_points(volumes, met)
+    return _sums_at_points(volumes, met)
 
 
 def tangent_entries(volumes: Volumes, displacement: Array) -> Callable[[int, int], Array]:
@@ -344,7 +344,7 @@ def _local_values(volumes: Volumes, values: Array, normal: float) -> Array:
     return padded
 
 
-def _met_at_points(volumes: Volumes, values: Array) -> Array:
+def _sums_at_points(volumes: Volumes, values: Array) -> Array:
     """Sums (n,) of values (c, k) at the corners of cells."""
     n = len(volumes.points)
     return np.bincount(volumes.cells.ravel(), values.ravel(), n).astype(float, copy=False)
@@ -352,7 +352,7 @@ def _met_at_points(volumes: Volumes, values: Array) -> Array:
 
 def _summed(volumes: Volumes, pull: Array) -> Array:
     """Forces (n, d) of those at corners (c, k, d)."""
-    axes = [_met_at_points(volumes, pull[:, :, axis]) for axis in range(volumes.dim)]
+    axes = [_sums_at_points(volumes, pull[:, :, axis]) for axis in range(volumes.dim)]
     return np.stack(axes, axis=1)
 
 

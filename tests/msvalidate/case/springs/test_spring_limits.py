@@ -1,4 +1,4 @@
-"""`springs.lattice_springs.limit_of`: what finer lattices show is within the uncertainty that it
+"""`springs.lattice_springs.extrapolate`: what finer lattices show is within the uncertainty that it
 states."""
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from msvalidate.case.file.case import Case, spacing_of
-from msvalidate.case.springs.lattice_springs import compared_points, limit_of, solve_springs
+from msvalidate.case.springs.lattice_springs import compared_points, extrapolate, solve_springs
 from msvalidate.problem import (
     Box,
     Contact,
@@ -47,7 +47,7 @@ def covers(problem, cells):
     answers = tuple(solve_springs(case, spacing_of(case) / times) for times in (1, 2, 4, 8))
     places = compared_points(case, answers[0].lattice)
     values = [answer.at(places) for answer in answers]
-    limit = limit_of(answers[:3], values[:3])
+    limit = extrapolate(answers[:3], values[:3])
     return np.abs(limit.displacement - values[3]).max() <= limit.uncertainty
 
 

@@ -16,7 +16,7 @@ from msvalidate.springs.network import spring_network
 from msvalidate.springs.network.laws.green import GREEN
 from msvalidate.springs.network.laws.volumes import Volumes
 from msvalidate.springs.statics import breaking
-from msvalidate.springs.statics.breaking import grow
+from msvalidate.springs.statics.breaking import propagate_crack
 
 
 def random_body(dim=2, size=0.37, loaded=False, seed=0):
@@ -81,7 +81,7 @@ def test_events_are_those_of_dense_algebra(dim, loaded, monkeypatch):
     monkeypatch.setattr(breaking, "BREAKS_A_FACTOR", 4)
     network = random_body(dim, loaded=loaded, seed=dim - 2)
     known = densely(network, 0.01, 12)
-    found = grow(network, 0.01, 1e3, most_breaks=12)
+    found = propagate_crack(network, 0.01, 1e3, most_breaks=12)
     many = min(len(known), len(found.breaks))
     assert many >= (3 if loaded else 12)
     for one, (load, springs, own, released) in zip(found.breaks, known, strict=False):
@@ -93,7 +93,10 @@ def test_events_are_those_of_dense_algebra(dim, loaded, monkeypatch):
 
 def test_a_strain_of_1e_9_breaks_as_one_of_a_hundredth_does():
     network = random_body()
-    large, small = grow(network, 0.01, most_breaks=8), grow(network, 1e-9, most_breaks=8)
+    large, small = (
+        propagate_crack(network, 0.01, most_breaks=8),
+        propagate_crack(network, 1e-9, most_breaks=8),
+    )
     assert np.array_equal(large.broken, small.broken)
     assert small.load / large.load == pytest.approx(1e-7, rel=1e-12)
     assert small.released / large.released == pytest.approx(1e-14, rel=1e-9)
@@ -121,10 +124,10 @@ def test_neither_numbering_nor_solver_nor_side_matter(solver, monkeypatch):
         network.points[p] * [-1, 1], np.argsort(p)[network.springs][s], network.stiffness[s],
         held=network.held[p], displacement=network.displacement[p],
     )  # fmt: skip
-    found = grow(network, 0.01, crack=crack)
+    found = propagate_crack(network, 0.01, crack=crack)
     if solver == "multigrid":
         monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
-    same = grow(other, 0.01, crack=np.argsort(s)[crack])
+    same = propagate_crack(other, 0.01, crack=np.argsort(s)[crack])
     assert same.equilibrium.solver.name == solver
     assert [set(one.springs) for one in found.breaks] == [
         set(s[one.springs]) for one in same.breaks
@@ -141,7 +144,7 @@ def test_own_energy_is_a_part_of_what_a_spring_releases():
         [[0, 0], [1, 0], [2, 0.0]], [[0, 1], [1, 2]], [1.0, 2.0], held=[[1, 1], [0, 1], [1, 1]],
         displacement=[[0, 0], [0, 0], [1, 0.0]],
     )  # fmt: skip
-    found = grow(rod, 0.1, 10.0)
+    found = propagate_crack(rod, 0.1, 10.0)
     assert found.breaks[0].load == pytest.approx(0.15, rel=1e-14)
     assert found.own == pytest.approx(0.005, rel=1e-14)
     assert found.released == pytest.approx(0.005 / (1 - 1 / 3), rel=1e-14)
@@ -153,7 +156,7 @@ def test_a_load_that_would_fall_ends_it():
     rope = spring_network(
         [[0, 0], [1, 0.0]], [[0, 1]], 1.0, held=[[1, 1], [0, 1]], force=[[0, 0], [1, 0.0]]
     )
-    found = grow(rope, 0.1, 10.0)
+    found = propagate_crack(rope, 0.1, 10.0)
     assert (found.ended, found.breaks, found.load) == ("falls", (), pytest.approx(0.1))
     assert found.stored == pytest.approx(found.work) == pytest.approx(0.005)
 
@@ -162,11 +165,11 @@ def test_what_a_crack_leaves_without_a_hold_is_loose():
     network, _ = strip()
     alone = int(np.flatnonzero((network.points == [6, 3]).all(axis=1))[0])
     crack = np.flatnonzero((network.springs == alone).any(axis=1))
-    found = grow(network, 0.01, crack=crack, most_breaks=1)
+    found = propagate_crack(network, 0.01, crack=crack, most_breaks=1)
     assert list(found.loose) == [alone]
     assert found.closure < 1e-10
     fewer, kept = crack[1:], crack[:1]  # one spring does not hold it along every axis
-    hinged = grow(network, 0.01, crack=fewer, most_breaks=1)
+    hinged = propagate_crack(network, 0.01, crack=fewer, most_breaks=1)
     assert list(hinged.loose) == [alone]
     assert hinged.breaks[0].load == pytest.approx(found.breaks[0].load, rel=1e-12)
     assert hinged.network.stiffness[kept] > 0
@@ -181,7 +184,7 @@ def test_a_soft_spring_holds_and_a_force_on_what_is_loose_falls():
             x, [[0, 1], [1, 2], [1, 3]], [1.0, soft, 1.0], held=held,
             force=[[0, 0], [1e-3, 0], [0, 0], [0, 0.0]],
         )  # fmt: skip
-        found = grow(beside, [1e-4, np.inf, np.inf])
+        found = propagate_crack(beside, [1e-4, np.inf, np.inf])
         assert found.ended == "raised"
         assert found.released == pytest.approx(0.5e-8 * (1 + 1 / soft), rel=1e-6)
     network, _ = strip()
@@ -190,7 +193,7 @@ def test_a_soft_spring_holds_and_a_force_on_what_is_loose_falls():
     force = np.zeros(network.points.shape)
     force[alone, 1] = 1e-6
     with pytest.raises(ProblemError, match="nothing holds what it leaves of a loaded part"):
-        grow(replace(network, force=force), 0.01, crack=crack)
+        propagate_crack(replace(network, force=force), 0.01, crack=crack)
 
 
 def test_a_loose_piece_stays_where_it_was():
@@ -198,13 +201,13 @@ def test_a_loose_piece_stays_where_it_was():
         [[0, 0], [1, 0], [2, 0], [3, 0.0]], [[0, 1], [1, 2], [2, 3]], [1.0, 1.0, 2.0],
         held=[[1, 1], [0, 1], [0, 1], [1, 1]], displacement=[[0, 0], [0, 0], [0, 0], [1, 0.0]],
     )  # fmt: skip
-    found = grow(rope, [0.1, 0.1, np.inf], 10.0)
+    found = propagate_crack(rope, [0.1, 0.1, np.inf], 10.0)
     assert [list(one.springs) for one in found.breaks] == [[0, 1]]
     assert list(found.loose) == [1]
     assert found.equilibrium.displacement[1, 0] == pytest.approx(0.1, rel=1e-12)
     # All else is held: nothing to invert.
     whole = replace(rope, held=np.ones((4, 2)))
-    assert list(grow(whole, 0.1, 10.0).broken) == [2]
+    assert list(propagate_crack(whole, 0.1, 10.0).broken) == [2]
 
 
 def test_units_and_a_body_far_from_the_origin():
@@ -213,7 +216,7 @@ def test_units_and_a_body_far_from_the_origin():
         network, points=1e3 * network.points + 1e4, rest_length=1e3 * network.rest_length,
         displacement=1e3 * network.displacement, stiffness=1e-3 * network.stiffness,
     )  # fmt: skip
-    a, b = (grow(each, 0.01, crack=crack) for each in (network, mm))
+    a, b = (propagate_crack(each, 0.01, crack=crack) for each in (network, mm))
     assert np.array_equal(a.broken, b.broken)
     assert b.released / a.released == pytest.approx(1e3, rel=1e-9)
 
@@ -244,10 +247,10 @@ def test_one_clear_line():
         ("leave the body free", replace(none, held=np.zeros_like(network.held)), {}),
     ):  # fmt: skip
         with pytest.raises(ProblemError, match=re.escape(words)):
-            grow(given, **{"critical_stretch": 0.01, **how})
+            propagate_crack(given, **{"critical_stretch": 0.01, **how})
     half = network.points[:, 1] < 4
     cut = np.flatnonzero(half[network.springs[:, 0]] != half[network.springs[:, 1]])
     force = np.where(half[:, None], 0.0, [0.0, 1.0])
     free = replace(none, held=network.held & half[:, None], force=force)
     with pytest.raises(ProblemError, match="nothing holds what it leaves of a loaded part"):
-        grow(free, 0.01, crack=cut)
+        propagate_crack(free, 0.01, crack=cut)

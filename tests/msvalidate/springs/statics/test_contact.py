@@ -23,7 +23,7 @@ from msvalidate.springs.bodies.calibrate import calibrate_material
 from msvalidate.springs.bodies.lattice_network import contact_network, lattice_network
 from msvalidate.springs.lattice import fill, patterns, square
 from msvalidate.springs.network import Configuration
-from msvalidate.springs.statics.contact import press
+from msvalidate.springs.statics.contact import solve_contact
 from tests.table import refused
 
 SIZE, THICK = 0.37, 0.2
@@ -62,14 +62,14 @@ def test_forces_are_those_of_least_squares_and_of_the_depth_that_they_take(shape
     radius = None if shape == "half_space" else 0.3
     obstacle = Obstacle(shape, (0.4, SIZE), (0.1, -1.0) if radius is None else (0.0, -1.0), radius)
     network, touching = pressed(obstacle, loads=loads, depth=0.01)
-    found = press(network, touching)
+    found = solve_contact(network, touching)
     (one,) = found.contacts
     wanted = densely(network, touching)
     np.testing.assert_allclose(one.force, wanted, atol=1e-9 * wanted.max())
     assert found.complementarity < 1e-10
     assert one.pressure @ one.share == pytest.approx(one.force.sum())
     if shape != "disc":  # whose normals turn as it is lowered
-        again = press(*pressed(obstacle, loads=loads, force=one.total))
+        again = solve_contact(*pressed(obstacle, loads=loads, force=one.total))
         assert again.contacts[0].depth == pytest.approx(0.01, rel=1e-9)
         np.testing.assert_allclose(again.contacts[0].force, one.force, atol=1e-8 * wanted.max())
 
@@ -78,14 +78,14 @@ def test_forces_are_those_of_least_squares_and_of_the_depth_that_they_take(shape
 @pytest.mark.parametrize("strain", [1e-12, 1e-9, 1e-5, 0.1])
 def test_the_total_is_the_force(strain, place):
     force = strain * SHEET.E * SIZE * THICK
-    found = press(*pressed(replace(DISC, at=(place, SIZE)), force=force))
+    found = solve_contact(*pressed(replace(DISC, at=(place, SIZE)), force=force))
     assert found.contacts[0].total == pytest.approx(force, rel=1e-9)
     assert found.complementarity <= 1e-7
 
 
 def test_every_order_of_points_and_solver_give_the_same_forces(monkeypatch):
     network, (touching,) = pressed()
-    found = press(network, touching)
+    found = solve_contact(network, touching)
     assert found.complementarity < 1e-10
     order = np.random.default_rng(0).permutation(len(network.points))
     place = np.argsort(order)
@@ -94,9 +94,9 @@ def test_every_order_of_points_and_solver_give_the_same_forces(monkeypatch):
         mass=network.mass[order], held=network.held[order], force=network.force[order],
         displacement=network.displacement[order], cells=None,
     )  # fmt: skip
-    again = press(other, replace(touching, points=place[touching.points]))
+    again = solve_contact(other, replace(touching, points=place[touching.points]))
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)  # of a factor: by multigrid
-    same = press(network, touching).contacts[0].force
+    same = solve_contact(network, touching).contacts[0].force
     np.testing.assert_allclose(same, found.contacts[0].force, atol=1e-8 * same.max())
     np.testing.assert_allclose(again.contacts[0].force, found.contacts[0].force, rtol=1e-8)
 
@@ -109,7 +109,7 @@ def test_a_flat_obstacle_on_rollers_presses_evenly(nu, depth):
     contact = (Contact(BOX.side("top"), flat, depth * SIZE),)
     problem, grid = Problem(BOX, material, rollers, contacts=contact), square(BOX, (16, 8))
     network, touching = contact_network(problem, grid, calibrate_material(material, grid))
-    (one,) = press(network, touching).contacts
+    (one,) = solve_contact(network, touching).contacts
     np.testing.assert_allclose(one.pressure, 3e4 * depth, rtol=1e-12)
 
 
@@ -120,9 +120,9 @@ def test_a_ball_in_space_by_multigrid_closes_its_gaps(monkeypatch):
     contact = (Contact(box.side("front"), ball, 0.01),)
     problem = Problem(box, Isotropic(1.0, 0.25, "solid"), (clamp,), contacts=contact)
     network, touching = contact_network(problem, fill(patterns.cubic18(), box, (8, 8, 4)))
-    exact = press(network, touching)
+    exact = solve_contact(network, touching)
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
-    found = press(network, touching)
+    found = solve_contact(network, touching)
     assert found.equilibrium.solver.name == "multigrid"
     np.testing.assert_allclose(
         found.contacts[0].force, exact.contacts[0].force, atol=1e-8 * exact.contacts[0].force.max()
@@ -134,7 +134,7 @@ def test_a_ball_in_space_by_multigrid_closes_its_gaps(monkeypatch):
 def test_at_large_depth_forces_are_along_the_obstacles_normals(depth):
     disc = replace(DISC, at=(0.37, SIZE))  # above a point
     network, touching = pressed(disc, depth=depth * SIZE)
-    found = press(network, touching, "nonlinear")
+    found = solve_contact(network, touching, "nonlinear")
     (one,) = found.contacts
     x = (network.points + found.equilibrium.displacement)[one.points]
     gap = disc.gap(x, one.depth)
@@ -144,37 +144,37 @@ def test_at_large_depth_forces_are_along_the_obstacles_normals(depth):
     turned = one.force[:, None] * disc.normal(x, one.depth)
     np.testing.assert_allclose(load, turned, atol=1e-9 * one.force.max())
     if depth < 1e-6:
-        linear = press(network, touching).contacts[0].force
+        linear = solve_contact(network, touching).contacts[0].force
         np.testing.assert_allclose(one.force, linear, rtol=1e-3, atol=1e-3 * linear.max())
 
 
 def test_what_is_too_deep_is_said_with_how_far_there_is_an_equilibrium():
     network, touching = pressed(Obstacle("disc", (0.4, SIZE), (0.0, -1.0), 0.2), depth=0.19)
     with pytest.raises(SolverError, match=r"contact: no equilibrium beyond 0\.\d+ of the obstacle"):
-        press(network, touching, "nonlinear")
+        solve_contact(network, touching, "nonlinear")
 
 
 def test_contacts_that_cannot_be_are_refused():
     with refused("no point of the region can be reached, the nearest is 0.01 m away"):
-        press(*pressed(depth=-0.01))
+        solve_contact(*pressed(depth=-0.01))
     with refused("friction 0.5 at rest depends on the way there; take `motion`, or friction 0"):
-        press(*pressed(depth=0.01, friction=0.5))
+        solve_contact(*pressed(depth=0.01, friction=0.5))
     parabola = Obstacle("parabola", (0.4, SIZE), (0.0, -1.0), 0.3)
     with refused("take a disc or ball, or geometry 'linear'"):
-        press(*pressed(parabola, depth=0.01), "nonlinear")
+        solve_contact(*pressed(parabola, depth=0.01), "nonlinear")
     corner = replace(parabola, at=(0.001, SIZE))
     with refused("which is held, and presses nothing; move it"):
-        press(*pressed(corner, clamped="left", force=1e-3))
+        solve_contact(*pressed(corner, clamped="left", force=1e-3))
     network, (one,) = pressed()
     with refused("two contacts claim point"):
-        press(network, (one, one))
+        solve_contact(network, (one, one))
     with refused("contact: none; give one, or take equilibrium"):
-        press(network, ())
+        solve_contact(network, ())
     with refused("the supports leave the body free"):
-        press(replace(network, held=np.zeros_like(network.held)), one)
+        solve_contact(replace(network, held=np.zeros_like(network.held)), one)
     still = replace(network, held=np.ones_like(network.held))
     with refused("is held inside the obstacle; give a part of the surface that may move"):
-        press(still, one)
+        solve_contact(still, one)
     side = Contact(BOX.side("top"), DISC, 0.01)
     clamp = (Support(BOX.side("bottom"), (0.0, 0.0)),)
     with refused("has a contact; take contact_network, or leave it out"):
