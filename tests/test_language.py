@@ -23,7 +23,6 @@ FUNCTION = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def docstrings(parsed):
-    """First lines of docstrings: module, classes, public functions, constants."""
     for node in ast.walk(parsed):
         body = getattr(node, "body", None)
         for before, text in zip([node, *body], body) if isinstance(body, list) else ():  # noqa: B905
