@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import shutil
 import sys
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
@@ -12,7 +13,6 @@ from typing import TextIO
 
 from msvalidate.bench.judging import catalogue
 from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
-from msvalidate_check.text import WIDTH
 
 
 def tell(message: str) -> None:
@@ -90,5 +90,6 @@ def list_studies(_args: argparse.Namespace) -> int:
         except ImportError as error:
             asked[name] = f"(cannot be read: {error})"
     width = max(map(len, names))
-    short = {name: textwrap.shorten(said, WIDTH - width - 2) for name, said in asked.items()}
+    room = shutil.get_terminal_size((100, 24)).columns - width - 2
+    short = {name: textwrap.shorten(said, room) for name, said in asked.items()}
     return print_lines([f"{name:<{width}}  {said}" for name, said in short.items()])
