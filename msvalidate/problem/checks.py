@@ -83,7 +83,7 @@ def require_type(name: str, value: object, kind: type | UnionType) -> None:
 
 
 def _plain_array(name: str, values: Any) -> np.ndarray:
-    """Convert `values` of any type to a plain NumPy array, without masks or units."""
+    """Convert to a plain NumPy array; raise `ProblemError` for masks, units and ragged rows."""
     rows = values if isinstance(values, list | tuple) else (values,)
     if any(isinstance(row, np.ma.MaskedArray) for row in rows):
         raise ProblemError(f"{name}: a masked array; leave out what is masked, or fill it in")

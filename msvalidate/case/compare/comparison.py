@@ -141,7 +141,10 @@ class Comparison:
 
     @property
     def material_off(self) -> float:
-        """Largest difference by the springs' material, over the largest displacement; or inf."""
+        """Largest relative difference by the springs' material, plus the reference's own error.
+
+        Infinite for springs on edges at equilibrium, and for constants without a homogenised cell.
+        """
         case = self.case
         if case.at_rest_on_edges or (case.constants is not None and self.homogenised is None):
             return math.inf

@@ -64,8 +64,8 @@ def lattice_network(
     lattice
         Lattice with n points that fills the domain of the problem.
     constants
-        Spring constants (N/m, thickness included) per kind, or a calibration; with zones a tuple of
-        one per material, as `calibrate_zones` returns. Default: the constants of the problem's
+        Spring constants (N/m, thickness included; Pa for 3D mesh edges) per kind, or a calibration;
+        with zones a tuple of one per material. Default: the constants of the problem's
         isotropic material, if springs alone can represent it.
     volume
         Stiffness κ of the volume energy of every cell (N/m with the thickness in 2D, Pa in 3D).

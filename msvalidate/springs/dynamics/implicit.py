@@ -39,7 +39,7 @@ class ConvergenceError(SolverError):
 
 
 class SolvableAcceleration(Protocol):
-    """An acceleration that can also be solved for its position.
+    """Acceleration that can also be solved for its displacement.
 
     `linear` says whether one solution with the Jacobian is exact.
     """
@@ -47,7 +47,7 @@ class SolvableAcceleration(Protocol):
     linear: bool
 
     def __call__(self, x: Array) -> Array:
-        """Acceleration in m/s² at positions in m."""
+        """Acceleration (n, d) in m/s² at displacements (n, d) in m."""
 
     def solve(
         self, x: Array, residual: Array, p: Array | float, q: float, /, *, fresh: bool
@@ -67,7 +67,7 @@ class ModeAcceleration:
         self.omega = omega
 
     def __call__(self, x: Array) -> Array:
-        """Acceleration in m/s² at positions in m."""
+        """Acceleration (n, d) in m/s² at displacements (n, d) in m."""
         return np.asarray(-(self.omega**2) * x)
 
     def solve(self, _: Array, residual: Array, p: Array | float, q: float, **__: bool) -> Array:

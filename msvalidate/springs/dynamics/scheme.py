@@ -1,7 +1,7 @@
 """Record that defines a time integration scheme: its step and its properties.
 
-A scheme advances a state (x, v, a): position (m), velocity (m/s) and the acceleration (m/s²) of
-springs and loads *without* damping at that position. The viscous acceleration is -c·v, c in 1/s.
+A scheme advances a state (x, v, a): displacement (m), velocity (m/s) and the acceleration (m/s²)
+of springs and loads *without* damping at that displacement. The viscous acceleration is -c·v, c in 1/s.
 Each scheme says from which velocity it takes it.
 """
 
@@ -17,11 +17,11 @@ from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 
 Acceleration = Callable[[Array], Array]
-"""Acceleration (n, d) in m/s² of springs and loads at positions (n, d) in m."""
+"""Acceleration (n, d) in m/s² of springs and loads at displacements (n, d) in m."""
 
 
 class MotionState(NamedTuple):
-    """Position (m), velocity (m/s), and the undamped acceleration (m/s²) at that position."""
+    """Displacement (m), velocity (m/s), and the undamped acceleration (m/s²) there."""
 
     x: Array
     v: Array

@@ -246,7 +246,10 @@ def joins_corners(pattern: Pattern) -> bool:
 
 
 def _origin(origin: tuple[float, ...] | None, domain: Domain, h: float) -> Array:
-    """A place of the lattice: one like that given, nearest to 0; at the low end of z in space."""
+    """Lattice point (d,) in m equivalent to `origin`, less than a spacing from 0 along each axis.
+
+    Along z in 3D it is the lower end of the body if no z is given or a lattice plane lies there.
+    """
     base = np.zeros(domain.dim)
     given = base[:2] if origin is None else finite_coordinates("cut lattice: origin", origin)
     if given.shape not in {(2,), (domain.dim,)}:

@@ -45,7 +45,7 @@ class Blocks:
     cells: Index
 
     def summed(self, springs: Index, dim: int, entry: Callable[[int, int], Array]) -> bsr_array:
-        """Matrix (n·d, n·d), row n·d of point-major components, from the springs' symmetric blocks.
+        """Matrix (n·d, n·d) from the springs' symmetric blocks; component a of point i: row i·d + a.
 
         Parameters
         ----------

@@ -52,9 +52,9 @@ def stiffen_boundary(network: Network, size: float) -> Network:
 
 
 def lump_tractions(problem: Problem, network: Network, size: float) -> Network:
-    """Forces of uniform tractions from consistent (0) to the same at each loaded point (1).
+    """Network with nodal forces of tractions between consistent (0) and equal ones (1).
 
-    A problem with other loads is left as it is: those have no one force to share out.
+    A network with any other load is returned unchanged.
     """
     require_type("problem", problem, Problem)
     _check_network(network, size)

@@ -36,7 +36,8 @@ class SpringLaw:
     work
         (coefficients, s0, s, grown): φ(s) - φ(s0) - ½ pull(s0)·grown in J.
     stored
-        (coefficients, s): φ(s) in J where there is a length at which it is 0; else 0.
+        (coefficients, s): energy (J) relative to the rest length, of linear springs and of Green's
+        strain; 0 for other laws.
     rests
         Whether there is a length at which it does not pull, its rest length. Only where there is
         none may stiffness be negative: what is stable is then a sum.
