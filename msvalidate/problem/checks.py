@@ -36,7 +36,7 @@ Size = int | str | tuple[int, ...]
 A number stands for itself, a letter for any length, "n>1" for any above 1, a tuple for one of
 several.
 """
-Kept = TypeVar("Kept", bound=np.ndarray)
+ArrayType = TypeVar("ArrayType", bound=np.ndarray)
 
 
 def format_value(value: object) -> str:
@@ -48,7 +48,7 @@ def format_value(value: object) -> str:
     return line if len(line) <= LONGEST_SHOWN else f"{line[: LONGEST_SHOWN - 3]}..."
 
 
-def shaped(name: str, array: Kept, *sizes: Size, need: str = "") -> Kept:
+def shaped(name: str, array: ArrayType, *sizes: Size, need: str = "") -> ArrayType:
     """Return an array; raise `ProblemError` unless its shape is of these sizes, one an axis.
 
     `need` says what to give in other words than the sizes.

@@ -32,7 +32,7 @@ class OwnAlone(BreakingPath):
     def cut(self, springs: Index, needed: float) -> Break | None:
         """As of springs that break."""
         found = super().cut(springs, needed)
-        return replace(found, released=found.own) if found else None
+        return replace(found, released=found.stored_energy) if found else None
 
 
 def by(way: type[BreakingPath]) -> object:

@@ -269,7 +269,7 @@ def balance(name: str, height: int, strip: FractureResult, stretch: float) -> di
     return {
         "lattice": name, "released": released / length / G,
         "share": own / released * G / across,
-        "held": sum(one.own for one in breaks) / released, "left": strip.closure,
+        "held": sum(one.stored_energy for one in breaks) / released, "left": strip.closure,
     }  # fmt: skip
 
 

@@ -86,8 +86,8 @@ class Case:
         "springs", "volume energy" or "neo-Hookean". Default: springs alone if they suffice,
         otherwise springs with a volume energy.
     constants, volume
-        Spring constants, one per kind, and κ of the volume energy, instead of a route. Constants are
-        in N/m, for 3D mesh edges in Pa; κ is in N/m in 2D and in Pa in 3D.
+        Spring constants, one per kind, and κ of the volume energy, instead of a route. Units: N/m,
+        for 3D mesh edges Pa; κ in N/m in 2D and in Pa in 3D.
     points
         Points where displacements are compared: "lattice", "mesh" or coordinates (p, d) in m.
     quantities

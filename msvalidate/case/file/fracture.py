@@ -60,7 +60,7 @@ def break_table(growth: FractureResult | None) -> dict[str, pd.DataFrame]:
         {
             "event": number, "load": one.load, "needed": one.needed, "spring": int(spring),
             **dict(zip(AXES, _middle(growth, spring), strict=False)),
-            "own_energy": one.own, "released": one.released,
+            "own_energy": one.stored_energy, "released": one.released,
         }
         for number, one in enumerate(growth.breaks, 1)
         for spring in one.springs
@@ -93,8 +93,8 @@ def break_sentence(growth: FractureResult | None) -> str:
     return (
         f"{raised} {len(growth.broken)} springs have broken in {len(growth.breaks)} events, "
         f"the first at {first.load:.4g} times around ({at}) m{loose}. {growth.released:.3g} J "
-        f"are released, {100 * growth.own / growth.released:.0f} % of them held by these springs."
-        f"{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
+        f"are released, {100 * growth.stored_energy / growth.released:.0f} % of "
+        f"them held by these springs.{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
         f"spacing, and paths follow the lattice's rows (study fracture).{large}"
     )
 

@@ -149,7 +149,7 @@ def cut_network(
 def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
     """Return a function that selects the points that a support fixes."""
 
-    def held(support: Support) -> Mask:
+    def fixed_mask(support: Support) -> Mask:
         region = support.region
         if isinstance(region, Region) and not region.is_facet:
             return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
@@ -161,7 +161,7 @@ def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
             return _on_lattice_line(support, lattice, corners, int(flat[0]))
         return _points_along(region, lattice)
 
-    return held
+    return fixed_mask
 
 
 def _on_lattice_line(support: Support, lattice: CutLattice, corners: Array, axis: int) -> Mask:

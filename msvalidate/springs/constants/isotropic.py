@@ -103,8 +103,8 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
         start = np.maximum(np.array(rule) / max(rule), START) * unit
         tries.append(least_squares(misfit, start, "3-point", (0, np.inf), x_scale=unit, **limits))
     # Of constants that are exact but for rounding, those of the first rule.
-    exact = [found for found in tries if np.abs(found.fun).max() <= ALIKE]
-    best = exact[0] if exact else min(tries, key=lambda found: float(found.cost))
+    exact = [fit for fit in tries if np.abs(fit.fun).max() <= ALIKE]
+    best = exact[0] if exact else min(tries, key=lambda fit: float(fit.cost))
     solid = homogenise(pattern, tuple(best.x), spacing)
     if np.abs(best.fun).max() > ALIKE:
         raise ProblemError(

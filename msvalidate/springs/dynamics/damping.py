@@ -93,7 +93,7 @@ def quickest_damping(network: Network, *, accuracy: float = 1e-3) -> Damping:
     try:
         omegas, shares = _excited_modes(at, force, solver)
     except NotConvergedError as error:
-        solver.give_way(error)
+        solver.fall_back_to_factor(error)
         omegas, shares = _excited_modes(at, force, solver)
     slower = np.sqrt(np.cumsum(shares**2))
     omega, seen = float(omegas[slower > accuracy][0]), slower > accuracy / 3

@@ -298,7 +298,7 @@ def _run_to_rest(
     while True:
         seen = monitor.record()
         monitor.report()
-        at_ease = run.test.met(seen.residual, seen.kinetic)
+        at_ease = run.test.is_converged(seen.residual, seen.kinetic)
         enough = watch is not None and watch(run)
         if at_ease or enough:
             return monitor.result(time.perf_counter() - started), at_ease

@@ -240,7 +240,7 @@ class ConvergenceTest:
         self._stiffest = _largest_point_stiffness(network)
         self._residual_ok = math.inf, run.displacement
 
-    def met(self, residual: float, kinetic: float) -> bool:
+    def is_converged(self, residual: float, kinetic: float) -> bool:
         """Return True if the run has reached equilibrium.
 
         The arguments are the residual force (N) and the kinetic energy (J).

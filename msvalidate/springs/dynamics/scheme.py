@@ -1,8 +1,8 @@
 """Record that defines a time integration scheme: its step and its properties.
 
 A scheme advances a state (x, v, a): displacement (m), velocity (m/s) and the acceleration (m/s²)
-of springs and loads *without* damping at that displacement. The viscous acceleration is -c·v, c in 1/s.
-Each scheme says from which velocity it takes it.
+of springs and loads *without* damping. The viscous acceleration is -c·v, c in 1/s; each scheme
+states the velocity that it takes.
 """
 
 from __future__ import annotations

@@ -165,7 +165,7 @@ def _lowest_of_large(
         try:
             return _smallest_by_multigrid(network, cycle, matrix, count, highest, tolerance)
         except NotConvergedError as error:
-            solver.give_way(error)
+            solver.fall_back_to_factor(error)
     return _smallest_squares(network, matrix, count, highest, tolerance)
 
 

@@ -123,7 +123,7 @@ class Solver:
     def __init__(self, network: Network, purpose: str = "auto", cycle: Cycle | None = None) -> None:
         require_one_of("solver", purpose, SOLVERS)
         self.wanted, self._network = purpose, network
-        self.met_negative = False
+        self.is_indefinite = False
         """True if multigrid stopped at a tangent that is not positive definite."""
         self._cycle = cycle
         self._last: Cycles | None = None
@@ -155,7 +155,7 @@ class Solver:
             _refuse_rounding(found.softness)
         except NotConvergedError as error:
             try:
-                self.give_way(error)
+                self.fall_back_to_factor(error)
             except SolverError:
                 # Where no factor will name it, a mechanism is looked for.
                 if isinstance(found.inverse, Cycles) and not found.inverse.probed[2]:
@@ -184,7 +184,7 @@ class Solver:
         A = csr_array(K)[inside][:, inside]
         return factorise(A, free_unknowns(self._order, network.held), mend=mend)
 
-    def give_way(self, error: SolverError, most: float = np.inf) -> None:
+    def fall_back_to_factor(self, error: SolverError, most: float = np.inf) -> None:
         """Use a factor from now on, because multigrid failed.
 
         Raise its error if no factor can be made.

@@ -127,11 +127,11 @@ def error_amplification(residual: Residual, solve: Solve, rate: float, known: Ar
     far too stiff along a motion: then corrections are small and errors are not, and this tells.
     """
 
-    def left(u: Array) -> Array:
+    def residual_of_known(u: Array) -> Array:
         return residual(u - known)
 
-    start = solve(left(np.zeros_like(known)))
-    found = refine_solution(left, solve, start, rate, max_abs(start))
+    start = solve(residual_of_known(np.zeros_like(known)))
+    found = refine_solution(residual_of_known, solve, start, rate, max_abs(start))
     error = max_abs(found.solution - known) / max_abs(known)
     return max(1.0, error / max(found.error, EPS))
 

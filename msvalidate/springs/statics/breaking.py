@@ -59,14 +59,14 @@ class Break:
         which they would, below it where breaks before it have overloaded them.
     springs
         (b,) numbers.
-    own, released
+    stored_energy, released
         Energy (J) that they held, and that left the body.
     """
 
     load: float
     needed: float
     springs: Index
-    own: float
+    stored_energy: float
     released: float
 
 
@@ -116,9 +116,9 @@ class FractureResult:
         return math.fsum(one.released for one in self.breaks)
 
     @property
-    def own(self) -> float:
+    def stored_energy(self) -> float:
         """The part of it that the broken springs held."""
-        return math.fsum(one.own for one in self.breaks)
+        return math.fsum(one.stored_energy for one in self.breaks)
 
     @property
     def closure(self) -> float:
@@ -203,7 +203,7 @@ class BreakingPath:
     """
 
     def __init__(self, network: Network, stretch: Array, crack: Index = NONE) -> None:
-        self.given = self.network = network
+        self.initial_network = self.network = network
         self.stiffness = network.stiffness.copy()
         self.length = network.rest_length * stretch
         self.along = network.vector / network.distance[:, None]
@@ -310,7 +310,7 @@ class BreakingPath:
             load=self.load,
             needed=needed,
             springs=springs,
-            own=self.load**2 / 2 * float(k @ e**2),
+            stored_energy=self.load**2 / 2 * float(k @ e**2),
             released=self.load**2 / 2 * float(k * e @ opened),
         )
 
@@ -368,8 +368,8 @@ class BreakingPath:
         self.network = replace(self.network, held=held)
         self._factorise()
         # Without a force where the loads leave them: the rest of their pieces comes along.
-        moved = np.where(held & ~self.given.held, at, 0.0)
-        alone = replace(self.network, force=0 * self.given.force, displacement=moved)
+        moved = np.where(held & ~self.initial_network.held, at, 0.0)
+        alone = replace(self.network, force=0 * self.initial_network.force, displacement=moved)
         self.still = refine_linear(alone, self.solver).solution
 
     def result(self, breaks: list[Break], ended: Ended) -> FractureResult:
@@ -378,7 +378,7 @@ class BreakingPath:
         network = replace(
             self.network,
             stiffness=self.stiffness.copy(),
-            force=load * self.given.force,
+            force=load * self.initial_network.force,
             displacement=np.where(self.network.held, load * self.unit + self.still, 0.0),
         )
         u, choice = load * self.unit + self.still, self.solver.choice
@@ -388,7 +388,7 @@ class BreakingPath:
             equilibrium=equilibrium_at(
                 network, u, len(breaks), error=self.error, solver=choice, linear=True
             ),
-            critical_stretch=self.length / self.given.rest_length,
+            critical_stretch=self.length / self.initial_network.rest_length,
             loose=np.flatnonzero(self.loose),
             load=load,
             work=self.work,

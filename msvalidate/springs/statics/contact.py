@@ -324,7 +324,7 @@ class _ContactPath:
             start=self.force,
             along=(normal * self.axes[self.which]).sum(axis=1),
             which=self.which,
-            wanted=gaps,
+            prescribed_force=gaps,
         )
         self.force, raised = small.solve(0.0 if exact else IN_A_ROUND)
         if small.depth <= 0:

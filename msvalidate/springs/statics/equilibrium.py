@@ -223,12 +223,12 @@ def _solve_by(solver: Solver, solve: Callable[[], Equilibrium]) -> Equilibrium:
             return solve()
         except SolverError as error:
             # A factor goes on past tangents that are not positive, at which multigrid stops.
-            stopped = solver.met_negative and not isinstance(error, NotConvergedError)
+            stopped = solver.is_indefinite and not isinstance(error, NotConvergedError)
             if solver.is_direct or not (
                 stopped or isinstance(error, NotConvergedError | InaccurateError)
             ):
                 raise
-            solver.give_way(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
+            solver.fall_back_to_factor(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
 
 
 def _solve_linear(network: Network, solver: Solver) -> Equilibrium:

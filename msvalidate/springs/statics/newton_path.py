@@ -171,7 +171,7 @@ def _newton_along(
         try:
             move = K.move(balance, ahead)
         except SolverError:  # multigrid met what is not positive, where a factor would go on
-            solver.met_negative = True
+            solver.is_indefinite = True
             return None
         if at.largest_rotation(move) > LARGEST_TURN:
             return None

@@ -44,7 +44,7 @@ class LoadPath:
         (n, d) displacement (m) at t = 0.
     stops
         Places of t, rising to 1, each of which an equilibrium is found at.
-    given
+    load_function
         The function, if the path is one; else loads and displacements rise in proportion.
     loaded
         Whether the start carries the network's own loads already.
@@ -59,7 +59,7 @@ class LoadPath:
     network: Network
     start: Array
     stops: tuple[float, ...]
-    given: Callable[[float], Applied] | None
+    load_function: Callable[[float], Applied] | None
     loaded: bool
     present: Array | None = None
     released: Array | float = 0.0
@@ -80,16 +80,16 @@ class LoadPath:
         """Force (n, d) in N of the path alone."""
         if t == 1:
             return self.network.force
-        if self.given is not None:
-            return _evaluate_path(self.network, self.given, t)[0]
+        if self.load_function is not None:
+            return _evaluate_path(self.network, self.load_function, t)[0]
         return self.network.force if self.loaded else t * self.network.force
 
     def prescribed(self, t: float) -> Array:
         """Prescribed displacement (n, d) in m at t; of no meaning where nothing is held."""
         if t == 1:
             return self.network.displacement
-        if self.given is not None:
-            return _evaluate_path(self.network, self.given, t)[1]
+        if self.load_function is not None:
+            return _evaluate_path(self.network, self.load_function, t)[1]
         first = self.start if self.loaded else 0.0
         return np.asarray(first + t * (self.network.displacement - first))
 

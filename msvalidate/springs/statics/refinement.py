@@ -205,7 +205,7 @@ def error_of_displacement(
             try:
                 return _error_by_multigrid(at, force, solver) / size + 8 * EPS
             except NotConvergedError as error:
-                solver.give_way(error)
+                solver.fall_back_to_factor(error)
         system = _System(network, solver.regular(at), linear=False)
         moved = system.refined(displacement)
     except SolverError:

@@ -41,7 +41,7 @@ class Unilateral:
         forces change.
     along, which
         Part (c,) of each force along its obstacle's way, and which obstacle that is.
-    wanted
+    prescribed_force
         Force (N) of each obstacle, NaN where its depth is given.
     """
 
@@ -50,7 +50,7 @@ class Unilateral:
     start: Array
     along: Array
     which: Index
-    wanted: Array
+    prescribed_force: Array
     depth: float = 0.0
 
     def solve(self, within: float) -> tuple[Array, Array]:
@@ -106,16 +106,16 @@ class Unilateral:
         if self.start.any():
             return self._scaled(self.start)
         deep = np.maximum(-free, 0.0)
-        guess = np.where(np.isnan(self.wanted)[self.which], deep, 1.0)
+        guess = np.where(np.isnan(self.prescribed_force)[self.which], deep, 1.0)
         return self._scaled(guess * (guess @ deep / (guess @ self.follow(guess)) or 1.0))
 
     def _scaled(self, force: Array) -> Array:
         """Forces (c,) that have the force of each obstacle that is pressed."""
-        for k in np.flatnonzero(~np.isnan(self.wanted)):
+        for k in np.flatnonzero(~np.isnan(self.prescribed_force)):
             own = self.which == k
             if not (total := float(force[own] @ self.along[own])) > 0:
                 force, total = np.where(own, 1.0, force), float(self.along[own].sum())
-            force = np.where(own, force * (self.wanted[k] / total), force)
+            force = np.where(own, force * (self.prescribed_force[k] / total), force)
         return force
 
     def _deeper(self, raised: Array) -> Array:
@@ -124,8 +124,8 @@ class Unilateral:
 
     def _mean(self, values: Array, on: Mask) -> Array:
         """Mean of values (c,) where each obstacle touches, weighted by its way; 0 by depth."""
-        mean = np.zeros(len(self.wanted))
-        for k in np.flatnonzero(~np.isnan(self.wanted)):
+        mean = np.zeros(len(self.prescribed_force))
+        for k in np.flatnonzero(~np.isnan(self.prescribed_force)):
             own = on & (self.which == k)
             if not own.any():
                 raise SolverError("pressed so hard that nothing bears it; reduce the force")

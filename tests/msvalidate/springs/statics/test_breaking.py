@@ -86,7 +86,7 @@ def test_events_are_those_of_dense_algebra(dim, loaded, monkeypatch):
     assert many >= (3 if loaded else 12)
     for one, (load, springs, own, released) in zip(found.breaks, known, strict=False):
         assert set(one.springs) == springs
-        assert [one.load, one.own] == pytest.approx([load, own], rel=1e-9)
+        assert [one.load, one.stored_energy] == pytest.approx([load, own], rel=1e-9)
         assert one.released == pytest.approx(released, rel=1e-6)  # a difference there
     assert found.closure < 1e-10
 
@@ -146,7 +146,7 @@ def test_own_energy_is_a_part_of_what_a_spring_releases():
     )  # fmt: skip
     found = propagate_crack(rod, 0.1, 10.0)
     assert found.breaks[0].load == pytest.approx(0.15, rel=1e-14)
-    assert found.own == pytest.approx(0.005, rel=1e-14)
+    assert found.stored_energy == pytest.approx(0.005, rel=1e-14)
     assert found.released == pytest.approx(0.005 / (1 - 1 / 3), rel=1e-14)
     assert found.ended == "parted"
     assert found.equilibrium.reaction == pytest.approx(0, abs=1e-15)
