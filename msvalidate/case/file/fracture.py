@@ -94,7 +94,8 @@ def break_sentence(growth: FractureResult | None) -> str:
         f"{raised} {len(growth.broken)} springs have broken in {len(growth.breaks)} events, "
         f"the first at {first.load:.4g} times around ({at}) m{loose}. {growth.released:.3g} J "
         f"are released, {100 * growth.stored_energy / growth.released:.0f} % of "
-        f"them held by these springs.{ends[growth.ended]} Elasticity has no such answer: a critical stretch changes with the "
+        f"them held by these springs.{ends[growth.ended]} "
+        "Elasticity has no such answer: a critical stretch changes with the "
         f"spacing, and paths follow the lattice's rows (study fracture).{large}"
     )
 
