@@ -491,7 +491,6 @@ WRITERS = {
 }
 """Functions and methods that put something into a file or change a folder."""
 WRITING = {
-    "msvalidate.case.sweep": ("journal.open(", "journal.parent.mkdir("),
     "msvalidate_check.exchange": ("",),
     "msvalidate.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
     "msvalidate.output.report": ("",),

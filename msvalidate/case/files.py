@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +45,13 @@ def refuse_foreign(folder: Path, whose: str) -> None:
         own, of = set(mark["files"]), mark.get("of", whose)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         own, of = set(), whose
-    others = sorted(path.name for path in folder.iterdir() if path.name not in own)
+    # A link leads elsewhere, and would be written through; what a killed run staged goes by itself.
+    others = sorted(
+        path.name
+        for path in folder.rglob("*")
+        if path.is_symlink() or (path.parent == folder and path.name not in own)
+        if not path.name.startswith(exchange.STAGED)
+    )
     if others:
         raise ProblemError(
             f"folder {folder} holds {format_value(others[0])}, which no case left there; name "
@@ -56,6 +62,14 @@ def refuse_foreign(folder: Path, whose: str) -> None:
             f"folder {folder} holds results of {format_value(of)}; name another folder, or move it "
             "away"
         )
+
+
+def claim(folder: Path, names: Sequence[str], whose: str) -> None:
+    """Mark a folder as one of these files, if it is not marked yet."""
+    refuse_foreign(folder, whose)
+    if not (folder / MARK).is_file():
+        mark = json_bytes({"files": [*names, MARK], "of": whose})
+        exchange.replace_one(folder, {MARK: mark})
 
 
 def publish(folder: Path, files: exchange.Files, whose: str) -> None:

@@ -155,6 +155,18 @@ def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> N
     })  # fmt: skip
 
 
+def check_sweep(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+    """End the program if options of a sweep come without its values."""
+    words = {each.partition("=")[0] for each in args.words}
+    alone = [each for each in ("--jobs", "--limit", "--scheduler") if each in words]
+    _refuse(parser, {
+        f"{_first(alone)} is of combinations; give --set too, or leave it out":
+            alone and not args.set,
+        "--jobs is of this machine; with --scheduler leave it out":
+            {"--jobs", "--scheduler"} <= words,
+    })  # fmt: skip
+
+
 def check_studies(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
     """End the program for what does not go together; find `studies`, `named`, `form` and `out`.
 
@@ -272,6 +284,8 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
         check_studies(parser, args)
     elif verb == "advise":
         check_advise(parser, args)
+    elif "scheduler" in args:
+        check_sweep(parser, args)
     return args
 
 
