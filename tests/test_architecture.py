@@ -493,6 +493,7 @@ WRITERS = {
 WRITING = {
     "msvalidate_check.exchange": ("",),
     "msvalidate.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.bodies.mesh_file": ("tempfile.TemporaryDirectory(", "copy.write_bytes("),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),
     "msvalidate.simulators.exchange.program": ("tempfile.TemporaryDirectory(",),

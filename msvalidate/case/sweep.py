@@ -16,6 +16,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Future
 from functools import cache, partial
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -32,7 +33,6 @@ from msvalidate.case.building import build_case, mesh_path
 from msvalidate.case.comparison import compare_case
 from msvalidate.case.page import overall
 from msvalidate.case.reading import parse_source, read_source
-from msvalidate.case.workers import DIED, LATE, Row, make_row
 from msvalidate.output.figures import add_shared_legend, new_figure, series_style
 from msvalidate.output.provenance import LIBRARIES
 from msvalidate.problem import ProblemError, SolverError
@@ -43,7 +43,7 @@ from msvalidate_check import exchange
 PACKAGES = ("msvalidate", "reference_fem", "msvalidate_check")
 COMPUTING = (*LIBRARIES, "cvxopt", "gmsh", "llvmlite", "meshio", "msgspec", "pyamg", "shapely")
 """Distributions whose versions a row depends on."""
-SOLVED, REFUSED, FAILED = "solved", "refused", "failed"
+SOLVED, REFUSED, FAILED, LATE, DIED = "solved", "refused", "failed", "too long", "died"
 ROWS = "rows"
 """Folder of the files of rows."""
 BARE = re.compile(r"((?:^|[,\[\s])[+-]?)\.(?=\d)")
@@ -52,6 +52,17 @@ MOST = 100_000
 """Combinations in a sweep."""
 MOST_LINES = 8
 """In the picture."""
+
+
+class Row(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Result of a combination as its file stores it; difference and uncertainty if solved."""
+
+    outcome: str
+    verdict: str = ""
+    difference: float | None = None
+    uncertainty: float | None = None
+    message: str = ""
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -190,23 +201,34 @@ def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> list
 
 def solve(request: Combination, key: str) -> Row:
     """The row of a combination whose key was `key` when the sweep began."""
-    row = partial(make_row, time.monotonic())
+    began, values = time.monotonic(), dict[str, Any]()
     try:
         source = parse_source(request.label, request.text, request.folder, request.change)
         with np.errstate(over="ignore", invalid="ignore"):
             case = build_case(source)
             if request.key != key:
-                return row(DIED, "case, mesh, program or libraries changed since the sweep began")
+                return Row(DIED, message="case, mesh or program changed since the sweep began")
             result = compare_case(case)
-    except ProblemError as error:
-        return row(REFUSED, str(error))
-    except SolverError as error:
-        return row(FAILED, str(error))
+        first = result.rows[0]
+        values = {"difference": first.error, "uncertainty": first.uncertainty}
+        values["verdict"] = overall(result.rows)
+        outcome, message = SOLVED, " ".join(each.sentence for each in result.limitations[:1])
     except Exception as error:  # noqa: BLE001  a row, whatever it was
-        return row(DIED, f"{type(error).__name__}: {error}")
-    first = result.rows[0]
-    limits = " ".join(each.sentence for each in result.limitations[:1])
-    return row(SOLVED, limits, overall(result.rows), first.error, first.uncertainty)
+        kinds = {ProblemError: REFUSED, SolverError: FAILED}
+        outcome = next((word for kind, word in kinds.items() if isinstance(error, kind)), DIED)
+        message = str(error) if outcome != DIED else f"{type(error).__name__}: {error}"
+    values |= {"message": " ".join(message.split()), "seconds": round(time.monotonic() - began, 3)}
+    return Row(outcome, **values)
+
+
+def finished_row(future: Future[Row]) -> Row:
+    """The row of a combination whose call has ended; raises `SolverError` if the cluster has."""
+    error = future.exception()
+    if isinstance(error, SolverError):
+        raise error
+    if isinstance(error, TimeoutError):
+        return Row(LATE, message="longer than --limit")
+    return Row(DIED, message=" ".join(str(error).split())) if error else future.result()
 
 
 def read_rows(folder: Path, keys: Iterable[str]) -> tuple[dict[str, Row], list[Path]]:
@@ -221,7 +243,7 @@ def read_rows(folder: Path, keys: Iterable[str]) -> tuple[dict[str, Row], list[P
         except (OSError, ValueError, RecursionError):  # msgspec's errors are ValueErrors
             damaged.append(path)
             continue
-        if row.outcome not in (LATE, DIED):
+        if row.outcome in {SOLVED, REFUSED, FAILED}:
             rows[key] = row
     return rows, damaged
 

@@ -20,7 +20,6 @@ from msvalidate.case.body_advice import body_lines
 from msvalidate.case.case import Case, spacing_of
 from msvalidate.case.results import Result, read_result
 from msvalidate.case.schema import CaseFile
-from msvalidate.case.workers import DIED, LATE, Cluster, Workers, run_all
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
 from msvalidate.cli.terminal import (
     Progress,
@@ -31,6 +30,7 @@ from msvalidate.cli.terminal import (
     tell,
     tell_error,
 )
+from msvalidate.judging.workers import Cluster, Workers, run_all
 from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, whole_number
@@ -45,7 +45,7 @@ COMMAND = ("msvalidate", "case", "judge", "FILE", "RESULT")
 PAGE = "case.html"
 SWEPT = (sweep.ROWS, "sweep.csv", "sweep.png", "sweep.svg")
 """Entries of a sweep's folder."""
-SWEEP_CODES = {sweep.REFUSED: USAGE, sweep.FAILED: FAILED, LATE: FAILED, DIED: FAILED}
+SWEEP_CODES = {sweep.REFUSED: USAGE} | dict.fromkeys((sweep.FAILED, sweep.LATE, sweep.DIED), FAILED)
 """Exit codes of rows that have no verdict."""
 overflowing = np.errstate(over="ignore", invalid="ignore")
 """What overflows is refused in words."""
@@ -222,10 +222,11 @@ def _sweep(args: argparse.Namespace) -> int:
     todo = [(each, key) for key, each in requests.items() if key not in rows]
     try:
         if todo:
-            made = Cluster(args.scheduler) if args.scheduler else Workers(args.jobs)
-            for (one, key), row in run_all(sweep.solve, todo, made, limit):
+            here = partial(Workers, args.jobs, sweep.program_stamp)
+            made = Cluster(args.scheduler) if args.scheduler else here()
+            for (one, key), future in run_all(sweep.solve, todo, made, limit):
+                rows[key] = row = sweep.finished_row(future)
                 sweep.write_row(folder / sweep.ROWS, key, row)
-                rows[key] = row
                 if not args.quiet:
                     words = ", ".join(f"{name} {value}" for name, value in one.values)
                     what = row.verdict or f"{row.outcome}: {row.message}"

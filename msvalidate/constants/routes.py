@@ -142,7 +142,8 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
         raise ProblemError("spring constants: the material is a tensor; give the constants")
     if not isinstance(lattice.domain, Mesh) or isinstance(lattice, PatternLattice):
         return calibrate_by_route(material, lattice, None, "springs").constants
-    return (central_modulus(material, material.dim, "springs along a mesh's edges"),)
+    what = "springs along a mesh's edges"
+    return (central_modulus(material, material.dim, what, "neo-Hookean"),)
 
 
 def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:

@@ -157,7 +157,7 @@ def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
         folded = folded_cells(simplices, found.position)
         raise SolverError(
             f"{title}: {describe_folded(simplices, folded, network.points)}; raise what is "
-            "applied along a path, reduce it, or take allow_folded=True"
+            "applied along a path, or reduce it"
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import threading
@@ -117,6 +118,23 @@ def test_every_format_gives_the_mesh_back(element, form, tmp_path, capfd):
         assert np.array_equal(found.corners(again.span), mesh.side(side).corners(mesh.span))
         assert found.measure(again.span) == pytest.approx(mesh.side(side).measure(mesh.span))
     assert capfd.readouterr() == ("", "")
+
+
+def test_parameters_of_nodes_are_left_out(tmp_path):
+    """Gmsh writes them beside the coordinates if Mesh.SaveParametric is 1."""
+    path, _ = written(box_mesh("Q1"), tmp_path, "gmsh22")
+    plain = read_mesh(path)
+    head, nodes, rest = re.split(r"\$(?:End)?Nodes\n", path.read_text(encoding="utf-8"))
+    count, *lines = nodes.splitlines()
+    nodes = "\n".join([count, *(f"{line} 2 1 0.5 1e9" for line in lines)])
+    text = f"{head}$ParametricNodes\n{nodes}\n$EndParametricNodes\n{rest}"
+    path.write_text(text, encoding="utf-8")
+    mesh = read_mesh(path)
+    assert np.array_equal(mesh.points, plain.points)
+    assert np.array_equal(mesh.cells, plain.cells)
+    path.write_text(text.replace("2.2 0", "2.2 1"), encoding="utf-8")
+    with refused("Mesh.SaveParametric = 0"):
+        read_mesh(path)
 
 
 def test_gmsh_order_of_quadratic_cells(tmp_path):

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from msvalidate.case import sweep
+from msvalidate.cli import cases
 from msvalidate.cli.program import main
 from msvalidate.problem import ProblemError
 
@@ -101,6 +102,7 @@ OPENED = """
 import sys
 from pathlib import Path
 from msvalidate.case import sweep
+from msvalidate.cli import cases
 each = sweep.Combination(Path(sys.argv[1]), (), "case")
 files = set()
 sys.addaudithook(lambda what, args: what == "open" and files.add(str(args[0])))
@@ -169,10 +171,9 @@ def test_one_that_changes_while_it_is_swept_is_no_row_of_the_old_file(beam):
 @pytest.mark.parametrize("worst", ["solved", "refused", "failed", "too long", "died"])
 def test_exit_code_is_that_of_the_worst_row(program, tmp_path, monkeypatch, worst):
     """Rows in their files; the table of codes is that of docs/command-line.md."""
-    monkeypatch.setattr("msvalidate.cli.cases.run_all", lambda _solve, todo, *_: (
-        (each, sweep.Row(worst if i else "solved", "" if i else "agrees"))
-        for i, each in enumerate(todo)
-    ))  # fmt: skip
+    monkeypatch.setattr(sweep, "finished_row", lambda row: row)
+    rows = [sweep.Row("solved", "agrees"), sweep.Row(worst)]
+    monkeypatch.setattr(cases, "run_all", lambda _, todo, *__: zip(todo, rows, strict=False))
     codes = {"solved": 1, "refused": 2, "failed": 3, "too long": 3, "died": 3}
     words = ("--no-plots", "--set", "springs.cells=2,3")
     assert program(*words)[0] == codes[worst]
@@ -244,10 +245,3 @@ def test_one_clear_line(program, tmp_path):
     assert program("--set", "springs.sells=2")[0] == 2
     table = (tmp_path / "out/beam-sweep/sweep.csv").read_text(encoding="utf-8")
     assert "sells: no such key; did you mean cells?" in table
-
-
-@pytest.mark.parametrize("option", ["--jobs=2", "--limit=9", "--scheduler=tcp://127.0.0.1:1"])
-def test_options_of_a_sweep_need_its_values(program, option):
-    with pytest.raises(SystemExit) as end:
-        program(option)
-    assert end.value.code == 2

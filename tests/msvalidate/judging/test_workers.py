@@ -1,4 +1,4 @@
-"""`case.workers`: rows that come too late or kill their process, and clusters that are lost."""
+"""`judging.workers`: rows that come too late or kill their process, and clusters that are lost."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import os
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from msvalidate.case import workers
-from msvalidate.case.workers import Cluster, Row, Workers, run_all
+from msvalidate.case.sweep import Row, finished_row
 from msvalidate.cli.program import main
+from msvalidate.judging import workers
+from msvalidate.judging.workers import Cluster, Workers, run_all
 from msvalidate.problem import SolverError
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -21,24 +23,24 @@ ROOT = Path(__file__).resolve().parents[3]
 
 def test_one_that_is_late_and_one_that_is_killed_are_rows():
     """No row that ends is timed: the limit of those that do is beyond any wait."""
-    made = Workers(1)
-    try:
-        late = made.run(0.1, time.sleep, 600.0)
-        dead = made.run(600.0, os._exit, 1)
-        assert made.run(600.0, abs, -3) == 3  # by another process
-    finally:
-        made.close()
-    assert [late.outcome, dead.outcome] == [workers.LATE, workers.DIED]
-    assert late.message == "longer than 0.1 s"
+    made = Workers(1, int)
+    calls = [(0.1, time.sleep, 600.0), (600.0, os._exit, 1), (600.0, abs, -3)]
+    with ThreadPoolExecutor(1) as thread:
+        late, dead, last = [thread.submit(made.run, *each) for each in calls]
+    made.close()
+    assert [finished_row(each).outcome for each in (late, dead)] == ["too long", "died"]
+    assert last.result() == 3  # by another process
 
 
 class Future:
     """A task of the cluster below: one that begins is done, others wait for ever."""
 
-    def __init__(self, result):
-        self.answer = result
+    def __init__(self, result, state):
+        self.answer, self.state = result, state
 
     def result(self, timeout):
+        if self.state.closed:
+            raise CancelledError
         if isinstance(self.answer, Exception):
             raise self.answer
         if self.answer is None:
@@ -53,18 +55,14 @@ class Future:
 @pytest.fixture
 def cluster(monkeypatch):
     """A cluster in the place of Dask's: answers of tasks by their order, and its threads."""
-    state = SimpleNamespace(answers=[], threads={"worker": 1}, ends=False)
+    state = SimpleNamespace(answers=[], threads={"worker": 1}, closed=False)
 
     class Client:
         def __init__(self, *_words, **_options):
             pass
 
         def nthreads(self):
-            if state.ends:
-                raise OSError("closed")
-            if not state.answers:
-                return {}
-            return state.threads
+            return state.threads if state.answers else {}
 
         def subscribe_topic(self, _topic, handler):
             self.begin = handler
@@ -74,10 +72,10 @@ def cluster(monkeypatch):
             if answer == "endless":
                 self.begin((0, key))
                 answer = None
-            return Future(answer)
+            return Future(answer, state)
 
         def close(self, timeout):
-            pass
+            state.closed = timeout > 0
 
     class KilledWorker(Exception):  # noqa: N818  its name there
         pass
@@ -99,23 +97,25 @@ def test_the_clock_starts_with_the_work(cluster):
     made, cluster.answers = Cluster("tcp://here"), [None]
     with pytest.raises(SolverError, match="the last worker is lost; start one"):
         list(run_all(abs, [(1,)], made, 0.05))
+    cluster.closed = False
     cluster.answers = ["endless", cluster.killed, SOLVED, "left"]
-    rows = [row for _, row in run_all(abs, [(1,), (2,), (3,)], Cluster("tcp://here"), 0.05)]
-    assert [row.outcome for row in rows] == [workers.LATE, workers.DIED, "solved"]
+    ended = run_all(abs, [(1,), (2,), (3,)], Cluster("tcp://here"), 0.05)
+    outcomes = {each: finished_row(future).outcome for (each,), future in ended}
+    assert outcomes == {1: "too long", 2: "died", 3: "solved"}
 
 
-@pytest.mark.parametrize("who", ["the scheduler", "the last worker"])
+@pytest.mark.parametrize("who", ["scheduler", "last worker"])
 def test_a_lost_cluster_is_one_line_and_a_table_of_known_rows(cluster, tmp_path, capsys, who):
     cluster.answers = [SOLVED, None]
 
     case = tmp_path / "beam.toml"
     case.write_text((ROOT / "examples" / "box.toml").read_text(encoding="utf-8"), encoding="utf-8")
     words = ["case", "run", str(case), "--out", str(tmp_path), "--scheduler", "tcp://here", "-q"]
-    if who == "the scheduler":
-        cluster.answers[1] = workers.CancelledError("lost")
+    if who == "scheduler":
+        cluster.answers[1] = CancelledError("lost")
     assert main([*words, "--set", "springs.cells=2,3"]) == 3
     message = capsys.readouterr().err
-    assert f"--scheduler tcp://here: {who} is lost; start one" in message
+    assert f"--scheduler tcp://here: the {who} is lost; start one" in message
     assert message.count("\n") == 1
     table = (tmp_path / "beam-sweep/sweep.csv").read_text(encoding="utf-8").splitlines()
     assert len(table) == 2
@@ -138,7 +138,7 @@ def test_dask_itself(monkeypatch):
         try:
             made = Cluster(process.stdout.readline().strip())
             rows = run_all(max, [(1, 2), (3, 4)], made, 60.0)
-            assert sorted(row for _, row in rows) == [2, 4]
+            assert sorted(future.result() for _, future in rows) == [2, 4]
             made = Cluster(made._whose.split()[1])
             rows = run_all(time.sleep, [(0.0,), (600.0,)], made, 600.0)
             assert next(rows)[0] == (0.0,)
