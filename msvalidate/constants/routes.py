@@ -246,7 +246,7 @@ def _along_edges(material: Isotropic, lattice: EdgeLattice, route: str) -> Calib
     if route != "neo-Hookean" or lattice.rule != "cotangent":
         raise ProblemError(
             f"route: {route!r} for edges of a mesh by the rule {lattice.rule!r}; take "
-            "'neo-Hookean' and mesh_lattice(mesh, 'cotangent', positive=False), or give the "
+            "'neo-Hookean' and edges by 'cotangent' of either sign, or give the "
             "constant"
         )
     d = lattice.points.shape[1]

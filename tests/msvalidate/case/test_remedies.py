@@ -47,4 +47,5 @@ def library_words(parsed):
 
 def test_messages_name_no_arguments_of_the_library():
     assert library_words(ast.parse("raise ProblemError(f'{x}: no; take allow_folded=True')"))
-    assert {name: words for name in SOURCES if (words := library_words(tree(name)))} == {}
+    ours = [name for name in SOURCES if name.startswith("msvalidate.")]
+    assert {name: words for name in ours if (words := library_words(tree(name)))} == {}
