@@ -493,6 +493,8 @@ WRITERS = {
 WRITING = {
     "msvalidate_check.exchange": ("",),
     "msvalidate.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.case.files": ("folder.mkdir(",),
+    "msvalidate.cli.cases": ("(folder / name).unlink(",),
     "msvalidate.bodies.mesh_file": ("tempfile.TemporaryDirectory(", "copy.write_bytes("),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -65,11 +66,11 @@ def refuse_foreign(folder: Path, whose: str) -> None:
 
 
 def claim(folder: Path, names: Sequence[str], whose: str) -> None:
-    """Mark a folder as one of these files, if it is not marked yet."""
+    """Make a folder for these files, whoever writes there meanwhile, and mark it."""
     refuse_foreign(folder, whose)
-    if not (folder / MARK).is_file():
-        mark = json_bytes({"files": [*names, MARK], "of": whose})
-        exchange.replace_one(folder, {MARK: mark})
+    folder.mkdir(parents=True, exist_ok=True)
+    mark = {"files": [*names, MARK], "of": whose}
+    exchange.replace_file(folder / MARK, partial(json_bytes, mark))
 
 
 def publish(folder: Path, files: exchange.Files, whose: str) -> None:

@@ -265,7 +265,7 @@ def sweep_table(keys: Mapping[str, Combination], rows: Mapping[str, Row]) -> pd.
 
 def draw_sweep(table: pd.DataFrame, names: Sequence[str]) -> Figure:
     """Difference of the first quantity against the first key of numbers, a line for each other."""
-    numbers = [name for name in names if table[name].map(_is_number).all()]
+    numbers = [name for name in names if table[name].dtype.kind in "iuf"]
     figure, (axis,) = new_figure(size=(5.6, 3.8))
     shown = table[table["outcome"] == SOLVED]
     x = numbers[0] if numbers else None
@@ -284,7 +284,3 @@ def draw_sweep(table: pd.DataFrame, names: Sequence[str]) -> Figure:
     if others:
         add_shared_legend(figure, [axis], 2)
     return figure
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)

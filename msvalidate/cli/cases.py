@@ -220,21 +220,23 @@ def _sweep(args: argparse.Namespace) -> int:
     for path in damaged:
         tell(f"{path}: no record of a row; the combination is solved again")
     todo = [(each, key) for key, each in requests.items() if key not in rows]
+    here = partial(Workers, args.jobs, sweep.program_stamp)
+    start = partial(Cluster, args.scheduler) if args.scheduler else here
+    ended = run_all(sweep.solve, todo, start(), limit) if todo else ()
     try:
-        if todo:
-            here = partial(Workers, args.jobs, sweep.program_stamp)
-            made = Cluster(args.scheduler) if args.scheduler else here()
-            for (one, key), future in run_all(sweep.solve, todo, made, limit):
-                rows[key] = row = sweep.finished_row(future)
-                sweep.write_row(folder / sweep.ROWS, key, row)
-                if not args.quiet:
-                    words = ", ".join(f"{name} {value}" for name, value in one.values)
-                    what = row.verdict or f"{row.outcome}: {row.message}"
-                    count = f"{len(rows)}/{len(requests)}"
-                    tell(f"{count} {one.label} {words}: {what}, {row.seconds} s")
+        for (one, key), future in ended:
+            rows[key] = row = sweep.finished_row(future)
+            sweep.write_row(folder / sweep.ROWS, key, row)
+            if not args.quiet:
+                words = ", ".join(f"{name} {value}" for name, value in one.values)
+                what = row.verdict or f"{row.outcome}: {row.message}"
+                count = f"{len(rows)}/{len(requests)}"
+                tell(f"{count} {one.label} {words}: {what}, {row.seconds} s")
     finally:  # also of those that are known when the scheduler is lost
         table = sweep.sweep_table(requests, rows)
         exchange.replace_file(folder / "sweep.csv", partial(csv_bytes, table))
+    for name in SWEPT[2:]:  # of an earlier table
+        (folder / name).unlink(missing_ok=True)
     if args.plots and (table["outcome"] == sweep.SOLVED).any():
         draw = partial(sweep.draw_sweep, table, list(values))
         for name, content in draw_files("sweep", "Springs beside elasticity", draw).items():

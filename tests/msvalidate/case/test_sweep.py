@@ -77,8 +77,9 @@ def test_every_combination_is_a_row_however_it_is_run(program, beam, tmp_path):
     other = (folder / "sweep.csv").read_text(encoding="utf-8")
     assert without_seconds(other) == without_seconds(table)
     assert "beam.toml springs.cells" not in program(*words)[1]
-    # Other values: the count is of this sweep's combinations.
-    assert "1/1 beam.toml springs.cells 4" in program("--set", "springs.cells=4")[1]
+    # Other values: the count is of this sweep's combinations, and no picture is of others.
+    assert "1/1 beam.toml springs.cells 4" in program("--no-plots", "--set", "springs.cells=4")[1]
+    assert not (folder / "sweep.svg").exists()
     beam.write_text(BEAM.replace("-10]", "-20]"), encoding="utf-8")
     assert program(*words)[1].count("beam.toml springs.cells") == 4
 
