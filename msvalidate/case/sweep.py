@@ -265,21 +265,14 @@ def sweep_table(keys: Mapping[str, Combination], rows: Mapping[str, Row]) -> pd.
 
 def draw_sweep(table: pd.DataFrame, names: Sequence[str]) -> Figure:
     """Difference of the first quantity against the first key of numbers, a line for each other."""
-    numbers = [name for name in names if table[name].dtype.kind in "iuf"]
+    x = next((name for name in names if table[name].dtype.kind in "iuf"), None)
     figure, (axis,) = new_figure(size=(5.6, 3.8))
     shown = table[table["outcome"] == SOLVED]
-    x = numbers[0] if numbers else None
-    texts = {name: table[name].map(str) for name in ("file", *names) if name != x}
-    others = [name for name, text in texts.items() if text.nunique() > 1]
-    words = [texts[name][shown.index] for name in others]
-    groups: list[Any] = [((), shown)]
-    if others:
-        groups = list(shown.groupby(words, sort=False))
-    for place, (key, own) in enumerate(groups[:MOST_LINES]):
-        own_words = key if isinstance(key, tuple) else (key,)
-        label = ", ".join(f"{n} {w}" for n, w in zip(others, own_words, strict=True)) or None
+    others = [n for n in ("file", *names) if n != x and table[n].map(str).nunique() > 1]
+    labels = [", ".join(f"{n} {row[n]}" for n in others) for row in shown.to_dict("records")]
+    for place, (label, own) in enumerate([*shown.groupby(labels, sort=False)][:MOST_LINES]):
         along = own[x] if x else range(1, len(own) + 1)
-        axis.plot(along, 100 * own["difference"], label=label, **series_style(place))
+        axis.plot(along, 100 * own["difference"], label=label or None, **series_style(place))
     axis.set(xlabel=x or "combination", ylabel="difference from elasticity (%)", yscale="log")
     if others:
         add_shared_legend(figure, [axis], 2)
