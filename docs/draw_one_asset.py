@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.output import figures
-from msvalidate.output.stored import draw_files
+from msvalidate.bench.output import figures
+from msvalidate.bench.output.stored import draw_files
 from msvalidate.simulators.bodies.laws import predicted
 
 HERE = Path(__file__).resolve().parent

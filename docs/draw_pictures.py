@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging import catalogue
-from msvalidate.output.baseline import baseline_folder
-from msvalidate.output.results import Results
-from msvalidate.output.stored import draw_files
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.output.baseline import baseline_folder
+from msvalidate.bench.output.results import Results
+from msvalidate.bench.output.stored import draw_files
 
 HERE = Path(__file__).resolve().parent
 PICTURES: dict[str, list[str]] = tomllib.loads((HERE / "pictures.toml").read_text("utf-8"))

@@ -15,18 +15,18 @@ import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
-from msvalidate.output import front
-from msvalidate.output.front import SENTENCES
-from msvalidate.output.report import stored_studies
-from msvalidate.output.stored import Stored
+from msvalidate.bench.output import front
+from msvalidate.bench.output.front import SENTENCES
+from msvalidate.bench.output.report import stored_studies
+from msvalidate.bench.output.stored import Stored
 
 HERE = Path(__file__).resolve().parent
 PICTURED = """## Pictures
 
 Drawn from the committed baseline, which leaves out what depends on the machine."""
 EXPLAINED = """Columns are explained in [{0}](../../studies/{0}) and in
-[that of all studies](../../msvalidate/judging/columns.toml), and under each table of the report's
-page; reasons of limits stand beside them on the page and in `verdict.json`."""
+[that of all studies](../../msvalidate/bench/judging/columns.toml), and under each table of the
+report's page; reasons of limits stand beside them on the page and in `verdict.json`."""
 
 
 def main(results: Path) -> None:

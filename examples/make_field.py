@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import reference_fem
-from msvalidate.case.building import read_case
-from msvalidate.output.vtu import vtu_bytes
+from msvalidate.bench.output.vtu import vtu_bytes
+from msvalidate.case.file.building import read_case
 from reference_fem.mesh.subdivide import subdivide
 
 HERE = Path(__file__).parent

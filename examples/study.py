@@ -1,4 +1,4 @@
-"""Is a plate of springs that is pulled at its end as soft as elasticity says?"""
+"""Stiffness of a plate of springs in tension"""
 
 from functools import partial
 

@@ -11,73 +11,47 @@ from typing import TYPE_CHECKING
 __version__ = "0.2.0"
 
 _HOMES = {
-    "bodies.calibrate": ("calibrate",),
-    "bodies.cut_network": ("cut_network",),
-    "bodies.fit": ("fitted_constants",),
-    "bodies.lattice_network": ("lattice_network",),
-    "bodies.mesh_file": ("read_mesh",),
-    "case.building": ("read_case",),
-    "case.case": ("Case",),
-    "case.comparison": ("compare_case",),
-    "constants.homogenise": ("homogenise",),
-    "constants.stiffness": ("isotropic_moduli",),
-    "constants.zones": ("calibrate_zones",),
-    "dynamics.integrate": ("State", "motion", "recommended_time_step"),
-    "dynamics.integrators": ("INTEGRATORS",),
-    "dynamics.spectrum": ("natural_frequencies",),
-    "judging.evidence": ("judge",),
-    "lattice": (
+    "springs.bodies.calibrate": ("calibrate",),
+    "springs.bodies.cut_network": ("cut_network",),
+    "springs.bodies.fit": ("fitted_constants",),
+    "springs.bodies.lattice_network": ("lattice_network",),
+    "springs.bodies.mesh_file": ("read_mesh",),
+    "case.file.building": ("read_case",),
+    "case.file.case": ("Case",),
+    "case.compare.comparison": ("compare_case",),
+    "springs.constants.homogenise": ("homogenise",),
+    "springs.constants.stiffness": ("isotropic_moduli",),
+    "springs.constants.zones": ("calibrate_zones",),
+    "springs.dynamics.integrate": ("State", "motion", "recommended_time_step"),
+    "springs.dynamics.integrators": ("INTEGRATORS",),
+    "springs.dynamics.spectrum": ("natural_frequencies",),
+    "bench.judging.evidence": ("judge",),
+    "springs.lattice": (
         *("cut_lattice", "fill", "fill_rotated", "mesh_lattice", "patterns", "square"),
         *("triangular", "voronoi", "voronoi_box"),
     ),
-    "network": ("spring_network",),
-    "output.body_drawing": ("plot",),
+    "springs.network": ("spring_network",),
+    "bench.output.body_drawing": ("plot",),
     "problem": (
         *("Anisotropic", "Ball", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
         *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction"),
         *("Weight", "Zone"),
     ),
-    "dynamics.relax": ("algorithm1", "relax"),
-    "dynamics.relaxations": ("RELAXATIONS",),
-    "statics.equilibrium": ("equilibrium",),
-    "statics.stress": ("fitted_stress",),
+    "springs.dynamics.relax": ("algorithm1", "relax"),
+    "springs.dynamics.relaxations": ("RELAXATIONS",),
+    "springs.statics.equilibrium": ("equilibrium",),
+    "springs.statics.stress": ("fitted_stress",),
 }
 """Module -> the names of it that are offered here."""
 
 __all__ = ["__version__", *sorted(name for names in _HOMES.values() for name in names)]  # noqa: PLE0604
 
 if TYPE_CHECKING:  # the same for readers of types
-    from msvalidate.bodies.calibrate import calibrate as calibrate
-    from msvalidate.bodies.cut_network import cut_network as cut_network
-    from msvalidate.bodies.fit import fitted_constants as fitted_constants
-    from msvalidate.bodies.lattice_network import lattice_network as lattice_network
-    from msvalidate.bodies.mesh_file import read_mesh as read_mesh
-    from msvalidate.case.building import read_case as read_case
-    from msvalidate.case.case import Case as Case
-    from msvalidate.case.comparison import compare_case as compare_case
-    from msvalidate.constants.homogenise import homogenise as homogenise
-    from msvalidate.constants.stiffness import isotropic_moduli as isotropic_moduli
-    from msvalidate.constants.zones import calibrate_zones as calibrate_zones
-    from msvalidate.dynamics.integrate import State as State
-    from msvalidate.dynamics.integrate import motion as motion
-    from msvalidate.dynamics.integrate import recommended_time_step as recommended_time_step
-    from msvalidate.dynamics.integrators import INTEGRATORS as INTEGRATORS
-    from msvalidate.dynamics.relax import algorithm1 as algorithm1
-    from msvalidate.dynamics.relax import relax as relax
-    from msvalidate.dynamics.relaxations import RELAXATIONS as RELAXATIONS
-    from msvalidate.dynamics.spectrum import natural_frequencies as natural_frequencies
-    from msvalidate.judging.evidence import judge as judge
-    from msvalidate.lattice import cut_lattice as cut_lattice
-    from msvalidate.lattice import fill as fill
-    from msvalidate.lattice import fill_rotated as fill_rotated
-    from msvalidate.lattice import mesh_lattice as mesh_lattice
-    from msvalidate.lattice import patterns as patterns
-    from msvalidate.lattice import square as square
-    from msvalidate.lattice import triangular as triangular
-    from msvalidate.lattice import voronoi as voronoi
-    from msvalidate.lattice import voronoi_box as voronoi_box
-    from msvalidate.network import spring_network as spring_network
-    from msvalidate.output.body_drawing import plot as plot
+    from msvalidate.bench.judging.evidence import judge as judge
+    from msvalidate.bench.output.body_drawing import plot as plot
+    from msvalidate.case.compare.comparison import compare_case as compare_case
+    from msvalidate.case.file.building import read_case as read_case
+    from msvalidate.case.file.case import Case as Case
     from msvalidate.problem import Anisotropic as Anisotropic
     from msvalidate.problem import Ball as Ball
     from msvalidate.problem import BodyForce as BodyForce
@@ -94,8 +68,34 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.problem import Traction as Traction
     from msvalidate.problem import Weight as Weight
     from msvalidate.problem import Zone as Zone
-    from msvalidate.statics.equilibrium import equilibrium as equilibrium
-    from msvalidate.statics.stress import fitted_stress as fitted_stress
+    from msvalidate.springs.bodies.calibrate import calibrate as calibrate
+    from msvalidate.springs.bodies.cut_network import cut_network as cut_network
+    from msvalidate.springs.bodies.fit import fitted_constants as fitted_constants
+    from msvalidate.springs.bodies.lattice_network import lattice_network as lattice_network
+    from msvalidate.springs.bodies.mesh_file import read_mesh as read_mesh
+    from msvalidate.springs.constants.homogenise import homogenise as homogenise
+    from msvalidate.springs.constants.stiffness import isotropic_moduli as isotropic_moduli
+    from msvalidate.springs.constants.zones import calibrate_zones as calibrate_zones
+    from msvalidate.springs.dynamics.integrate import State as State
+    from msvalidate.springs.dynamics.integrate import motion as motion
+    from msvalidate.springs.dynamics.integrate import recommended_time_step as recommended_time_step
+    from msvalidate.springs.dynamics.integrators import INTEGRATORS as INTEGRATORS
+    from msvalidate.springs.dynamics.relax import algorithm1 as algorithm1
+    from msvalidate.springs.dynamics.relax import relax as relax
+    from msvalidate.springs.dynamics.relaxations import RELAXATIONS as RELAXATIONS
+    from msvalidate.springs.dynamics.spectrum import natural_frequencies as natural_frequencies
+    from msvalidate.springs.lattice import cut_lattice as cut_lattice
+    from msvalidate.springs.lattice import fill as fill
+    from msvalidate.springs.lattice import fill_rotated as fill_rotated
+    from msvalidate.springs.lattice import mesh_lattice as mesh_lattice
+    from msvalidate.springs.lattice import patterns as patterns
+    from msvalidate.springs.lattice import square as square
+    from msvalidate.springs.lattice import triangular as triangular
+    from msvalidate.springs.lattice import voronoi as voronoi
+    from msvalidate.springs.lattice import voronoi_box as voronoi_box
+    from msvalidate.springs.network import spring_network as spring_network
+    from msvalidate.springs.statics.equilibrium import equilibrium as equilibrium
+    from msvalidate.springs.statics.stress import fitted_stress as fitted_stress
 
 
 def __getattr__(name: str) -> object:

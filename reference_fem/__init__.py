@@ -7,7 +7,6 @@ air: `slab_mesh`, `solve_charges` and `respond`. At large strain: `large_strain`
 """
 
 from reference_fem.body import Solution, solve_problem
-from reference_fem.closing_in import Estimate, refine
 from reference_fem.elasticity import solve
 from reference_fem.electric import (
     Charged,
@@ -29,6 +28,7 @@ from reference_fem.mesh import (
     mesh_discretisation,
     polygon_discretisation,
 )
+from reference_fem.richardson import Estimate, refine
 from reference_fem.systems import Solver, SystemSolution
 
 __all__ = [

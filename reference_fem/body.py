@@ -52,9 +52,12 @@ from reference_fem.systems.nested import Nested
 from reference_fem.systems.solver import Solver, SystemSolution
 
 Ready = Solver | Nested
-"""What solves the equations of one mesh."""
+"""Solver of the equations of one mesh."""
 Make = Callable[[Discretisation, Materials, Mask], Ready]
-"""What makes that of a body, its materials and held components (n, d)."""
+"""Function that makes the solver of a body with its materials.
+
+The fixed components are a mask (n, d).
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,7 @@ from msvalidate.problem import (
     prescribed_displacements,
 )
 from msvalidate.problem.checks import finite_coordinates
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import ReadOnly, dataclass, replace
 from reference_fem.body import Solution, loaded_sides, nodal_forces
 from reference_fem.converged import Reference
@@ -43,20 +44,25 @@ from reference_fem.mesh.subdivide import subdivide
 from reference_fem.systems.solver import Solver
 
 GROWTH = 1.25
-"""Of a cell over its neighbour nearer to the patch."""
+"""Growth of cell sizes with distance from the contact patch."""
 ROOM = 1.5
 """Half-widths to which cells are of one size."""
 TURNS = 60
-"""Of the active set of an obstacle that is pressed, or of a mesh that follows the half-width."""
+"""Maximum number of iterations of the active set, or of the mesh for a half-width."""
 CELLS = {2: (4, 8, 16), 3: (1, 2, 3)}
 """In a half-width, by the number of axes: in space 4 would be 30,000 nodes."""
 NEAR = 1e-4
-"""Part of its depth that a round obstacle may go deeper from where its normals were taken."""
+"""Relative depth that a round obstacle may move from the position of its normals."""
 EXACT, ACCEPTED = 1e-10, 1e-6
-"""Part of a force that the depth may leave, and where rounding of a much larger depth does; then
-pressures are scaled to the force."""
+"""Relative error of the force at a depth, and the limit if rounding is larger.
+
+Pressures are then scaled to the force.
+"""
 BEARING = 1e-3
-"""Of the largest weight, from which a node can bear an obstacle alone: corners of P2 cannot."""
+"""Smallest weight of a node that can carry an obstacle, relative to the largest.
+
+The corners of P2 elements cannot.
+"""
 CLOSE = 0.1
 """Change of the half-width at which its mesh is good for it."""
 
@@ -124,6 +130,7 @@ def press(
 
 def _press(problem: Problem, body: Discretisation, within: float | None) -> ElementContact:
     """Contact as `press` has it, of a patch of any size."""
+    report_step("mesh against the obstacle, %s nodes", f"{len(body.points):,}")
     contact, bare = _only_contact(problem)
     obstacle, depth = contact.obstacle, contact.depth
     held, given = prescribed_displacements(bare, body.points)
@@ -151,7 +158,11 @@ def _press(problem: Problem, body: Discretisation, within: float | None) -> Elem
         q = np.einsum("cnd,nd->c", loads, begun[nodes]) + mass[may] @ obstacle.gap(x, depth)
         # A force along the way is a weight w on pressures; lowering by δ takes δ w from the gaps.
         w = mass[may] @ along
-        p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
+        try:
+            p, deeper = _unilateral((D + D.T) / 2, q, w, contact.force)
+        except SolverError:
+            problem.refuse_slight_force()
+            raise
         depth += deeper
         if obstacle.is_round and abs(deeper) > NEAR * abs(depth):  # its normals have turned
             continue
@@ -164,6 +175,7 @@ def _press(problem: Problem, body: Discretisation, within: float | None) -> Elem
             break
         may[:] = True
     else:
+        problem.refuse_slight_force()
         raise _no_depth(contact.force)
     left = q + D @ p - deeper * w
     wrong = np.abs(np.where(p > 0, left, np.minimum(left, 0.0))).max()
@@ -225,6 +237,8 @@ def _unilateral(D: Array, q: Array, w: Array, total: float | None) -> tuple[Arra
         alone = np.linalg.solve(D[np.ix_(on, on)], np.column_stack([-q[on], w[on]]))
         deeper = float((total - w[on] @ alone[:, 0]) / (w[on] @ alone[:, 1]))
         p = _pressures(D, q - deeper * w)
+        if not p.any():  # no depth is that small
+            break
         off = float(abs(w @ p / total - 1))
         if off <= EXACT or before <= off <= ACCEPTED:  # rounding of gaps allows no less
             return p * (total / (w @ p)), deeper
@@ -319,7 +333,7 @@ def press_closely(
 
 
 def converge_contact(problem: Problem, points: Array, accuracy: float) -> Reference:
-    """What elasticity says of a problem with an obstacle, as `converge` does of others."""
+    """Converged solution of a contact problem, as `converge` for other problems."""
     began = time.perf_counter()
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     found, error = press_closely(problem, CELLS[problem.domain.dim])

@@ -1,6 +1,6 @@
 """A problem's solution with its own error: on meshes each twice as fine as the last.
 
-Every quantity is read off each mesh, and `closing_in` tells how far the last is from the limit.
+Every quantity is read off each mesh, and `richardson` tells how far the last is from the limit.
 Some questions have none, and corners where materials cross hide how slow they are: `limits`.
 """
 
@@ -29,16 +29,9 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
 from reference_fem.body import Make, Ready, Solution, nodal_forces, solve_by, solve_problem
-from reference_fem.closing_in import (
-    ROUNDING,
-    TRUSTED_ORDER,
-    TWO_MESHES,
-    Estimate,
-    close_in,
-    unlimited,
-)
 from reference_fem.effort import MEMORY, More, fits_within, one_more_mesh
 from reference_fem.elasticity import make_solver, stiffness, thickness_tensors
 from reference_fem.first_mesh import MOST_MIXED, MOST_NODES, first_mesh
@@ -48,6 +41,14 @@ from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import gradients_at_points
 from reference_fem.mesh.subdivide import children_of, nodes_of_children
 from reference_fem.mixed import mixed_forces
+from reference_fem.richardson import (
+    ROUNDING,
+    TRUSTED_ORDER,
+    TWO_MESHES,
+    Estimate,
+    close_in,
+    unlimited,
+)
 from reference_fem.systems.cells import ElasticForces
 from reference_fem.systems.direct import favours_factor
 from reference_fem.systems.nested import NESTED, Nested
@@ -79,7 +80,7 @@ class LargeChange(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What elasticity says of a problem, each value with its own error.
+    """Reference solution of a problem by elasticity, with an error for each value.
 
     Parameters
     ----------
@@ -130,12 +131,12 @@ class Reference:
 
     @property
     def resolved(self) -> bool:
-        """Whether the accuracy that was asked for is reached."""
+        """True if the requested accuracy is reached."""
         return self.error <= self.accuracy
 
     @property
     def more(self) -> More | None:
-        """What it takes to know better; None where it is known as asked, or memory is no limit."""
+        """Effort of a finer mesh; None if the accuracy is reached or memory suffices."""
         return None if self.resolved or self.no_limit else self.following
 
     @property
@@ -318,10 +319,14 @@ def converge(
     found: list[Solution] = []
     seconds: list[float] = []
     reference: Reference | None = None
+    following: More | None = None
     while True:
         began = time.perf_counter()
         if found:
             body, finer = children_of(body)
+        expected = f", about {following.seconds:.0f} s" if following else ""
+        text = "mesh %d of at least %d, %s nodes%s"
+        report_step(text, len(found) + 1, LEVELS, f"{len(body.points):,}", expected)
         try:
             if mixed:
                 found.append(solve_problem(problem, body, mixed=True, solver=solver))
@@ -370,7 +375,7 @@ def _make_ready(
     law: Materials,
     held: Mask,
 ) -> Ready:
-    """What solves on a mesh: in space multigrid over all meshes, but where a factor is quick."""
+    """Make the solver of a mesh: multigrid in 3D unless a factor is fast."""
     if coarser is None or finer is None or solver != "auto" or body.dim == 2:
         return make_solver(body, law, held, solver)
     if len(body.points) <= MOST_DIRECT and favours_factor(body):
@@ -380,7 +385,7 @@ def _make_ready(
 
 
 def is_nearly_incompressible(problem: Problem) -> bool:
-    """Whether displacement and pressure of a problem are sought together."""
+    """Return True if a problem needs the mixed formulation of displacement and pressure."""
     laws = problem.materials
     if not all(isinstance(law, Isotropic) and law.nu > 0 for law in laws):
         return False  # such have no pressure that grows with volume

@@ -25,7 +25,7 @@ GB = 1e9
 
 @dataclass(frozen=True)
 class More:
-    """What one more mesh takes, as predicted.
+    """Predicted effort of one more mesh.
 
     Parameters
     ----------
@@ -41,12 +41,15 @@ class More:
 
 
 def one_more_mesh(element: str, dim: int, nodes: float, seconds: float) -> More:
-    """What a mesh of so many nodes takes, if a node of the last one took so many seconds."""
+    """Predict the effort of a mesh from the time per node of the last one."""
     return More(dim * nodes, nodes * BYTES.get(element, max(BYTES.values())), seconds * nodes)
 
 
 def fits_within(following: More | None, memory: float) -> bool:
-    """Whether a mesh takes no more than so many GB; raise `SolverError` if these are not free."""
+    """Return True if a mesh fits into a memory limit (GB).
+
+    Raise `SolverError` if that much memory is not free.
+    """
     if following is None:
         return True
     if following.bytes > memory * GB:

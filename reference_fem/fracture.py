@@ -24,7 +24,10 @@ SMALLEST, GROWTH, LARGEST = 2e-5, 0.8, 0.2
 """Cells of a first mesh: at the tip, over the body's least side; over their distance from the tip;
 over the least side."""
 REACH = (0.25, 0.75)
-"""Part of its room, from the tip to the nearest side or load, over which J is taken."""
+"""Distances from the tip where J is integrated, relative to the free distance.
+
+The free distance is that from the tip to the nearest side or load.
+"""
 
 
 @dataclass(frozen=True, eq=False)

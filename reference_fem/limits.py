@@ -25,12 +25,14 @@ from reference_fem.materials import CellMaterials, materials_of
 from reference_fem.mesh.discretisation import Discretisation
 
 CARRIES = 1e-6
-"""Of all forces, from which a support at a point carries one: a pin that only stops a rigid motion
-carries rounding."""
+"""Smallest force at a point support, relative to all forces, that counts.
+
+A pin that only prevents a rigid-body motion carries rounding.
+"""
 
 
 def acts_on_points(problem: Problem) -> bool:
-    """Whether a load or support acts at a point, or along a line in space."""
+    """Return True if a load or support acts at a point or 3D line."""
     forces = any(isinstance(load, PointForce) for load in problem.loads)
     return forces or any(_is_small(support) for support in problem.supports)
 
@@ -66,7 +68,7 @@ def has_no_limit(problem: Problem, reactions: Sequence[Array], loads: float) -> 
 
 
 def _is_small(support: Support) -> bool:
-    """Whether a support is a point, or a line in space."""
+    """Return True if a support is a point, or a line in 3D."""
     region = support.region
     return isinstance(region, Region) and len(region.normal_axes) > 1
 

@@ -1,4 +1,4 @@
-"""Whether cells of the first degree lock: near incompressibility they can follow few motions.
+"""Volumetric locking of linear elements near incompressibility.
 
 A linear cell of size h that is bent by a curvature κ changes its volume by κh, which costs energy
 λ(κh)², where the body of size H asks for μ(κH)². The ratio of the two,

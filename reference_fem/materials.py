@@ -1,4 +1,4 @@
-"""Of what each cell of a mesh is: one material, or several by the zones of a problem."""
+"""Material of each cell of a mesh: one material, or several by zones."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ class CellMaterials(ReadOnly):
 
 
 Materials = Material | CellMaterials
-"""What a body is of."""
+"""Materials of the cells of a body."""
 
 
 def materials_of(problem: Problem, body: Discretisation) -> Materials:
-    """What the cells of a problem's mesh are of.
+    """Materials of the cells of a problem's mesh.
 
     Raises
     ------

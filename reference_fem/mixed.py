@@ -49,7 +49,7 @@ from reference_fem.systems.solver import (
 TAYLOR_HOOD = [name for name, kind in ELEMENTS.items() if kind.degree == 2]
 """Elements of displacement, beside those of the first degree of pressure ([TaylorHood1973])."""
 SINGULAR = 1e-14
-"""What a mode leaves that the system does not feel, relative to the terms that cancel: rounding."""
+"""Relative residual of a mode without stiffness that is rounding."""
 PIVOT = 0.1
 """Least pivot relative to the largest of its column: some on the diagonal are zero at nu = 1/2."""
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.case.building import read_case
-from msvalidate.case.case import Case
+from msvalidate.case.file.building import read_case
+from msvalidate.case.file.case import Case
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Array,

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from msvalidate.judging import catalogue
+from msvalidate.bench.judging import catalogue
 
 pytest_plugins = ["pytester"]  # runs of pytest in a test, for the plugin that others install
 
@@ -53,7 +53,7 @@ def small_tables():
     """
     import pandas as pd  # noqa: PLC0415  a second, which most tests need not wait for
 
-    from msvalidate.output import baseline  # noqa: PLC0415
+    from msvalidate.bench.output import baseline  # noqa: PLC0415
 
     @cache
     def of(name):
@@ -84,7 +84,7 @@ def small_form(tmp_path_factory):
                 fcntl.flock(lock, fcntl.LOCK_EX)
             if place.exists():
                 return pickle.loads(place.read_bytes())  # noqa: S301  our own
-            from msvalidate.judging.sweep import Setting  # noqa: PLC0415  not for all tests
+            from msvalidate.bench.judging.sweep import Setting  # noqa: PLC0415  not for all tests
 
             evidence = catalogue.load(name).run(setting=Setting(quick=True))
             # Figures that are made by a function cannot leave the process.

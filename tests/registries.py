@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from msvalidate.constants.homogenise import deforms_affinely
-from msvalidate.lattice.cut import joins_corners
-from msvalidate.lattice.patterns import AXES, all_patterns
+from msvalidate.springs.constants.homogenise import deforms_affinely
+from msvalidate.springs.lattice.cut import joins_corners
+from msvalidate.springs.lattice.patterns import AXES, all_patterns
 
 LATTICES = all_patterns()
 ISOTROPIC = [name for name, make in LATTICES.items() if make().formulas is not AXES]

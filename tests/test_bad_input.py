@@ -15,40 +15,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_fem
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.directions import directional_ratio
-from msvalidate.constants.homogenise import deforms_affinely, homogenise_network, interior_tensor
-from msvalidate.constants.isotropic import isotropic_constants
-from msvalidate.constants.routes import ROUTES, default_constants
-from msvalidate.constants.stiffness import (
-    moduli,
-    pattern_tensor,
-    spring_tensor,
-    square_tensor,
-)
+from msvalidate.bench.judging.candidate import solve_springs
+from msvalidate.bench.judging.compare import farthest_value, observed_order
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.dynamics.divergence import StabilityWarning
-from msvalidate.dynamics.implicit import ConvergenceError
-from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer, motion
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
-from msvalidate.dynamics.relax import algorithm1, relax
-from msvalidate.dynamics.spectrum import natural_frequencies
-from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.candidate import solve_springs
-from msvalidate.judging.compare import farthest_value, observed_order
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
-from msvalidate.lattice import (
-    diagonal_square,
-    patterns,
-    square,
-    trapezium,
-    triangular,
-    zigzag_block,
-)
-from msvalidate.network import Network, faults, internal_force, spring_network
 from msvalidate.problem import (
     Anisotropic,
     BodyForce,
@@ -67,8 +39,40 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.checks import finite, format_value, whole_number
-from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.statics.tangents import is_stable
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.directions import directional_ratio
+from msvalidate.springs.constants.homogenise import (
+    deforms_affinely,
+    homogenise_network,
+    interior_tensor,
+)
+from msvalidate.springs.constants.isotropic import isotropic_constants
+from msvalidate.springs.constants.routes import ROUTES, default_constants
+from msvalidate.springs.constants.stiffness import (
+    moduli,
+    pattern_tensor,
+    spring_tensor,
+    square_tensor,
+)
+from msvalidate.springs.dynamics.divergence import StabilityWarning
+from msvalidate.springs.dynamics.implicit import ConvergenceError
+from msvalidate.springs.dynamics.integrate import State, damping_rate, euler_cromer, motion
+from msvalidate.springs.dynamics.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.springs.dynamics.relax import algorithm1, relax
+from msvalidate.springs.dynamics.spectrum import natural_frequencies
+from msvalidate.springs.dynamics.step_limits import stability_limit
+from msvalidate.springs.lattice import (
+    diagonal_square,
+    patterns,
+    square,
+    trapezium,
+    triangular,
+    zigzag_block,
+)
+from msvalidate.springs.network import Network, faults, internal_force, spring_network
+from msvalidate.springs.statics.equilibrium import equilibrium
+from msvalidate.springs.statics.tangents import is_stable
 from reference_fem import body as fem_body
 from reference_fem import elasticity
 

@@ -32,8 +32,8 @@ from msvalidate import (
     patterns,
     square,
 )
-from msvalidate.dynamics import variants
-from msvalidate.dynamics.step_limits import stability_limit
+from msvalidate.springs.dynamics import variants
+from msvalidate.springs.dynamics.step_limits import stability_limit
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.case.case import Case
+from msvalidate.case.file.case import Case
 from msvalidate.problem import Box, Isotropic, Problem, Support, Traction
 from msvalidate.simulators.exchange import program
 from msvalidate.simulators.exchange.export import export_case
@@ -22,7 +22,7 @@ from msvalidate.simulators.exchange.program import Program
 from msvalidate.simulators.exchange.template import adapter_template
 from msvalidate.simulators.gate.gate import motion
 from reference_fem import box_discretisation
-from tests.msvalidate.bodies.test_mesh_file import written
+from tests.msvalidate.springs.bodies.test_mesh_file import written
 from tests.reference_fem.mesh.test_from_mesh import mesh_of
 
 ROOT = Path(__file__).resolve().parents[1]

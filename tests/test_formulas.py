@@ -17,12 +17,12 @@ from scipy.linalg import eigvalsh, toeplitz
 from scipy.optimize import brentq, minimize_scalar
 
 from msvalidate import Box, calibrate, fill, homogenise, patterns, spring_network
-from msvalidate.constants import waves
-from msvalidate.dynamics import spectrum
-from msvalidate.lattice import boundary_weights
-from msvalidate.network import internal_force
-from msvalidate.network.laws import volumes
 from msvalidate.simulators.bodies.laws import LAWS, lame, predicted
+from msvalidate.springs.constants import waves
+from msvalidate.springs.dynamics import spectrum
+from msvalidate.springs.lattice import boundary_weights
+from msvalidate.springs.network import internal_force
+from msvalidate.springs.network.laws import volumes
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[1]

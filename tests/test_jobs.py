@@ -29,10 +29,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging import catalogue
-from msvalidate.output import baseline
-from msvalidate.output.figures import new_figure
+from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.output import baseline
+from msvalidate.bench.output.figures import new_figure
 from msvalidate.problem import ProblemError
 
 baseline.CHECKOUT = Path("base")
@@ -123,6 +123,11 @@ def read(path):
     return path.read_text(encoding="utf-8")
 
 
+def messages(folder):
+    """Lines of the log, except progress."""
+    return [line for line in read(folder / "log").splitlines() if not line.startswith("studies: ")]
+
+
 def until(condition, what):
     """Wait for something that comes within seconds."""
     end = time.monotonic() + 60
@@ -169,7 +174,7 @@ def test_any_number_of_jobs_finds_the_same(tmp_path):
     assert [each.wait(100) for each in both] == [0, 0], read(one / "log") + read(two / "log")
     assert content(one) == content(two)
     assert len(content(one)) == 3 * 4 + 1
-    lines = read(two / "log").splitlines()
+    lines = messages(two)
     ended = [re.sub(r"\d+\.\d s$", "… s", line) for line in lines]
     assert ended[:-1] == [
         "stability: 1 of 1 held, … s",
@@ -216,7 +221,7 @@ def test_a_run_that_is_ended_has_told_how_far_it_came(how, jobs, code, tmp_path)
     until(lambda: "held" in read(tmp_path / "log"), "the first study ends")
     program.send_signal(how)
     assert program.wait(30) == code
-    first, *rest = read(tmp_path / "log").splitlines()
+    first, *rest = messages(tmp_path)
     assert re.fullmatch(r"poisson: 1 of 1 held, \d+\.\d s", first)
     assert len(rest) == (how == signal.SIGINT), rest
     assert "Traceback" not in "".join(rest)

@@ -8,12 +8,12 @@ import sys
 
 import pytest
 
-from msvalidate.judging import catalogue
+from msvalidate.bench.judging import catalogue
 
 STUDY = '''"""Is a bar of two springs in series as soft as theory says?"""
 from msvalidate import equilibrium, spring_network
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.bench.judging.sweep import Setting
 
 from ._bar import points
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import pandas as pd
 
 import msvalidate
-from msvalidate.judging import catalogue
-from msvalidate.judging.columns import read_columns
-from msvalidate.judging.evidence import Evidence
-from msvalidate.output.front import first_screen, ledger
-from msvalidate.output.results import read_numbers
-from msvalidate.output.stored import read_csv
-from msvalidate.output.summary import summary_lines
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.columns import read_columns
+from msvalidate.bench.judging.evidence import Evidence
+from msvalidate.bench.output.front import first_screen, ledger
+from msvalidate.bench.output.results import read_numbers
+from msvalidate.bench.output.stored import read_csv
+from msvalidate.bench.output.summary import summary_lines
 from tests.reference_fem.test_scikit_fem import EQUAL
 from tests.table import table
 
@@ -79,7 +79,7 @@ def test_the_ledger_is_that_of_the_committed_baseline():
 
 
 def test_readme_and_pages_describe_one_reference():
-    page = (ROOT / "msvalidate/output/templates/reference.html").read_text(encoding="utf-8")
+    page = (ROOT / "msvalidate/bench/output/templates/reference.html").read_text(encoding="utf-8")
     (sentences,) = re.findall(r"<p.*?>(.*)</p>", page)
     assert sentences in re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", " ".join(README.split()))
     rows = re.findall(r"^\| [A-Z]\d \|.* ([\d.]+) to ([\d.]+) \|$", TEXTS["docs/speed.md"], re.M)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from msvalidate.constants.routes import ROUTES
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.lattice import EDGE_RULES, WEIGHTS
-from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import SHAPES
+from msvalidate.springs.constants.routes import ROUTES
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.lattice import EDGE_RULES, WEIGHTS
+from msvalidate.springs.lattice.patterns import all_patterns
 from reference_fem.mesh.elements import ELEMENTS
 
 HERE = Path(__file__).parent

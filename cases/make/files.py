@@ -17,7 +17,7 @@ from cases.make.confirmed import Confirmation
 from cases.make.meshes import MESHIO, linear_meshes
 from cases.make.reference import body_mesh, problem_of, write_msh
 from cases.make.statements import Statement
-from msvalidate.output.vtu import vtu_bytes
+from msvalidate.bench.output.vtu import vtu_bytes
 from msvalidate.problem import SHAPES, Isotropic, Mesh, Problem, Weight, prescribed_displacements
 from msvalidate.problem.zones import materials_of_cells
 from reference_fem.body import nodal_forces, solve_problem

@@ -16,7 +16,7 @@ from cases.make.files import nodal_meshes, without_rounding
 from cases.make.reference import problem_of
 from cases.make.statements import SPACE, Statement
 from cases.make.versions import read_answers, say
-from msvalidate.case.judge import driven_by
+from msvalidate.case.judge.judgement import driven_by
 
 Array = np.ndarray
 DIGITS = 12

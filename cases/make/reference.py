@@ -20,14 +20,14 @@ from cases.make.meshes import (
     quadratic_mesh,
 )
 from cases.make.statements import STRESS, Statement
-from msvalidate.case.building import read_case
+from msvalidate.case.file.building import read_case
 from msvalidate.linear_algebra.factor import has_cholmod
 from msvalidate.problem import SHAPES, Isotropic, Mesh, Problem, Zone
 from reference_fem.body import nodal_forces, solve_problem
-from reference_fem.closing_in import Estimate
 from reference_fem.converged import Reference, converge
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.richardson import Estimate
 
 Array = np.ndarray
 MOST_NODES = {2: 120_000, 3: 100_000}

@@ -37,6 +37,7 @@ PHRASES = {
     "whole boundary springs": "springs on the boundary count whole: give those in a side half their"
     " constant, in an edge of a solid a quarter",
     "and whole boundary springs": "springs on the boundary count whole",
+    "and scale": "and a modulus {part:.4g} or loads {scale:.4g} times as large besides",
     "k2 = 2 k1": "k2 = 2 k1, k1 {value:.4g} times the right one: each kind of spring has its own "
     "constant",
     "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): each kind has its "

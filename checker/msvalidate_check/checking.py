@@ -23,15 +23,12 @@ from msvalidate_check.points import (
     positive,
     vectors,
 )
+from msvalidate_check.text import MANY, percent
 from msvalidate_check.verdict import Difference, Verdict, judge_field
 
 Array = np.ndarray
 OF_MATERIAL = frozenset({"modulus", "load", "scale", "ratio", "unit"})
 """Kinds of causes after which the nearest material is one."""
-ALMOST, MANY, HUGE = 0.995, 10.0, 1e6
-"""Parts from which text takes three digits, says times in place of %, and writes powers of ten."""
-LEAST_SHOWN = 5e-9
-"""Part below which text says 0."""
 ACCURACY = 1e-6
 """Of displacements, over the largest, where nobody says: six digits, or single precision."""
 BAND = 0.02
@@ -119,7 +116,7 @@ def check(
         How far the displacements may be off by their digits, over the largest: of differences of
         positions in single precision, 6e-8 of the largest coordinate.
     quantities
-        Some of `case.quantities` by name, in the same units: each is held to the same band.
+        Some of `case.compare.quantities` by name, in the same units: each is held to the same band.
 
     Raises
     ------
@@ -305,22 +302,22 @@ def _lines(v: FieldVerdict) -> list[str]:
     """The verdict as text."""
     own, *others = v.differences
     beyond = "within" if own.error <= own.band else "beyond"
-    parts = ", ".join(f"{name} {_percent(part)}" for name, part in v.parts.items())
-    known = f"known to {_percent(own.uncertainty)}, rounding of the numbers {_percent(v.precision)}"
+    parts = ", ".join(f"{name} {percent(part)}" for name, part in v.parts.items())
+    known = f"known to {percent(own.uncertainty)}, rounding of the numbers {percent(v.precision)}"
     of = "" if own.error >= MANY else "of "
-    off = f"{_percent(own.error)} {of}the largest displacement"
+    off = f"{percent(own.error)} {of}the largest displacement"
     found = [
         f"{v.case}, nu = {v.nu:g}: {v.word}",
-        f"  {off}, {beyond} the band of {_percent(own.band)}",
+        f"  {off}, {beyond} the band of {percent(own.band)}",
         f"  {known}; {_rest(own.residual_motion)}",
         f"  parts: {parts}",
     ]
     if own.error > NOTICED * own.uncertainty:
-        found += [f"  cause (leaves {_percent(each.left)}): {each.said}" for each in v.causes]
+        found += [f"  cause (leaves {percent(each.left)}): {each.said}" for each in v.causes]
         found += [] if v.causes else ["  cause: none of those known"]
         found += _effective(v.material)
     found += [
-        f"  {e.quantity}: {e.word}, {_percent(e.error)} off, known to {_percent(e.uncertainty)}"
+        f"  {e.quantity}: {e.word}, {percent(e.error)} off, known to {percent(e.uncertainty)}"
         for e in others
     ]
     return found + [f"  {note}" for note in v.notes]
@@ -335,18 +332,10 @@ def _effective(material: Material) -> list[str]:
             words.append(f"{name} = {value:.4g} ± {uncertainty:.1g}{unit}")
     if not words:
         return []
-    return [f"  nearest elasticity: {', '.join(words)}, which leaves {_percent(material.left)}"]
+    return [f"  nearest elasticity: {', '.join(words)}, which leaves {percent(material.left)}"]
 
 
 def _rest(rest: float) -> str:
     if math.isnan(rest):
         return "whether it is at rest is unknown"
-    return f"it may still change by {_percent(rest)}"
-
-
-def _percent(part: float) -> str:
-    if part < LEAST_SHOWN:
-        return "0 %"
-    if part >= MANY:
-        return f"{part:.0f} times" if part < HUGE else f"{part:.3g} times"
-    return f"{100 * part:.2g} %" if part < ALMOST else f"{100 * part:.0f} %"
+    return f"it may still change by {percent(rest)}"

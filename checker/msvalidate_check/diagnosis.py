@@ -27,12 +27,17 @@ from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.changes import Image, explain_one_change, explain_two_changes, images
 from msvalidate_check.mistakes import explain_mistakes
 from msvalidate_check.ratios import explain_ratio, explain_ratio_besides
-from msvalidate_check.scales import AS_GOOD, AS_WELL, NOTICED, UNITS, explain_scale, read_scale
+from msvalidate_check.scales import (
+    AS_GOOD,
+    AS_WELL,
+    FITS,
+    NOTICED,
+    UNITS,
+    explain_scale,
+    read_scale,
+)
 
 __all__ = ["FITS", "NOTICED", "Driven", "Field", "explain", "split"]
-FITS = 0.1
-"""Of the difference that was there, what an explanation may leave; of what one fault leaves, what
-two at once may."""
 FEW_POINTS = 0.02
 """Part of the points, or one, that may be wrong while all others are right."""
 FEWEST, FEWEST_BESIDES = 4, 9

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, fit
 from msvalidate_check.causes import Cause, Phrase, phrase
-from msvalidate_check.scales import AS_GOOD, AS_WELL
+from msvalidate_check.scales import AS_GOOD, AS_WELL, FITS
 
 AS_NAMED = 0.005
 """Relative difference of a fitted factor from the one that has a name: three digits of a constant,
@@ -21,9 +22,26 @@ what another spacing leaves."""
 
 
 def explain_mistakes(field: Field) -> Iterator[Cause]:
-    """Compute the nearest field of each kind of known mistake."""
+    """Compute the nearest field of each kind of known mistake, alone and with a wrong stiffness."""
+    alone = list(_nearest(field, field.mistakes))
+    yield from alone
+    plain = [each for each in field.mistakes if not (each.scaled or each.simpler)]
+    left = {cause.kind: cause.left for cause in alone}
+    exact = max(AS_GOOD * field.difference, field.uncertainty)
+    if any(left.get(each.kind, math.inf) <= exact for each in plain):  # one mistake is enough
+        return
+    scale = best_scale(field.found, field.wanted)
+    size = field.left(field.found / scale) if scale > 0 else math.inf
+    for cause in _nearest(field, [replace(each, scaled=True, beside="scale") for each in plain]):
+        room = AS_WELL * cause.left + AS_GOOD * field.difference
+        if cause.left <= FITS * field.difference and room < min(size, left.get(cause.kind, size)):
+            yield cause
+
+
+def _nearest(field: Field, mistakes: Iterable[Mistake]) -> Iterator[Cause]:
+    """The nearest field of each kind, if it fits better than the simpler kind that it contains."""
     best: dict[str, tuple[Cause, Mistake]] = {}
-    for mistake in field.mistakes:
+    for mistake in mistakes:
         for parameter, nearest, scale in _fits(field, mistake):
             left = field.left(field.found / scale, nearest) if scale > 0 else math.inf
             if mistake.kind not in best or left < best[mistake.kind][0].left:
@@ -60,17 +78,15 @@ def _between(candidate: Array, one: Array, other: Array, *, scaled: bool) -> tup
 
 def _cause(mistake: Mistake, parameter: float, stiffness: float, left: float) -> Cause:
     """A mistake as a cause, with its fitted numbers."""
-    value = stiffness if mistake.scaled else parameter
-    of = mistake_phrase(
-        mistake.key or mistake.kind, value, parameter, mistake.named, mistake.beside
-    )
+    value = stiffness if mistake.scaled and mistake.beside != "scale" else parameter
+    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, mistake.named)
+    if mistake.beside:
+        other = phrase(f"and {mistake.beside}", scale=1 / stiffness, part=stiffness)
+        of = phrase("mistake and", one=of, other=other)
     return Cause(mistake.kind, value, of, left, mistake.beside)
 
 
-def mistake_phrase(
-    key: str, value: float, at: float, named: Mapping[str, Factor], beside: str = ""
-) -> Phrase:
+def mistake_phrase(key: str, value: float, at: float, named: Mapping[str, Factor]) -> Phrase:
     """Sentence of a known mistake, as of a `Mistake`, with its number at a parameter."""
     known = (name for name, factor in named.items() if abs(value / factor(at) - 1) <= AS_NAMED)
-    of = phrase(next(known, key), value=value)
-    return phrase("mistake and", one=of, other=phrase(f"and {beside}")) if beside else of
+    return phrase(next(known, key), value=value)

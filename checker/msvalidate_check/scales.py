@@ -14,6 +14,9 @@ AS_WELL = 2.0
 AS_GOOD = 1e-3
 """Part that is none: of a difference what explanations leave that fit as well, of a number what it
 differs by from the one that it is."""
+FITS = 0.1
+"""Of the difference that was there, what an explanation may leave; of what one fault leaves, what
+two at once may."""
 NOTICED = 3.0
 """Times the uncertainty of elasticity and of the numbers, from which a difference is explained."""
 UNITS = {

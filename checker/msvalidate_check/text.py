@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 FLOOR = 1e-4
 """Smallest part that is shown as a number: below 0.01 % digits carry no information."""
+WIDTH = 100
+"""Characters of a line on a terminal."""
 MANY = 10.0
 """Part from which a percentage is shown as a factor."""
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from msvalidate_check.beside import Field, longest, split
 from msvalidate_check.causes import Cause, phrase
-from msvalidate_check.diagnosis import NOTICED, explain
+from msvalidate_check.diagnosis import FITS, NOTICED, explain
 
 AGREES, DIFFERS, NOT_RESOLVED, NOT_AT_REST = "agrees", "differs", "not resolved", "not at rest"
 NOT_ASKED = "not asked"
@@ -123,6 +123,12 @@ class Verdict:
     def displacement(self) -> Difference:
         """The displacements' difference."""
         return self.differences[0]
+
+    def fits(self, cause: Cause) -> bool:
+        """Return true if a cause leaves at most a tenth of the difference, or the uncertainty."""
+        own = self.displacement
+        difference = own.error * own.wanted / (max(own.found, own.wanted) or 1.0)
+        return cause.left <= max(FITS * difference, own.uncertainty)
 
     @property
     def indistinguishable(self) -> int:

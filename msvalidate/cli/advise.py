@@ -1,24 +1,32 @@
-"""What ``msvalidate advise`` does: springs for a material, or the solid that springs are."""
+"""Command ``msvalidate advise``: springs for a material, or the solid of given springs."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import textwrap
 import tomllib
 from pathlib import Path
 
-from msvalidate import case
-from msvalidate.case.advice import Advice, advice_lines, advice_record, advise
-from msvalidate.case.identify import identified_lines, identify_lattice
-from msvalidate.case.mistakes import mistake_lines
+from msvalidate.case import advise as advise_package
+from msvalidate.case.advise.advice import (
+    Advice,
+    advice_lines,
+    advice_record,
+    advise,
+    constants_lines,
+)
+from msvalidate.case.advise.identify import identified_lines, identify_lattice
+from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
-from msvalidate.constants.stiffness import ALIKE, UNIT, axes_moduli, lame, springs_ratio
-from msvalidate.lattice.patterns import all_patterns
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import require_one_of
 from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
+from msvalidate.springs.constants.stiffness import ALIKE, UNIT, axes_moduli, lame, springs_ratio
+from msvalidate.springs.lattice.patterns import all_patterns
+from msvalidate_check.text import WIDTH, align_table
 
 
 def print_advice(args: argparse.Namespace) -> int:
@@ -27,19 +35,16 @@ def print_advice(args: argparse.Namespace) -> int:
 
 
 def _material(args: argparse.Namespace) -> tuple[Isotropic, str]:
-    """The material, and what was taken for what is not given."""
+    """Material, and the line that describes it, with the defaults that were taken."""
     t = args.thickness
     state: State = args.state or ("solid" if t is None else "plane_stress")
     if state == "solid" and t is not None:
         raise ProblemError("--thickness: a solid has none; leave it out, or take a plane --state")
-    density = 1000.0 if args.density is None else args.density
+    density = Isotropic.density if args.density is None else args.density
     m = Isotropic(args.E, args.nu, state, density, 1.0 if t is None else t)
     thick = f", {m.thickness:g} m thick" if m.dim == 2 else ""
-    names = ("state", "density")
-    first, then = (
-        " (taken; another by --" + n + ")" if not getattr(args, n) else "" for n in names
-    )
-    return m, f"E = {m.E:g} Pa, nu = {m.nu:g} in {state}{first}{thick}, {density:g} kg/m³{then}"
+    default = "" if args.state else " (default; another by --state)"
+    return m, f"E = {m.E:g} Pa, nu = {m.nu:g}, {state}{default}{thick}"
 
 
 def _advise(args: argparse.Namespace) -> list[str]:
@@ -65,21 +70,26 @@ def _advise(args: argparse.Namespace) -> list[str]:
         records = [advice_record(advice) for advice in found]
         record = {"lattices": records, "cannot": cannot, "springs_alone": price}
         return [json.dumps(record, ensure_ascii=False, indent=1)]
-    lines = [head, *([price] if price else []), _letters(found[0].material)]
-    lines += [line for advice in found for line in advice_lines(advice)]
+    summary = [head, *([price] if price else []), _letters(found[0].material)]
+    summary += constants_lines(found)
+    summary += [f"not for this material: {', '.join(cannot)}"] * bool(cannot)
+    summary += _engines(args.engine, found[0], notes=args.verbose)
+    if not args.verbose:
+        return [line for text in summary for line in textwrap.wrap(text, WIDTH) or [text]]
+    lines = [*summary, *(line for advice in found for line in advice_lines(advice))]
     lines += [f"not {name}: {why.split(' lattice: ')[-1]}" for name, why in cannot.items()]
     if not args.lattice:
         plain = {2: "square", 3: "cubic18"}[material.dim]
         known = mistake_lines(material, plain, args.spacing)
         lines += ["known mistakes:", *(f"  {line}" for line in known)]
-    return lines + _engines(args.engine, found[0])
+    return lines
 
 
 def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic], str]:
     """The material, and if springs alone are asked for the nearest they can be, and its price."""
     if engine != "springs":
         return [material], ""
-    from msvalidate.case.nearest_ratio import change_of_blocks
+    from msvalidate.case.advise.nearest_ratio import change_of_blocks
 
     nu = springs_ratio(material)
     if abs(nu - material.nu) <= ALIKE:
@@ -93,7 +103,7 @@ def _materials(engine: str | None, material: Isotropic) -> tuple[list[Isotropic]
 
 
 def _letters(m: Isotropic) -> str:
-    """What the formulas' letters are."""
+    """Describe the meaning of the letters in the formulas."""
     E, nu = axes_moduli(m, m.dim, "advise")
     second, mu = lame(m.dim, E / m.thickness, nu)
     said = "λ′ = Eν/(1 - ν²)" if m.state == "plane_stress" else "λ = Eν/((1 + ν)(1 - 2ν))"
@@ -104,32 +114,32 @@ def _letters(m: Isotropic) -> str:
     )
 
 
-def _engines(engine: str | None, advice: Advice) -> list[str]:
-    """How other programs take the numbers of a lattice, or of a material."""
+def _engines(engine: str | None, advice: Advice, *, notes: bool) -> list[str]:
+    """Table of the numbers that other programs take, with notes and sources if requested."""
     if engine is None:
-        return ["how other programs take these: --engine springs, --engine cells"]
+        return ["numbers for other programs: --engine springs, --engine cells; formulas: -v"]
     m, springs = advice.material, engine == "springs"
     lam, mu = lame(3, m.E, m.nu)
     names = {"mu": mu, "lam": lam, "E": m.E, "rho": m.density, "t": m.thickness}
     each = [names | {"k": kind.constant, "L": kind.length} for kind in advice.kinds]
-    whose = f"programs take {advice.lattice}'s" if springs else "programs of elements take these"
-    lines = [f"how other {whose}:"]
-    table = Path(case.__file__).with_name("engines.toml").read_text(encoding="utf-8")
+    rows = []
+    table = Path(advise_package.__file__).with_name("engines.toml").read_text(encoding="utf-8")
     for row in tomllib.loads(table)["engine"]:
         if (row["takes"] != "elements") == springs and row.get("axes", m.dim) == m.dim:
-            factor, number = row["factor"], ""
+            factor, number = row["factor"], "none"
             if factor:  # of our own table
                 values = dict.fromkeys(f"{eval(factor, known):.6g}" for known in each)  # noqa: S307
-                number = f"{factor} = {', '.join(values)} {row['unit']}; "
-            lines.append(f"  {row['name']}: {number}{row['note']} {row['source']}")
-    return lines
+                number = f"{factor} = {', '.join(values)} {row['unit']}"
+            rows.append((row["name"], number, *([row["note"], row["source"]] if notes else [])))
+    heads = ("program", f"of {advice.lattice}" if springs else "of the material", "note", "source")
+    return ["", *align_table(heads[: len(rows[0])], rows)]
 
 
-def _identify(args: argparse.Namespace) -> tuple[str, ...]:
-    """Which solid springs are."""
+def _identify(args: argparse.Namespace) -> list[str]:
+    """Lines about the elastic solid that given springs represent."""
     thickness = args.thickness
     if args.identify:
-        from msvalidate.case.identify_files import identify_files
+        from msvalidate.case.advise.identify_files import identify_files
 
         period = tuple(args.period) if args.period else None
         return identified_lines(identify_files(Path(args.identify), period), thickness)

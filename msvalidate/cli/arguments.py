@@ -1,4 +1,4 @@
-"""What the command line takes: commands and options of arguments.toml, and what is wrong usage."""
+"""Command line arguments: commands and options of arguments.toml, and usage errors."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from msvalidate import __version__
-from msvalidate.case.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
-from msvalidate.judging import catalogue
+from msvalidate.bench.judging import catalogue
+from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
 
 HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
 DOCUMENTED = "python -m msvalidate.study"
 """The program's name in files, whose reader may have started it otherwise."""
 CALLS = {"msvalidate": "msvalidate", "__main__": "python -m msvalidate"}
 PROGRAM = CALLS.get(Path(sys.argv[0]).stem, DOCUMENTED)
-"""Its name as it was called, for hints and help."""
+"""Name by which the program was called, for hints and help."""
 SIMULATOR = "simulator"
 CONSTANTS = ("k1", "k2", "k3")
 LATEST, CANDIDATES = Path("reports/latest"), Path("reports/candidate")
-"""Where results go: those of a candidate do not take the place of our own."""
+"""Default folders of results; those of a candidate do not replace the built-in ones."""
 TEXT = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
 TABLE = tomllib.loads(TEXT.replace("{program}", PROGRAM).replace("{version}", __version__))
 """Commands, options that several share, and texts of help."""
@@ -34,13 +34,13 @@ COMMANDS: dict[str, dict[str, Any]] = TABLE["commands"]
 STUDIES: dict[str, dict[str, Any]] = TABLE["shared"]["studies"]
 """Options of commands about studies."""
 VALUED = {name: settings for name, settings in STUDIES.items() if "metavar" in settings}
-"""Those that take the next word."""
+"""Options that take a value."""
 PLACES = {
     name: settings["metavar"]
     for name, settings in VALUED.items()
     if settings.get("type") == "path" or name == "--candidate"
 }
-"""Those whose value is the reader's own affair: what a report shows in its place."""
+"""Options with private values -> text that a report shows instead."""
 
 # What a word may be -------------------------------------------------------------------------------
 
@@ -48,7 +48,11 @@ NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*"
 
 
 def word(read: Callable[[str], Any], said: str) -> Callable[[str], Any]:
-    """What reads a word; where that gives None or a ValueError, `said` is why it is refused."""
+    """Return a function that reads a word and rejects invalid ones.
+
+    The word is invalid if the given function returns None or raises ValueError; `said` is the
+    reason.
+    """
 
     def read_word(text: str) -> Any:
         try:
@@ -63,7 +67,7 @@ def word(read: Callable[[str], Any], said: str) -> Callable[[str], Any]:
 
 
 def whole(least: int) -> Callable[[str], Any]:
-    """What reads a whole number, so large or larger."""
+    """Return a function that reads a whole number of at least a minimum."""
     return word(
         lambda text: int(text) if text.isdecimal() and int(text) >= least else None,
         f"{{!r}} is not a whole number, {least} or more",
@@ -71,7 +75,7 @@ def whole(least: int) -> Callable[[str], Any]:
 
 
 def in_si(units: Mapping[str, float]) -> Callable[[str], Any]:
-    """What reads a number with one of some units as one in SI units."""
+    """Return a function that reads a number with a unit and converts it to SI."""
     factors = {"": 1.0, **units}
 
     def read(text: str) -> float | None:
@@ -238,7 +242,7 @@ def _refuse(parser: argparse.ArgumentParser, wrong: Mapping[str, object]) -> Non
 
 
 class Parser(argparse.ArgumentParser):
-    """One that ends the program with one line for wrong usage, and knows the nearest choice."""
+    """Argument parser that reports wrong usage in one line with the nearest choice."""
 
     def __init__(self, **options: Any) -> None:
         # A report shows the command, and must know where a path is in it: no abbreviations.

@@ -13,17 +13,19 @@ from pathlib import Path
 from types import ModuleType
 
 from msvalidate import studies
-from msvalidate.judging.foreign import asks_displacements
+from msvalidate.bench.judging.foreign import asks_displacements
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 
 FORM = "give module:function, or file.py:function"
 DISPLACEMENTS = ("problem", "network", "answer")
-"""What a candidate for displacements is called with, in this order."""
+"""Arguments of a candidate for displacements, in order."""
 
 
 def load_candidate(named: str) -> object:
-    """What ``module:function`` or ``file.py:function`` names; the name may have dots.
+    """Load the object ``module:function`` or ``file.py:function``.
+
+    The name may have dots.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What ``msvalidate case`` does: run, judge, export, schema."""
+"""Command ``msvalidate case``: run, judge, export and schema."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
@@ -15,25 +15,27 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from msvalidate.case import building, files, network_files, page, places, run, springs, sweep
-from msvalidate.case.body_advice import body_lines
-from msvalidate.case.case import Case, spacing_of
-from msvalidate.case.results import Result, read_result
-from msvalidate.case.schema import CaseFile
+from msvalidate.bench.judging.workers import Cluster, Workers, run_all
+from msvalidate.bench.output.stored import csv_bytes, draw_files
+from msvalidate.case.compare.body_advice import body_lines
+from msvalidate.case.file import building, places
+from msvalidate.case.file.case import Case, spacing_of
+from msvalidate.case.file.schema import CaseFile
+from msvalidate.case.judge.results import Result, read_result
+from msvalidate.case.report import files, run, screen, sweep
+from msvalidate.case.springs import lattice_springs, network_files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
+from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import (
-    Progress,
-    announce_compilation,
     attempt,
     naming,
     print_lines,
     tell,
     tell_error,
 )
-from msvalidate.judging.workers import Cluster, Workers, run_all
-from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, whole_number
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.export import export_case, lammps_of, ratio_words
 from msvalidate.simulators.exchange.folders import write_request
@@ -48,7 +50,7 @@ SWEPT = (sweep.ROWS, "sweep.csv", "sweep.png", "sweep.svg")
 SWEEP_CODES = {sweep.REFUSED: USAGE} | dict.fromkeys((sweep.FAILED, sweep.LATE, sweep.DIED), FAILED)
 """Exit codes of rows that have no verdict."""
 overflowing = np.errstate(over="ignore", invalid="ignore")
-"""What overflows is refused in words."""
+"""Context without NumPy's warnings of overflow, which messages report."""
 
 
 def of_case(file: Path) -> AbstractContextManager[None]:
@@ -66,7 +68,7 @@ def print_schema(args: argparse.Namespace) -> int:
 @overflowing
 def export(args: argparse.Namespace) -> int:
     """Write what a simulator is asked, or the case's springs at rest as tables or for LAMMPS."""
-    with of_case(args.file):
+    with of_case(args.file), progress_of(args.file, args.folder, args):
         case = building.read_case(args.file)
         own = {"case.toml": args.file.read_bytes()}
         if args.to == SIMULATOR:
@@ -84,7 +86,7 @@ def export(args: argparse.Namespace) -> int:
             tell_ratio(case)
             answer, content = lammps_of(case)
         else:
-            answer = springs.solve_springs(case, spacing_of(case))
+            answer = lattice_springs.solve_springs(case, spacing_of(case))
             content = {"network.json": network_files.network_json(answer, case)}
             if args.to == "csv":
                 whole = network_files.network_files(answer, case)
@@ -97,7 +99,7 @@ def export(args: argparse.Namespace) -> int:
 
 
 def request_of(case: Case, args: argparse.Namespace) -> Request:
-    """What a simulator is asked."""
+    """Request that a simulator receives for a case."""
     if args.springs and not args.quiet:
         tell_ratio(case)
     shape = {"cells": args.cells, "shape": args.shape, "springs": args.springs}
@@ -115,8 +117,6 @@ def run_cases(args: argparse.Namespace) -> int:
     """Each case in turn: one that is refused does not keep the others from being solved."""
     if args.set:
         return _sweep(args)
-    if not args.quiet:
-        announce_compilation()
     codes, folders = [], dict[str, Path]()
     for file in args.files:
         name = files.folder_name(file.stem)
@@ -129,28 +129,40 @@ def run_cases(args: argparse.Namespace) -> int:
     return max(codes)
 
 
+def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Progress:
+    """The progress of a command on a case file, whose log lies beside a folder of results."""
+    return Progress(file.stem, shown=not args.quiet, log=log_path(folder))
+
+
 def _solve(file: Path, folder: Path, args: argparse.Namespace) -> int:
     began = time.perf_counter()
     with of_case(file):
         files.refuse_foreign(folder, file.name)
-        case = building.read_case(file)
-        show = Progress(case.name, shown=not args.quiet)
-        command = ("msvalidate", "case", "run", "FILE")
-        found, content = run.case_files(case, plots=args.plots, command=command, progress=show)
-    files.publish(folder, content, file.name)
-    show.clear()
-    told = json.loads(content["verdict.json"])
-    said = (told["sentence"], *told["reasons"], *body_lines(found.advice))
+        with progress_of(file, folder, args):
+            case = building.read_case(file)
+            command = ("msvalidate", "case", "run", "FILE")
+            found, chosen, content = run.case_files(case, plots=args.plots, command=command)
+            files.publish(folder, content, file.name)
+    verdict = json.loads(content["verdict.json"])
+    verdict["reasons"] += body_lines(found.advice)
+    lines = screen.case_lines(found, chosen, verdict)
     seconds = f"{time.perf_counter() - began:.1f} s"
-    return _tell(case.name, told["verdict"], said, [f"{seconds}, {folder / PAGE}"], args)
+    return _print_screen(case.name, verdict, lines, folder, [seconds], args)
 
 
-def _tell(
-    name: str, word: str, said: Sequence[str], notes: Sequence[str], args: argparse.Namespace
+def _print_screen(
+    name: str,
+    verdict: Mapping[str, Any],
+    lines: Sequence[str],
+    folder: Path,
+    notes: Sequence[str],
+    args: argparse.Namespace,
 ) -> int:
-    """Say what a verdict is and why; the exit code."""
+    """Print a first screen, reasons if they are requested, and notes; return the exit code."""
+    word = verdict["verdict"]
     if not args.quiet:
-        print_lines([f"{name}: {word}", *(f"  {each}" for each in said)])
+        reasons = [f"  {each}" for each in verdict["reasons"]] if args.verbose else []
+        print_lines([*lines, f"page: {folder / PAGE}", *reasons])
     for note in notes if not args.quiet else [word] if word != AGREES else []:
         tell(f"{name}: {note}")
     return _code(word)
@@ -164,24 +176,21 @@ def _code(word: str) -> int:
 @overflowing
 def judge_file(args: argparse.Namespace) -> int:
     """Displacements from a file beside a case's elasticity."""
-    if not args.quiet:
-        announce_compilation()
-    with of_case(args.file):
+    folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
+    with of_case(args.file), progress_of(args.file, folder, args):
         with contextlib.suppress(ValueError):
             args.unit = float(args.unit)
         unit = places.unit_in_metres("--unit", args.unit)
         if args.at_rest is not None:
             finite_number("--at-rest", args.at_rest, least=0.0)
-        folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
         whose = f"{args.file.name} and {args.result.name}"
         files.refuse_foreign(folder, whose)
         case = building.read_case(args.file)
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
             result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
-        show = Progress(case.name, shown=not args.quiet)
         asked = {"unit": unit, "residual_motion": args.at_rest, "command": COMMAND}
-        return judge_and_tell(case, result, folder, whose, args, show, **asked)
+        return judge_and_tell(case, result, folder, whose, args, **asked)
 
 
 def judge_and_tell(
@@ -190,21 +199,20 @@ def judge_and_tell(
     folder: Path,
     whose: str,
     args: argparse.Namespace,
-    show: Progress,
     notes: Sequence[str] = (),
     first: Sequence[str] = (),
     **options: Any,
 ) -> int:
     """Judge displacements with options of `run.judged_files`, write the files and the verdict.
 
-    The sentences `first` stand before those of the verdict.
+    The sentences `first` are printed after the verdict.
     """
-    found, content = run.judged_files(case, result, plots=args.plots, progress=show, **options)
+    found, content = run.judged_files(case, result, plots=args.plots, **options)
     files.publish(folder, content, whose)
-    show.clear()
-    head, reasons = page.judged_sentences(found)
-    notes = (*notes, *found.matched.notes, str(folder / PAGE))
-    return _tell(result.name, found.verdict.word, (*first, head, *reasons), notes, args)
+    verdict = json.loads(content["verdict.json"])
+    lines = screen.field_lines(found, verdict, first)
+    notes = (*notes, *found.matched.notes)
+    return _print_screen(result.name, verdict, lines, folder, notes, args)
 
 
 def _sweep(args: argparse.Namespace) -> int:
@@ -223,15 +231,20 @@ def _sweep(args: argparse.Namespace) -> int:
     here = partial(Workers, args.jobs, sweep.program_stamp)
     start = partial(Cluster, args.scheduler) if args.scheduler else here
     ended = run_all(sweep.solve, todo, start(), limit) if todo else ()
+    began, known = time.perf_counter(), len(rows)
     try:
-        for (one, key), future in ended:
-            rows[key] = row = sweep.finished_row(future)
-            sweep.write_row(folder / sweep.ROWS, key, row)
-            if not args.quiet:
-                words = ", ".join(f"{name} {value}" for name, value in one.values)
-                what = row.verdict or f"{row.outcome}: {row.message}"
-                count = f"{len(rows)}/{len(requests)}"
-                tell(f"{count} {one.label} {words}: {what}, {row.seconds} s")
+        with progress_of(Path(stem), folder, args):
+            report_step("combinations, %d of %d known", known, len(requests))
+            for (one, key), future in ended:
+                rows[key] = row = sweep.finished_row(future)
+                sweep.write_row(folder / sweep.ROWS, key, row)
+                done, count = len(rows), len(requests)
+                if not args.quiet:
+                    words = ", ".join(f"{name} {value}" for name, value in one.values)
+                    what = row.verdict or f"{row.outcome}: {row.message}"
+                    tell(f"{done}/{count} {one.label} {words}: {what}, {row.seconds} s")
+                left = (time.perf_counter() - began) / (done - known) * (count - done)
+                report_step("combinations, %d of %d known, about %.0f s left", done, count, left)
     finally:  # also of those that are known when the scheduler is lost
         table = sweep.sweep_table(requests, rows)
         exchange.replace_file(folder / "sweep.csv", partial(csv_bytes, table))

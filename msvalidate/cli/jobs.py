@@ -9,12 +9,11 @@ from __future__ import annotations
 import contextlib
 import gc
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.workers import Workers, run_all
 from msvalidate.cli.outcome import Outcome, Task, run_task, unfinished
-from msvalidate.judging import catalogue
-from msvalidate.judging.workers import Workers, run_all
 
 
 def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:
@@ -29,10 +28,8 @@ def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) ->
             began(task.name)
             yield run_task(task)
         return
-    # Workers have no terminal to themselves: bars would write over each other.
-    quiet = [replace(task, progress=False) for task in tasks]
-    alone = [task for task in quiet if catalogue.alone(task.name)]
-    yield from _run_in_parallel([task for task in quiet if task not in alone], jobs, began)
+    alone = [task for task in tasks if catalogue.alone(task.name)]
+    yield from _run_in_parallel([task for task in tasks if task not in alone], jobs, began)
     yield from _run_in_parallel(alone, 1, began)
 
 

@@ -1,4 +1,4 @@
-"""What ``case new``, ``study new`` and ``adapter new`` do: a first file, which runs as it is."""
+"""Commands ``case new``, ``study new`` and ``adapter new``, which write a runnable file."""
 
 from __future__ import annotations
 
@@ -6,17 +6,18 @@ import argparse
 import keyword
 from pathlib import Path
 
-from msvalidate import case, studies
-from msvalidate.case.files import folder_name
+from msvalidate import studies
+from msvalidate.bench.judging import catalogue
+from msvalidate.case import file
+from msvalidate.case.report.files import folder_name
 from msvalidate.cli.arguments import HELD, PROGRAM
 from msvalidate.cli.terminal import tell
-from msvalidate.judging import catalogue
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.exchange.template import adapter_template
 from msvalidate_check import exchange
 
-TEMPLATE = Path(case.__file__).with_name("template.toml")
+TEMPLATE = Path(file.__file__).with_name("template.toml")
 EXAMPLE = studies.OURS.parent / "examples" / "study.py"
 ENDS = {"case": ".toml", "study": ".py", "adapter": ".py"}
 

@@ -1,4 +1,4 @@
-"""One study from its run to its files: judged, compared with the baseline, drawn.
+"""Execution of a study: verdict, comparison with the baseline, figures and files.
 
 What comes of it can be sent from one process to another, so that studies may run side by side.
 """
@@ -15,17 +15,17 @@ from pathlib import Path
 
 import pandas as pd
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.evidence import Evidence, all_passed, judge
+from msvalidate.bench.judging.foreign import judge_candidate
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.bench.output import baseline, stored
+from msvalidate.bench.output.junit import printable
+from msvalidate.bench.output.provenance import collect_provenance
+from msvalidate.bench.output.results import Results
+from msvalidate.bench.output.stored import Result
 from msvalidate.cli.arguments import FAILED, HELD, USAGE, as_shown
 from msvalidate.cli.candidates import load_candidate, shown_name
-from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import Evidence, all_passed, judge
-from msvalidate.judging.foreign import judge_candidate
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import baseline, stored
-from msvalidate.output.junit import printable
-from msvalidate.output.provenance import collect_provenance
-from msvalidate.output.results import Results
-from msvalidate.output.stored import Result
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass, field, replace
@@ -35,7 +35,7 @@ DIED = "crashed: its process died"
 
 @dataclass(frozen=True)
 class Task:
-    """A study to be run as the options of a command, `args`, say, with bars on a terminal or not.
+    """A study to be run as the options of a command, `args`, say.
 
     Its tables are held `against` a folder, of the form that is run. One that puts together what
     others found is given their `results`.
@@ -43,14 +43,13 @@ class Task:
 
     name: str
     args: argparse.Namespace
-    progress: bool
     against: Path | None = None
     results: Results | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How a study ended: its name, docstring, seconds without figures, and provenance.
+    """Outcome of a study: name, docstring, seconds without figures, and provenance.
 
     One that finished has a result, without its figures, and files (name -> content); it may lack
     a baseline that its tables could be held to. One that did not has an exit `code`, and why, for
@@ -71,12 +70,12 @@ class Outcome:
 
     @property
     def verdict(self) -> pd.DataFrame:
-        """Its judgement; without rows if it did not finish."""
+        """Verdict of the study, without rows if it did not finish."""
         return stored.nothing_judged() if self.result is None else self.result.verdict
 
     @property
     def held(self) -> bool:
-        """Whether it finished, judged something, and all that it judged passed."""
+        """True if the study finished, judged something, and all of it passed."""
         return not self.error and all_passed(self.verdict)
 
     def files_beside(self, folder: Path) -> dict[str, bytes]:
@@ -129,9 +128,9 @@ def _since(started: datetime) -> float:
 
 
 def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
-    """What a study found, and its verdict by its own limits, or by those for a candidate."""
+    """Evidence of a study and its verdict, by its own limits or a candidate's."""
     run, args = catalogue.load(task.name).run, task.args
-    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=task.progress)
+    setting = Setting(quick=args.form == "quick", seed=args.seed)
     if args.questions is not None and "questions" not in inspect.signature(run).parameters:
         raise ProblemError(f"--questions: {task.name} has one question only; leave it out")
     if args.candidate:

@@ -6,15 +6,20 @@ defined would exist twice. Heavy imports wait until a study is really run.
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
+import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
 from msvalidate.cli.arguments import FAILED, HELD, INTERRUPTED, parse
 from msvalidate.cli.terminal import attempt, nowhere, print_lines, tell, tell_error
+
+LOADING = 5.0
+"""Seconds between lines of a command that still loads its libraries."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -29,13 +34,30 @@ def main(arguments: Sequence[str]) -> int:
     # Figures are made without a window; the library refuses to start with one that is not there.
     os.environ["MPLBACKEND"] = "agg"
     try:
-        module, _, name = args.act.partition(":")
-        return attempt(lambda: getattr(import_module(f"msvalidate.cli.{module}"), name)(args))
+        return attempt(lambda: _load(args.act)(args))
     except Exception as error:  # noqa: BLE001  a fault of ours: one line, and a code of its own
         if args.verbose:
             tell(traceback.format_exc())
         said = " ".join(f"{type(error).__name__}: {error}".split())
         return tell_error(f"a fault of the program itself: {said}; -v shows where", FAILED)
+
+
+def _load(act: str) -> Callable[[argparse.Namespace], int]:
+    """Function of a command, whose libraries take seconds to load on a busy machine."""
+    module, _, name = act.partition(":")
+    loaded = threading.Event()
+
+    def report() -> None:
+        while not loaded.wait(LOADING):
+            tell("loading libraries")
+
+    threading.Thread(target=report, daemon=True).start()
+    try:
+        function: Callable[[argparse.Namespace], int]
+        function = getattr(import_module(f"msvalidate.cli.{module}"), name)
+    finally:
+        loaded.set()
+    return function
 
 
 def _prepare_streams() -> None:

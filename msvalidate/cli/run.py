@@ -1,4 +1,4 @@
-"""What ``run``, ``check``, ``list`` and ``report`` do: studies run, judged, told and written."""
+"""Commands ``run``, ``check``, ``list`` and ``report``."""
 
 from __future__ import annotations
 
@@ -14,24 +14,25 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.evidence import is_missed
+from msvalidate.bench.judging.summary import NAME as SUMMARY
+from msvalidate.bench.output import baseline, junit, report, summary
+from msvalidate.bench.output.results import Results
+from msvalidate.bench.output.stored import Result, Stored
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE
 from msvalidate.cli.candidates import check_candidate
 from msvalidate.cli.jobs import run_tasks
 from msvalidate.cli.outcome import Outcome, Task
-from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
-from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import is_missed
-from msvalidate.judging.summary import NAME as SUMMARY
-from msvalidate.output import baseline, junit, report, summary
-from msvalidate.output.results import Results
-from msvalidate.output.stored import Result, Stored
+from msvalidate.cli.progress import Progress, log_path
+from msvalidate.cli.terminal import print_lines, tell, tell_error
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.progress import report_stage
 from msvalidate.problem.records import replace
 from msvalidate_check import exchange
+from msvalidate_check.text import WIDTH
 
-WIDTH = 100
-"""Of findings, in characters."""
 FINDINGS = 8
 """Lines of findings a study: with its question and what was left out, ten."""
 FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
@@ -51,8 +52,6 @@ def make_report(args: argparse.Namespace) -> int:
 def run_studies(args: argparse.Namespace) -> int:
     """Run and judge studies, saying how each ended, and write what they found."""
     _refuse(args)
-    if not args.quiet:
-        announce_compilation()
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
     codes, clock = [HELD], time.perf_counter()
     if args.verb == "check" and not args.update and not args.named:
@@ -60,7 +59,8 @@ def run_studies(args: argparse.Namespace) -> int:
         for name in baseline.unknown_folders(against, catalogue.names()):
             said = f"{args.form} baseline: {name} is no study; check --update leaves it out"
             codes.append(tell_error(said, NOTHING))
-    outcomes = _run(args, codes)
+    with Progress("studies", shown=not args.quiet, log=log_path(args.out)):
+        outcomes = _run(args, codes)
     if args.questions and all(each.code == USAGE for each in outcomes):  # misspelt
         return max(codes)
     finished = {each.name: each.files for each in outcomes if each.result}
@@ -109,7 +109,10 @@ def _refuse(args: argparse.Namespace) -> None:
 
 
 def _refuse_unknown_tables(args: argparse.Namespace) -> None:
-    """What studies may make is in their baseline, or named in their sources."""
+    """Refuse names of tables that no study makes.
+
+    The possible tables are in the baseline, or named in the sources of a study.
+    """
     known = {"verdict"}.union(*map(baseline.tables, args.studies))
     words = known.union(*map(catalogue.words, args.studies))
     for name in args.tables if len(known) > 1 else ():  # else there is nothing to go by
@@ -119,7 +122,9 @@ def _refuse_unknown_tables(args: argparse.Namespace) -> None:
 
 
 def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
-    """How each study ended, in the order asked, said as it ends; `codes` get those of exit.
+    """Run studies and return their outcomes in order, with a message for each.
+
+    `codes` receives the exit codes.
 
     One that fails does not keep the others from running; those that read results come last.
     """
@@ -131,9 +136,10 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
     def task(name: str) -> Task:
         # A study of a user's own has no baseline among ours: its tolerances alone judge it.
         own = against if args.baseline or catalogue.is_ours(name) else None
-        return Task(name, args, not args.quiet, own)
+        return Task(name, args, own)
 
     def began(name: str) -> None:
+        report_stage(name, args.studies)
         if args.verbose:
             tell(f"{name}: {catalogue.question(name)}")
 
@@ -169,7 +175,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
 
 
 def _tell_ending(study: Stored | Outcome, args: argparse.Namespace) -> int:
-    """What a study missed, and how it ended, to stderr; its exit code if it finished."""
+    """Print failures and the ending of a study to stderr; return its exit code."""
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
         tell(line)
     if not args.quiet:
@@ -181,7 +187,7 @@ def _tell_ending(study: Stored | Outcome, args: argparse.Namespace) -> int:
 
 
 def _lines(result: Result, args: argparse.Namespace) -> list[str]:
-    """What stdout says of a study, line by line: its findings, or the tables asked for."""
+    """Lines of a study for stdout: its findings, or the requested tables."""
     if args.quiet or args.verb == "check":
         return []
     if args.tables:
@@ -238,7 +244,10 @@ def table_lines(result: Result, names: Sequence[str]) -> list[str]:
 
 
 def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
-    """What a study missed, the worst first and at most five, and where the others are."""
+    """Lines with at most five failures of a study, the worst first.
+
+    The last line states where the others are.
+    """
     missed = missed_rows(study)
     lines = []
     for row in missed[:FAILURES]:
@@ -258,7 +267,7 @@ def missed_rows(study: Stored | Outcome) -> list[dict[Any, Any]]:
 
 
 def ending(study: Stored | Outcome) -> str:
-    """How a study ended, in one line."""
+    """Ending of a study in one line."""
     rows = 0 if study.error else len(study.verdict)
     missed = len(missed_rows(study))
     said = f"{rows - missed} of {rows} held"
@@ -274,7 +283,7 @@ def ending(study: Stored | Outcome) -> str:
 
 
 def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
-    """How several studies ended together, layer by layer."""
+    """Ending of several studies together, layer by layer."""
     judged, held = Counter[str](), Counter[str]()
     for outcome in outcomes:
         judged.update(outcome.verdict["layer"])

@@ -1,4 +1,4 @@
-"""What ``msvalidate simulate`` and ``msvalidate adapter`` do."""
+"""Commands ``msvalidate simulate`` and ``msvalidate adapter``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import hashlib
 import json
 import math
-import time
+import textwrap
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -16,16 +16,19 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.case import building, files
-from msvalidate.case.case import Case
-from msvalidate.case.results import Result
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.output.provenance import collect_provenance
+from msvalidate.case.file import building
+from msvalidate.case.file.case import Case
+from msvalidate.case.judge.results import Result
+from msvalidate.case.report import files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
-from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, request_of
-from msvalidate.cli.terminal import Progress, naming, print_lines, tell, tell_error
-from msvalidate.judging import catalogue
-from msvalidate.output.provenance import collect_provenance
+from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_of, request_of
+from msvalidate.cli.progress import Progress, log_path
+from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.progress import report_step
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
 from msvalidate.simulators.exchange.export import on_mesh
@@ -46,6 +49,7 @@ from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
+from msvalidate_check.text import WIDTH
 from msvalidate_check.verdict import AGREES
 
 RUN = "-run"
@@ -55,18 +59,16 @@ RUN = "-run"
 @overflowing
 def simulate(args: argparse.Namespace) -> int:
     """Ask, judge, and write the page; what the adapter left stays beside it."""
-    with of_case(args.file):
-        told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
-        folder = args.out / _name(args, told)
+    told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
+    folder = args.out / _name(args, told)
+    with of_case(args.file), progress_of(args.file, folder, args):
         whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *told])
         files.refuse_foreign(folder, whose)
         kept = folder.with_name(f"{folder.name}{RUN}")
         program = Program(args.adapter, args.limit, kept)
         case = building.read_case(args.file)
         request = request_of(case, args)
-        show = Progress(case.name, shown=not args.quiet)
-        show("simulator; judging is left")
-        began = time.perf_counter()
+        report_step("simulator, 1 question; judging is left")
         try:
             answer = program(request)
         except CannotRepresent as error:
@@ -74,9 +76,7 @@ def simulate(args: argparse.Namespace) -> int:
         except SimulatorError as error:
             error.args = (f"{error} ({kept / OUT / LOG})",)
             raise
-        show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         first = _convergence(args, request, answer)
-        show("judging")
         result, motion = _result(request, answer), stated_residual_motion(request, answer)
         more: dict[str, Any] = {
             "notes": (str(kept / OUT),),
@@ -85,11 +85,11 @@ def simulate(args: argparse.Namespace) -> int:
             "command": ("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
         }
         case = _described(case, request, answer, first)
-        return judge_and_tell(case, result, folder, whose, args, show, **more)
+        return judge_and_tell(case, result, folder, whose, args, **more)
 
 
 def _name(args: argparse.Namespace, told: list[str]) -> str:
-    """Of the folder of results, one for each of case, adapter and settings."""
+    """Name of the results folder for a case, adapter and settings."""
     name = f"{files.folder_name(args.file.stem)}-{files.folder_name(label_of(args.adapter))}"
     name = files.folder_name("-".join([name, *told]).replace("=", "-").replace('"', ""))
     if not told:
@@ -142,12 +142,12 @@ def _line(value: object) -> str:
 def print_laws(_args: argparse.Namespace) -> int:
     """Names that --law takes, each with what it is to first order for E = 1 and nu = 0.3."""
     width, wide = max(map(len, LAWS)), max(len(law.key) for law in LAWS.values())
-    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E over asked  nu for 0.3"]
+    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E ratio  nu"]
     for name, each in LAWS.items():
         law, E, nu = predicted(name, 1.0, 0.3), "none", "none"
         if law.E is not None and law.nu is not None:
             E, nu = f"{law.E:.4f}", f"{round(law.nu, 4) + 0.0:.4f}"
-        lines.append(f"{each.key:<{wide}}  {name:<{width}}  {E:>12}  {nu:>10}")
+        lines.append(f"{each.key:<{wide}}  {name:<{width}}  {E:<7}  {nu}")
     return print_lines(lines)
 
 
@@ -161,34 +161,31 @@ def check_adapter(args: argparse.Namespace) -> int:
         kept = folder and folder.with_name(f"{folder.name}{RUN}")
         material = Isotropic(args.modulus, args.ratio, "solid", args.density)
         parts = tuple(args.only or PARTS)
-        log = folder and folder.with_name(f"{folder.name}.log")
-        show = Progress(name, shown=not args.quiet, log=log)
-        asked = Asked(Program(args.adapter, args.limit, kept), show, show.done, parts)
+        log = folder and log_path(folder)
+        asked = Asked(Program(args.adapter, args.limit, kept), parts)
         started, settings, probed = datetime.now(UTC), dict(args.set), dict(args.probe_set)
         try:
-            found = judge_simulator(
-                asked, material, settings, law=args.law, probed=probed, parts=parts
-            )
-            sheet = sheet_of(found, asked, parts)
-            record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
-            text = f"{json_of(record)}\n".encode()
-            if args.json is not None:
-                exchange.replace_file(args.json, lambda: text)
-            if folder is not None:
-                show("page")
-                seconds = (datetime.now(UTC) - started).total_seconds()
-                command = ("msvalidate", "adapter", "check", "ADAPTER")
-                origin = collect_provenance(command, 0, started, seconds, form="check")
-                shown = {key: str(value) for key, value in settings.items()}
-                own = sheet_files(name, found, sheet, shown, origin, plots=args.plots)
-                content = {**own, "check.json": text}
-                files.publish(folder, content, format_value(args.adapter))
+            with Progress(name, shown=not args.quiet, log=log):
+                found = judge_simulator(
+                    asked, material, settings, law=args.law, probed=probed, parts=parts
+                )
+                sheet = sheet_of(found, asked, parts)
+                record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
+                text = f"{json_of(record)}\n".encode()
+                if args.json is not None:
+                    exchange.replace_file(args.json, lambda: text)
+                if folder is not None:
+                    report_step("page")
+                    seconds = (datetime.now(UTC) - started).total_seconds()
+                    command = ("msvalidate", "adapter", "check", "ADAPTER")
+                    origin = collect_provenance(command, 0, started, seconds, form="check")
+                    shown = {key: str(value) for key, value in settings.items()}
+                    own = sheet_files(name, found, sheet, shown, origin, plots=args.plots)
+                    content = {**own, "check.json": text}
+                    files.publish(folder, content, format_value(args.adapter))
         except NoAnswerError as error:
-            show.clear()
             where = f" ({kept / OUT / LOG})" if kept else ""
             return tell_error(f"{name}: {error}{where}", FAILED)
-        finally:  # also when we are interrupted
-            show.clear()
     code = HELD if found.word == AGREES else MISSED
     if asked.failures or not asked.answers:
         code = FAILED if asked.failures else NOTHING
@@ -198,7 +195,8 @@ def check_adapter(args: argparse.Namespace) -> int:
         return code
     if code == NOTHING:
         return tell_error(f"{name}: cannot represent: {asked.refusals[-1]}", NOTHING)
-    printed = print_lines(sheet.lines(name))
+    wrap = partial(textwrap.wrap, width=WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+    printed = print_lines([each for line in sheet.lines(name) for each in wrap(line) or [""]])
     if folder is not None:
         tell(f"{name}: {folder / PAGE}")
     return printed or code
@@ -213,7 +211,7 @@ def _known_law(given: str) -> str:
 
 
 def _folder_of_check(args: argparse.Namespace, name: str) -> Path | None:
-    """Where the page goes, if that and the record can be written."""
+    """Folder of the page, if page and record are writable."""
     if args.json is not None and not args.json.parent.is_dir():
         raise ProblemError(f"--json {args.json}: no folder {args.json.parent}; make it first")
     if args.out is None:

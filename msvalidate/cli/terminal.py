@@ -1,18 +1,18 @@
-"""What is said on the terminal: results to stdout, messages to stderr, both in few lines."""
+"""Terminal output: results to stdout and messages to stderr, both short."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import logging
 import os
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import TextIO
 
+from msvalidate.bench.judging import catalogue
 from msvalidate.cli.arguments import FAILED, HELD, PROGRAM, USAGE
-from msvalidate.judging import catalogue
+from msvalidate_check.text import WIDTH
 
 
 def tell(message: str) -> None:
@@ -90,54 +90,5 @@ def list_studies(_args: argparse.Namespace) -> int:
         except ImportError as error:
             asked[name] = f"(cannot be read: {error})"
     width = max(map(len, names))
-    return print_lines([f"{name:<{width}}  {said}" for name, said in asked.items()])
-
-
-def announce_compilation() -> None:
-    """Let a first run say, once, that it compiles kernels, which only it has to wait for."""
-    kernels = logging.getLogger("msvalidate.kernels.cache")
-
-    def tell_once(_record: logging.LogRecord) -> bool:
-        kernels.removeFilter(tell_once)
-        tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
-        return False
-
-    kernels.setLevel(logging.INFO)
-    kernels.addFilter(tell_once)
-
-
-class Progress:
-    """Steps of something that takes a while: a terminal shows the one that is taken, written over.
-
-    What was done is elsewhere a line of stderr, and a line of the file `log`.
-    """
-
-    def __init__(self, name: str, *, shown: bool, log: Path | None = None) -> None:
-        self._name, self._shown, self._log = name, shown, log
-        self._written_over = shown and sys.stderr.isatty()
-        self._lines: list[str] = []
-
-    def __call__(self, step: str) -> None:
-        """Say what is being done now."""
-        self._show(f"{self._name}: {step} ...")
-
-    def done(self, said: str) -> None:
-        """Say what was done."""
-        self._lines.append(f"{self._name}: {said}")
-        if self._shown and not self._written_over:
-            tell(self._lines[-1])
-        if self._log is not None:
-            from msvalidate_check import exchange
-
-            text = "\n".join([*self._lines, ""])
-            with contextlib.suppress(OSError):
-                exchange.replace_file(self._log, text.encode)
-
-    def clear(self) -> None:
-        """Take the line away."""
-        self._show("")
-
-    def _show(self, text: str) -> None:
-        if self._written_over:
-            sys.stderr.write(f"\r\033[K{text}")
-            sys.stderr.flush()
+    short = {name: textwrap.shorten(said, WIDTH - width - 2) for name, said in asked.items()}
+    return print_lines([f"{name:<{width}}  {said}" for name, said in short.items()])

@@ -1,4 +1,4 @@
-"""A factor or multigrid: by what a factor takes, which is counted before it is made.
+"""Choice of a factor or multigrid, from the size of the factor.
 
 A factor is certain, and cheap while it stays sparse: in the plane, of slender and of small bodies.
 In space its entries grow as n^(4/3) and its work as n²; conjugate gradients with multigrid take
@@ -13,20 +13,28 @@ from msvalidate.linear_algebra.order import Dissection, nested_dissection
 from msvalidate.problem import Array, Index
 
 MOST_PRODUCTS = 2e3
-"""Products of a factor for each entry of the matrix that take as long as multigrid with its looks
-for stability and its corrections: on plates and cubes it is 1e3 to 2e3. Plates of square-8 springs
-have so many from 225,000 points on, cubes of cubic-18 from 2,000, of hexahedra from 3,500. Where
-both take as long, a factor is the more certain."""
+"""Products of a factor per matrix entry that take as long as multigrid.
+
+Multigrid includes the checks of stability and the corrections: on plates and cubes it is 1e3 to
+2e3. Plates of square lattices reach the value at 225,000 points, cubes of cubic-18 at 2,000, of
+hexahedra at 3,500. At equal time a factor is more reliable.
+"""
 MOST_ENTRIES = 6e7
-"""Entries of one triangle up to which a factor is chosen: both take 1.5 GB, and as much again while
-their pivots are looked at. A plate of 300,000 points has so many."""
+"""Maximum entries of one triangle for which a factor is chosen.
+
+Both take 1.5 GB, and as much again while the pivots are checked. A plate of 300,000 points has as
+many.
+"""
 MOST_IN_NEED = 2e8
 """Entries up to which a factor is made where multigrid fails: 5 GB."""
 WORTH_CHOLMOD = 20_000
-"""Unknowns from which on CHOLMOD is taken where it is there and the matrix known to be positive.
-Below, either factor takes a second at most, and answers are the same bits with it and without."""
+"""Number of unknowns from which CHOLMOD is used, if it is installed.
+
+The matrix must be positive definite. Below it, either factor takes a second at most, and results
+are bitwise equal with it and without.
+"""
 BYTES = 24
-"""Of an entry in one triangle and its like in the other."""
+"""Memory (bytes) of an entry in one triangle and its mirror image in the other."""
 
 
 class Choice(NamedTuple):
@@ -36,7 +44,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-ASKED = "asked for"
+QUESTIONS = "asked for"
 SMALL = "a factor of so small, plane or slender a body is cheap"
 LARGE = "a large body, whose factor fills up"
 
@@ -44,7 +52,7 @@ LARGE = "a large body, whose factor fills up"
 def choose(
     points: Array, pairs: Index, block: int, entries: float, wide: float = 1.0
 ) -> tuple[Choice, Dissection]:
-    """What takes less time for a matrix of blocks, and what a factor takes, as far as counted.
+    """Choose the faster solver for a block matrix, and count its factor.
 
     Parameters
     ----------

@@ -15,15 +15,17 @@ from msvalidate.problem import Array, Mask
 from msvalidate.problem.records import dataclass
 
 MOST_STEPS = 300
-"""Bodies of good shape take 10 to 30; slender ones, or masses of soft springs, a few hundred."""
+"""Maximum number of iterations: 10 to 30 are usual, slender bodies take hundreds."""
 UNSEEN = 1e-4
-"""Part of a mode's usual share of a random load below which the mode is overlooked. A normal
-variable is smaller than that once in 12,500 times."""
+"""Relative share of a random load below which a mode is overlooked.
+
+A normal variable is smaller than that once in 12,500 times.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Iterated:
-    """What conjugate gradients found.
+    """Result of conjugate gradients.
 
     Parameters
     ----------
@@ -60,7 +62,9 @@ def conjugate_gradients(
     spectral: bool = False,
     stop: Callable[[Array], bool] | None = None,
 ) -> Iterated:
-    """Solve A x = force, (N,) or columns (N, v), each by steps of its own.
+    """Solve A x = force by conjugate gradients, column by column.
+
+    The force is (N,) or (N, v).
 
     Until the residual and the error are `part` of the first, or a residual is small enough for
     `stop`. The error is what a cycle makes of the residual: that hardly knows of a slender body's
@@ -115,7 +119,7 @@ def _sizes(*vectors: Array) -> Array:
 def answer_to_random_load(
     A: bsr_array, cycle: Callable[[Array], Array], free: Mask, floating: int = 0
 ) -> tuple[Iterated, bool]:
-    """The answer to a random load, the same every time, and whether it tells of every motion.
+    """Response to a fixed random load, and whether it contains every mode.
 
     Its part along a motion without stiffness never falls, nor does that along one of negative
     energy (the residual is a polynomial in the matrix, 1 at 0 and more below, times the load). Each

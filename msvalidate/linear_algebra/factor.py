@@ -20,8 +20,11 @@ from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.records import dataclass
 
 SWEEPS = 2
-"""Inverse iterations: each shrinks what is not the softest mode by a ratio of eigenvalues, which is
-all but zero where that mode has no stiffness."""
+"""Number of inverse iterations.
+
+Each reduces other modes than the softest by a ratio of eigenvalues, which is almost zero if the
+softest mode has no stiffness.
+"""
 NO_NUMBER = 1e-280
 """Entries below which a matrix has no digits left for a fraction of them."""
 NO_MEMORY = (
@@ -29,7 +32,7 @@ NO_MEMORY = (
     "there is a choice, or fewer points"
 )
 STIFFENED = 2.0**-48
-"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
+"""Relative increase of the diagonal of a matrix that rounding made singular."""
 
 
 class NoMemoryError(SolverError):
@@ -77,11 +80,14 @@ class Factor:
 
     @property
     def is_exchanged(self) -> bool:
-        """Whether a pivot was zero, so that another row's was taken: pivots then tell no signs."""
+        """True if a row exchange replaced a zero pivot.
+
+        The signs of the pivots are then meaningless.
+        """
         return self.lu is not None and not np.array_equal(self.lu.perm_r, self.lu.perm_c)
 
     def solve(self, right: Array) -> Array:
-        """Solution of the system for a right-hand side (f,), or (f, r) of r at once."""
+        """Solve the system for right-hand sides (f,) or (f, r)."""
         if self.order is None:
             return np.asarray(self.inverse(right))
         found = np.empty_like(right)
@@ -90,7 +96,7 @@ class Factor:
 
 
 def has_cholmod() -> bool:
-    """Whether cvxopt, which brings CHOLMOD, is installed."""
+    """Return True if cvxopt, which provides CHOLMOD, is installed."""
     try:
         import cvxopt.cholmod  # noqa: F401, PLC0415  optional
     except ImportError:

@@ -21,12 +21,17 @@ SPAN = 8.0
 """Highest eigenvalue over the least that Chebyshev's polynomial is for: aggregates are some 30
 points, and fields of a mesh of half the size differ by as much."""
 NO_STIFFNESS = 1e-13
-"""Stiffness over the largest one, of a block or of the coarsest level, that is rounding."""
+"""Relative stiffness of a block or of the coarsest level that is rounding."""
 ORDINARY = 1e50
-"""Largest stiffness taken as it is, and one over the smallest. Others are scaled, in a copy that
-the largest systems are spared."""
+"""Largest stiffness without scaling, and inverse of the smallest.
+
+Others are scaled in a copy, which the largest systems avoid.
+"""
 MOST_COARSE = 10, 60
-"""Points of the coarsest level; more where translations float, as one point has no other motion."""
+"""Maximum number of points on the coarsest level.
+
+It is higher if translations are free, since one point has no other motion.
+"""
 _AGGREGATION = {
     # Weights from row sums: the default draws random vectors, so that answers differ by run. Row
     # sums bound the highest mode of a lattice 1.5 times too high or more, which 4/3 · 1.3 makes up.
@@ -38,12 +43,12 @@ _AGGREGATION = {
 }
 
 Smoother = Callable[[Array | None, Array], Array]
-"""A motion nearer to the one under a load, from one (None is no motion) and the load."""
+"""Function that improves a solution for a load; None stands for zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A system (N, N) of blocks, and its ways to smooth an error and to a coarser system.
+    """Block matrix (N, N) with its smoother and its transfer to a coarser level.
 
     Parameters
     ----------
@@ -70,7 +75,7 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """One multigrid cycle: nearly the inverse of a matrix, positive definite if that is.
+    """Multigrid cycle: approximate inverse of a matrix, positive definite if that is.
 
     Parameters
     ----------
@@ -106,7 +111,10 @@ class Cycle:
 
     @property
     def indefinite_motion(self) -> Array | None:
-        """A motion (N,) of negative energy, if the coarsest level has one: so does the matrix."""
+        """Direction (N,) of negative curvature on the coarsest level, if any.
+
+        The matrix then has one as well.
+        """
         if self.softest is None or self.softest[1] >= -10 * NO_STIFFNESS:
             return None
         return self.softest[0] if self.order is None else self._restored(self.softest[0])
@@ -117,7 +125,7 @@ class Cycle:
         return back
 
     def _down(self, depth: int, load: Array) -> Array:
-        """One W, each coarse level visited twice.
+        """Run one W-cycle, in which each coarse level is visited twice.
 
         That takes a tenth more than a V, and spares steps that grow with levels and slenderness.
         """
@@ -190,7 +198,9 @@ def aggregate(
 
 
 def _coarsest(level: Any, *, floating: bool) -> tuple[Callable[[Array], Array], Array, float]:
-    """Its pseudoinverse, translations taken out; the softest motion, and its part of the stiffest.
+    """Pseudoinverse of the coarsest level, its softest mode and relative stiffness.
+
+    Translations are removed.
 
     By all eigenvectors: a matrix that is not positive definite keeps its signs.
     """
@@ -286,7 +296,7 @@ def chebyshev(A: bsr_array, inverse: Array, highest: float) -> Smoother:
 
 
 def diagonal_blocks(A: bsr_array) -> tuple[Array, Index]:
-    """The diagonal blocks (n, d, d), 0 where there is none, and the rows of all blocks."""
+    """Diagonal blocks (n, d, d), 0 if missing, and the rows of all blocks."""
     rows = len(A.indptr) - 1
     row = np.repeat(np.arange(rows), np.diff(A.indptr))
     own = np.zeros((rows, *A.blocksize))
@@ -296,7 +306,9 @@ def diagonal_blocks(A: bsr_array) -> tuple[Array, Index]:
 
 
 def restrain_in_place(K: bsr_array, free: Mask) -> None:
-    """Cut off in K (n·d, n·d) itself what is not `free` (n, d), but for positive diagonal entries.
+    """Remove the couplings of fixed components from K (n·d, n·d) in place.
+
+    Positive diagonal entries of components that are not `free` (n, d) remain.
 
     Rows that are held stay, so that every point has its block.
     """

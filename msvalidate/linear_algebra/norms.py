@@ -19,7 +19,10 @@ def dots(a: Array, b: Array) -> Array:
 
 
 def max_abs(values: Array) -> float:
-    """Largest magnitude: 0 of no values, NaN if there is one, without an array of magnitudes."""
+    """Largest absolute value, without a temporary array.
+
+    It is 0 for no values, and NaN if any value is NaN.
+    """
     return abs(float(max(values.max(), -values.min()))) if values.size else 0.0
 
 

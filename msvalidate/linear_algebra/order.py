@@ -17,11 +17,11 @@ from msvalidate.problem.records import dataclass
 SMALL = 4
 """Points of a piece that is cut no further."""
 MIDDLE = 0.2
-"""Part of a piece on either side of its middle within which it is cut."""
+"""Relative distance from the middle within which a piece is cut."""
 WIDE = 0.5
-"""Of the widest gap there, that the gap of a cut has at least: one between two layers."""
+"""Smallest gap of a cut between layers, relative to the widest gap."""
 ALIKE = 1e-6
-"""Part by which extents differ that are one but for rounding."""
+"""Relative difference of extents that is rounding."""
 LEFT, RIGHT, CUT = 0, 1, 2
 LEVELS = 30
 """Cuts in a path, two bits each."""
@@ -93,20 +93,20 @@ def nested_dissection(points: Array, pairs: Index, most: float = np.inf) -> Diss
 
 
 def pairs_in(cells: Index) -> Index:
-    """Pairs (p, 2) of points that cells (c, k) join, each as often as it is in one."""
+    """Pairs (p, 2) of points in the same cell (c, k), once per cell."""
     first, second = np.triu_indices(cells.shape[1], 1)
     return np.stack([cells[:, first].ravel(), cells[:, second].ravel()], axis=1)
 
 
-def free_unknowns(order: Index, held: Mask, *, by_component: bool = False) -> Index:
-    """Free components (f,) in the order (n,) of their points, as positions among the free ones.
+def free_unknowns(order: Index, fixed: Mask, *, by_component: bool = False) -> Index:
+    """Positions (f,) of the free components in the order (n,) of their points.
 
-    `held` (n, d) are those that are not; they are counted by point, or else by component.
+    `fixed` (n, d) are those that are not; they are counted by point, or else by component.
     """
-    counted = held.T if by_component else held
+    counted = fixed.T if by_component else fixed
     number = (np.cumsum(~counted.ravel()) - 1).reshape(counted.shape)
     number = number.T if by_component else number
-    return np.asarray(number[order][~held[order]])
+    return np.asarray(number[order][~fixed[order]])
 
 
 def _scale_by_spacing(points: Array, pairs: Index) -> Array:
@@ -131,7 +131,7 @@ def _bisect(place: Array, order: Index, start: Index, size: Index) -> tuple[Inde
 
 
 def _second_half_start(gap: Array, start: Index, size: Index, which: Index) -> Index:
-    """Where (p,) the second half of each piece begins: at a wide gap, the nearest to the middle."""
+    """Start (p,) of the second half of each piece, at a wide central gap."""
     from_middle = np.abs(np.arange(len(gap)) - (start + size / 2)[which])
     near = from_middle <= MIDDLE * size[which]
     widest = np.maximum.reduceat(np.where(near, gap, 0.0), start)
@@ -163,7 +163,7 @@ def _adjacent_separators(piece: Index, outer: Index, pieces: int) -> Array:
 
 
 def _remaining_pairs(taken: Index, inner: Index, outer: Index) -> tuple[Index, Index]:
-    """What joins points that are left to each other, and to cuts, now that a cut is taken out."""
+    """Pairs among the remaining points and the cuts after a new cut."""
     first, second = (taken == CUT)[inner]
     still = np.compress(taken[outer[0]] != CUT, outer, axis=1)
     ahead = np.compress(~first & second, inner, axis=1)

@@ -1,4 +1,4 @@
-"""The boundary value problem as data: domain, material, supports and loads, for d = 2 and 3.
+"""Boundary value problem as data: domain, material, supports, loads and contacts.
 
 Both solvers receive the same `Problem`. Nothing here predicts a deformation; the one computation,
 `free_motions`, decides whether the question has an answer at all.

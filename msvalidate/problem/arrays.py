@@ -18,13 +18,22 @@ Span = tuple[tuple[float, float], ...]
 
 AXES = "xyz"
 VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
-"""Pairs of axes of Voigt's components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
+"""Pairs of axes of the Voigt components, by number of axes.
+
+The order is xx, yy, xy in 2D and xx, yy, zz, yz, xz, xy in 3D.
+"""
 PLACEMENT = 1e-9
-"""Two places closer than this fraction of the body are the same place: far above rounding of
-coordinates (1e-16), far below any spacing that fits in memory."""
+"""Relative distance below which two positions coincide, as a fraction of the body's size.
+
+It is far above rounding of coordinates (1e-16) and far below any spacing that fits in memory.
+"""
 LONGEST = 1e100
-"""Lengths and coordinates (m) stay below it, and lengths above its inverse: areas and volumes, and
-the squares that a distance takes, are then ordinary numbers too."""
+"""Upper limit of lengths and coordinates (m); its inverse is the lower limit of lengths.
+
+Areas, volumes and squared distances are then finite numbers.
+"""
 MOST_POINTS = 20_000_000
-"""Points of a lattice, or nodes of a mesh, beyond which none is made: its springs or cells, and the
-lists that make them, would take tens of gigabytes."""
+"""Maximum number of lattice points or mesh nodes.
+
+Beyond it, springs or cells and the arrays that generate them would take tens of gigabytes.
+"""

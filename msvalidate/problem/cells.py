@@ -1,4 +1,4 @@
-"""Cells of a mesh: what is wrong with some, and which of their facets are its surface."""
+"""Validity of mesh cells, and the facets on the surface of a mesh."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from msvalidate.problem.motions import format_point
 from msvalidate.problem.shapes import Shape, incident_pairs
 
 FLAT = 1e-12
-"""A cell whose Jacobian is this part of the product of its sides, or less, has no volume."""
+"""Smallest Jacobian of a valid cell, relative to the product of its sides."""
 AT_ONCE = 2_000
 """Cells looked into at once: 216 places in each, of 27 nodes, take 40 MB."""
 HALVINGS = 4
-"""How often a cell is halved along each axis before it is called folded."""
+"""Number of bisections of a cell along each axis before it counts as folded."""
 
 
 def refuse_unused_points(points: Array, cells: Index, tolerance: float) -> None:
@@ -119,7 +119,7 @@ def surface_facets(cells: Index, kind: Shape) -> Index:
 def refuse_hanging(
     points: Array, cells: Index, kind: Shape, surface: Index, tolerance: float
 ) -> None:
-    """Raise `ProblemError` for a point of the surface (f, k) in a cell (c, k) that is not its own.
+    """Raise `ProblemError` for a surface point that lies in a cell without being its node.
 
     Neighbours that do not share a whole side would part there, and cells that overlap would be two
     bodies in one place. Bodies that cross without a point of one in the other go unnoticed.
@@ -153,7 +153,9 @@ def _straight_and_bent(
 
 
 def plane_sections(places: Array, axis: int, at: float) -> tuple[Array, Array]:
-    """Low and high ends (c, d) in m of the sections of straight cells (c, k, d) with a plane.
+    """Compute the extent of the sections of straight cells with a plane.
+
+    The cells have nodes (c, k, d); the low and high ends of the sections are (c, d), in m.
 
     The plane lies at a coordinate (m) along an axis, and each cell on both sides of it. A section
     is spanned by where the lines between corners meet the plane.

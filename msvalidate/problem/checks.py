@@ -24,14 +24,18 @@ from msvalidate.problem.errors import ProblemError
 MOST_COUNTED = 10**9
 """Largest whole number taken for cells, steps and the like, unless a function says otherwise."""
 LARGEST_ANGLE = 1e6
-"""Angle (rad) beyond which the last digits, which are all that turns leave of it, are rounding."""
+"""Largest accepted angle (rad); rounding would dominate the rotation of larger ones."""
 LONGEST_SHOWN = 100
 """Letters of a given value that a message shows."""
 LONGEST_NAME = 100
 """Letters in a name that stands in messages and titles."""
 
 Size = int | str | tuple[int, ...]
-"""A number along one axis of an array; a letter for any, "n>1" for any above 1; one of several."""
+"""Required length of an array axis.
+
+A number stands for itself, a letter for any length, "n>1" for any above 1, a tuple for one of
+several.
+"""
 Kept = TypeVar("Kept", bound=np.ndarray)
 
 
@@ -55,7 +59,7 @@ def shaped(name: str, array: Kept, *sizes: Size, need: str = "") -> Kept:
 
 
 def _fits(length: int, size: Size) -> bool:
-    """Whether an axis of this length is of a size."""
+    """Return True if an axis of this length has the required size."""
     if isinstance(size, str):
         return length > int(size.partition(">")[2] or -1)
     return length in size if isinstance(size, tuple) else length == size
@@ -71,7 +75,7 @@ def _as_shape(sizes: tuple[Size, ...]) -> str:
 
 
 def require_type(name: str, value: object, kind: type | UnionType) -> None:
-    """Raise `ProblemError` unless `value` is of a kind, or of one of a union of kinds."""
+    """Raise `ProblemError` unless `value` is an instance of a type or of a union."""
     if not isinstance(value, kind):
         names = [k.__name__ for k in get_args(kind) or (kind,)]
         kinds = " or ".join(f"{'an' if k[0] in 'AEIOU' else 'a'} {k}" for k in names)
@@ -79,7 +83,7 @@ def require_type(name: str, value: object, kind: type | UnionType) -> None:
 
 
 def _plain_array(name: str, values: Any) -> np.ndarray:
-    """What NumPy makes of `values`, of any type; masks and units are no part of it."""
+    """Convert `values` of any type to a plain NumPy array, without masks or units."""
     rows = values if isinstance(values, list | tuple) else (values,)
     if any(isinstance(row, np.ma.MaskedArray) for row in rows):
         raise ProblemError(f"{name}: a masked array; leave out what is masked, or fill it in")
@@ -105,7 +109,7 @@ def _real_array(name: str, values: Any) -> np.ndarray:
 
 
 def numbers(name: str, values: Any) -> Array:
-    """Return `values` as a float array of its own, in which not every number need be finite."""
+    """Return a copy of `values` as floats, which may include infinities and NaN."""
     return np.array(_real_array(name, values), dtype=float, order="C")
 
 
@@ -120,7 +124,7 @@ def finite(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
 
 
 def integers(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Index:
-    """Return `values` as an array of whole numbers of its own, `shaped` where sizes are given."""
+    """Return a copy of `values` as integers, of the required shape if sizes are given."""
     given = _real_array(name, values)
     if sizes:
         shaped(name, given, *sizes, need=need)
@@ -132,7 +136,10 @@ def integers(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Inde
 
 
 def boolean_mask(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
-    """Return `values`, all True or False, or 0 or 1, as a mask of a shape."""
+    """Return `values` as a Boolean array of a shape.
+
+    They may be True and False, or 1 and 0.
+    """
     given = _plain_array(name, values)
     told = given.dtype.kind in "iuf" and np.isin(given, (0, 1)).all()
     if given.shape != shape or not (told or given.dtype.kind == "b"):
@@ -178,7 +185,7 @@ def finite_number(
     below: float = math.inf,
     unit: str = "",
 ) -> float:
-    """Return `value` as a float; raise `ProblemError` unless it is one finite number in a range."""
+    """Return `value` as a float; raise `ProblemError` unless it is finite and in range."""
     given = _one_number(name, value)
     if not (above < given < below and least <= given <= most):
         said = {f"above {above:g}": above, f"of {least:g} or more": least}
@@ -217,7 +224,10 @@ def length_in_metres(name: str, value: float) -> float:
 
 
 def refuse_far_off(name: str, points: Array) -> None:
-    """Raise `ProblemError` for a body (n, d) in m of no size, or too far away for its size."""
+    """Raise `ProblemError` for a body of zero size, or too far from the origin.
+
+    The points are (n, d) in m.
+    """
     size, away = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
     length_in_metres(f"{name}: its longest side", size)
     if 4 * np.finfo(float).eps * away > PLACEMENT * size:
@@ -228,15 +238,15 @@ def refuse_far_off(name: str, points: Array) -> None:
 
 
 def finite_angle(name: str, value: ArrayLike) -> float:
-    """Return an angle (rad) as a float; raise `ProblemError` unless it is one with a meaning."""
+    """Return an angle (rad) as a float; raise `ProblemError` beyond `LARGEST_ANGLE`."""
     return finite_number(name, value, least=-LARGEST_ANGLE, most=LARGEST_ANGLE, unit="rad")
 
 
-def check_name(said: str, name: object) -> None:
-    """Raise `ProblemError` for a name that is too long or does not print on a line."""
+def check_name(label: str, name: object) -> None:
+    """Raise `ProblemError` for a name that is too long or not printable on one line."""
     if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
         need = f"give 1 to {LONGEST_NAME} printable letters on one line as its name"
-        raise ProblemError(f"{said}: {format_value(name)}; {need}")
+        raise ProblemError(f"{label}: {format_value(name)}; {need}")
 
 
 def require_one_of(name: str, value: object, names: Iterable[str]) -> None:
@@ -248,7 +258,10 @@ def require_one_of(name: str, value: object, names: Iterable[str]) -> None:
 
 
 def require_entry(name: str, value: object, kind: type, table: str, keys: Iterable[str]) -> None:
-    """As `require_type`, of an entry of a table: who gives a key is told how to look it up."""
+    """Raise `ProblemError` unless `value` is a record of a table.
+
+    For a key of the table, the message shows how to look the record up.
+    """
     if not isinstance(value, str):
         return require_type(name, value, kind)
     known = tuple(keys)
@@ -267,7 +280,7 @@ def whole_number(name: str, value: object, least: int, most: int = MOST_COUNTED)
 
 
 def cell_counts(name: str, cells: object, axes: int = 2) -> tuple[int, ...]:
-    """Return the number of cells along each axis, of which one whole number may serve all."""
+    """Return the number of cells along each axis; one integer applies to all axes."""
     each = cells if isinstance(cells, tuple | list) else (cells,) * axes
     if len(each) != axes:
         need = f"give one or {'two' if axes == 2 else 'three'} whole numbers, 1 or more"

@@ -1,4 +1,4 @@
-"""Contact: a rigid obstacle that part of a body's surface may touch, and may not enter.
+"""Contact: a rigid obstacle that the surface of a body may touch but not penetrate.
 
 A contact is no support: it pushes and never pulls, and what solves for rest asks supports to hold
 every rigid motion beside it.
@@ -33,26 +33,28 @@ OBSTACLES: Mapping[str, tuple[int, ...]] = {
     "parabola": (2,),
     "paraboloid": (3,),
 }
-"""Shape -> axes of the bodies that it meets. Parabolas are what Hertz wrote for discs: their gap
-and their force run along the axis."""
+"""Shape of an obstacle -> number of axes of the bodies that may touch it.
+
+Parabolas are the shapes of Hertz contact for discs: their gap and force act along the axis.
+"""
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
-"""a² over the mean of the squares of distances from the middle, of pressures √(a² - x²)."""
+"""Ratio of a² to the mean squared distance for pressures √(a² - x²), by axes."""
 
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A rigid body that does not deform and does not turn.
+    """Rigid obstacle that does not rotate.
 
     Parameters
     ----------
     shape
-        One of `OBSTACLES`.
+        Name in `OBSTACLES`.
     at
-        Its foremost point (m): where it first touches a plane across its way.
+        Coordinates (m) of the foremost point, which touches a perpendicular plane first.
     towards
-        The way in which it is lowered into the body, of any length.
+        Direction of its motion into the body, of any length.
     radius
-        Of curvature at the foremost point (m); None of half-spaces.
+        Radius of curvature (m) at the foremost point; None for a half-space.
     """
 
     shape: str
@@ -82,17 +84,19 @@ class Obstacle:
 
     @property
     def axis(self) -> Array:
-        """Unit vector (d,) of the way in which it is lowered: its normal at the foremost point."""
+        """Unit vector (d,) along which the obstacle moves: its normal at the foremost point."""
         towards = np.array(self.towards, dtype=float)
         return np.asarray(towards / np.linalg.norm(towards))
 
     @property
     def is_round(self) -> bool:
-        """Whether its normal changes along its surface."""
+        """True if the normal varies along the surface of the obstacle."""
         return self.shape in {"disc", "ball"}
 
     def gap(self, points: Array, depth: float = 0.0) -> Array:
-        """Distance (n,) in m of points (n, d) from it, below 0 inside, lowered by `depth` (m).
+        """Compute the gap (m) between points (n, d) and the obstacle, negative inside it.
+
+        The obstacle is lowered by `depth` (m).
 
         Of a parabola the distance along its axis.
         """
@@ -115,12 +119,14 @@ class Obstacle:
         return np.asarray(from_centre / np.linalg.norm(from_centre, axis=1)[:, None])
 
     def across(self, points: Array) -> Array:
-        """Vectors (n, d) in m to points (n, d), square from the line on which it is lowered."""
+        """Vectors (n, d) in m from the axis of the obstacle to points (n, d)."""
         off = points - np.array(self.at)
         return np.asarray(off - np.outer(off @ self.axis, self.axis))
 
     def half_width(self, points: Array, force: Array) -> float:
-        """Half-width or radius (m) of a patch from its forces (n,) at points (n, d), as of Hertz's.
+        """Estimate the half-width or radius (m) of a Hertz contact patch from its forces.
+
+        The forces (n,) act at points (n, d).
 
         a² = 4 Σ f x²/Σ f in the plane, 5/2 Σ f r²/Σ f in space, about the line on which it is
         lowered: second moments of pressures √(a² - x²). 0 where nothing touches.
@@ -137,20 +143,20 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Contact:
-    """Where a body may touch an obstacle, how deep that is lowered or how hard it is pressed.
+    """Possible contact of a side with an obstacle that is lowered or pressed.
 
     Parameters
     ----------
     region
-        Part of the body's surface, as a load's.
+        Part of the surface, as for a load.
     obstacle
-        What it may touch.
+        Rigid obstacle.
     depth
-        How far (m) it is lowered from where it was placed.
+        Distance (m) by which the obstacle is lowered from its position.
     force
-        With which it is pressed along its way instead (N, over the whole thickness), or None.
+        Force (N, over the whole thickness) along its direction instead of a depth, or None.
     friction
-        Coefficient of friction (1), of motions; bodies at rest touch without.
+        Coefficient of friction in motions; static contact is frictionless.
     """
 
     region: Part

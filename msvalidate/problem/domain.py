@@ -1,4 +1,4 @@
-"""What body: a box, any outline in the plane, or a mesh."""
+"""Domains of a problem: a box, a polygon or a mesh."""
 
 from __future__ import annotations
 
@@ -33,16 +33,34 @@ SIDES = {
     "back": (2, 0),
     "front": (2, 1),
 }
-"""Side name -> (axis normal to it, 0 for the low end or 1 for the high end)."""
+"""Side name -> (normal axis, 0 for the low or 1 for the high end)."""
 MOST_VERTICES = 10_000
-"""Corners of an outline: each part of a side is looked for along all of its edges."""
+"""Maximum number of vertices of a polygon, since searches go over all edges."""
 
 
 @dataclass(frozen=True)
 class Box:
-    """Axis-aligned box with one corner at the origin, and edges of lengths `size` (m).
+    """Rectangle (2D) or cuboid (3D) with one corner at the origin.
 
-    That is (width, height) or (width, height, depth).
+    Parameters
+    ----------
+    size
+        Edge lengths (m) along x, y (and z), each > 0.
+
+    Raises
+    ------
+    ProblemError
+        If it is not a tuple of 2 or 3 positive lengths, or the shortest is not above 1e-9 of the
+        longest.
+
+    Examples
+    --------
+    >>> from msvalidate import Box
+    >>> beam = Box((0.37, 0.2))
+    >>> beam.dim, round(beam.volume, 6)
+    (2, 0.074)
+    >>> print(beam.side("right"))
+    (x = 0.37)
     """
 
     size: tuple[float, ...]
@@ -92,7 +110,7 @@ class Box:
         return Region(tuple(self.size[a] * end if a == axis else None for a in range(self.dim)))
 
     def on_boundary(self, places: Array) -> bool:
-        """Whether all places (k, d) in m lie on one side."""
+        """Return True if all points (k, d) in m lie on one side."""
         return any(
             bool((np.abs(places[:, axis] - end) <= self.tolerance).all())
             for axis in range(self.dim)
@@ -107,13 +125,28 @@ class Box:
 
 @dataclass(frozen=True)
 class Polygon:
-    """Plane body with a straight-edged outline.
+    """2D body with a straight-edged outline.
 
-    Its vertices are corners (m) in counter-clockwise order, two coordinates each, none on a
-    straight line between its neighbours.
+    Parameters
+    ----------
+    vertices
+        Corners (m) in counter-clockwise order, two coordinates each. Three consecutive corners must
+        not lie on one line.
 
-    Raises `ProblemError` if the outline is not such a polygon: clockwise, crossing or touching
-    itself, with a flat corner or a vertex listed twice.
+    Raises
+    ------
+    ProblemError
+        If the outline is clockwise, crosses or touches itself, has a corner of 180 degrees or a
+        repeated vertex, or has more than 10,000 vertices.
+
+    Examples
+    --------
+    >>> from msvalidate import Polygon
+    >>> bracket = Polygon(((0, 0), (0.3, 0), (0.3, 0.1), (0.1, 0.1), (0.1, 0.3), (0, 0.3)))
+    >>> round(bracket.volume, 6)  # area in m²
+    0.05
+    >>> bracket.reentrant.tolist()
+    [[0.1, 0.1]]
     """
 
     vertices: tuple[tuple[float, float], ...]
@@ -184,11 +217,11 @@ class Polygon:
         return np.asarray(self.corners[self._turns < 0])
 
     def on_boundary(self, places: Array) -> bool:
-        """Whether all places (k, 2) in m lie on one edge."""
+        """Return True if all points (k, 2) in m lie on one edge."""
         return self.edge_with(places) is not None
 
     def edge_with(self, places: Array) -> Array | None:
-        """Ends (2, 2) in m of the edge on which all places (k, 2) lie; None if there is none."""
+        """Ends (2, 2) in m of the edge with all points (k, 2), or None."""
         near = shapely.dwithin(self._edges[:, None], shapely.points(places), self.tolerance)
         on = near.all(axis=1)
         return shapely.get_coordinates(self._edges[on.argmax()]) if on.any() else None
@@ -253,7 +286,9 @@ def corners_of(region: Part, domain: Domain) -> Array:
 
 
 def measure_of(region: Part, domain: Domain) -> float:
-    """Length (m) or area (m²) of a part of a domain's sides; as for `corners_of` on a mesh.
+    """Compute the length (m) or area (m²) of a region on a side.
+
+    On a mesh it is that of the facets, as for `corners_of`.
 
     Raises `ProblemError` if the region is not of this dimension, or is no part of a mesh's sides.
     """
@@ -271,7 +306,7 @@ def _refuse_misfit(region: Part, domain: Domain) -> None:
 
 
 def refuse_off_body(zone: Zone, domain: Domain) -> None:
-    """Raise `ProblemError` for a zone off the body, or of cells that are not its own."""
+    """Raise `ProblemError` for a zone outside the body, or of another mesh's cells."""
     region = zone.region
     if isinstance(region, CellSet):
         if not (isinstance(domain, Mesh) and region.name in domain.zones) or not np.array_equal(

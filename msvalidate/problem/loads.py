@@ -21,7 +21,27 @@ from msvalidate.problem.region import Part, Region
 
 @dataclass(frozen=True)
 class PointForce:
-    """Force (N) of d components at one place (m)."""
+    """Concentrated force at one point of a body.
+
+    Parameters
+    ----------
+    at
+        Coordinates (m) of the point, d = 2 or 3 of them.
+    force
+        Force (N), d components. In 2D it is the total force over the thickness.
+
+    Raises
+    ------
+    ProblemError
+        If the two do not have the same 2 or 3 finite components, or `at` is no tuple.
+
+    Examples
+    --------
+    >>> from msvalidate import PointForce
+    >>> load = PointForce(at=(0.37, 0.2), force=(0.0, -5.0))
+    >>> load.region.normal_axes
+    (0, 1)
+    """
 
     at: tuple[float, ...]
     force: tuple[float, ...]
@@ -44,10 +64,28 @@ class PointForce:
 
 @dataclass(frozen=True)
 class Traction:
-    """Force per area (Pa) on a face (d = 3) or an edge (d = 2) of the body, or on a part of it.
+    """Surface traction on an edge (2D) or a face (3D): a Neumann boundary condition.
 
-    The region has exactly one flat axis, or is a segment or boundary. The traction has d components
-    (Pa), or is a field of points (n, d) -> (n, d).
+    Parameters
+    ----------
+    region
+        Side of the body or part of it: a `Region` with exactly one fixed coordinate, a segment, or
+        a named boundary of a `Mesh`.
+    traction
+        Force per area (Pa): d components, or a function of points (n, d) in m that returns (n, d).
+        In 2D the area is the length of the edge times the thickness of the material.
+
+    Raises
+    ------
+    ProblemError
+        If the region is no edge or face, or the traction does not have d finite components.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Traction
+    >>> box = Box((0.4, 0.1))
+    >>> pull = Traction(box.side("right"), (100.0, 0.0))
+    >>> bending = Traction(box.side("right"), lambda x: 1e3 * (0.05 - x[:, [1]]) * [1.0, 0.0])
     """
 
     region: Part
@@ -65,7 +103,26 @@ class Traction:
 
 @dataclass(frozen=True)
 class BodyForce:
-    """Force per volume (N/m³): d components, or a field of points (n, d) -> (n, d)."""
+    """Force per volume that acts in the whole body.
+
+    Parameters
+    ----------
+    force
+        Force per volume (N/m³): d components, or a function of points (n, d) in m that returns
+        (n, d).
+
+    Raises
+    ------
+    ProblemError
+        If constant components are not 2 or 3 finite numbers.
+
+    Examples
+    --------
+    >>> from msvalidate import BodyForce
+    >>> weight = BodyForce.gravity(density=1000.0, acceleration=(0.0, -9.81))
+    >>> weight.force
+    (0.0, -9810.0)
+    """
 
     force: tuple[float, ...] | Field
 
@@ -75,14 +132,23 @@ class BodyForce:
 
     @classmethod
     def gravity(cls, density: float, acceleration: tuple[float, ...]) -> BodyForce:
-        """Weight of a body of one density (kg/m³), or what else accelerates all of its mass alike.
+        """Return the weight per volume (N/m³) of a body of uniform density.
 
-        The acceleration has d components (m/s²), such as (0.0, -9.81): downwards along y. `Weight`
-        has the density of each zone.
+        The same expression describes any uniform acceleration. `Weight` uses the density of each
+        zone.
 
-        Raises `ProblemError` if the density is not above zero, the acceleration not 2 or 3 finite
-        numbers, or their product beyond the largest number or below the smallest: a weight that is
-        none would pass for a body without weight.
+        Parameters
+        ----------
+        density
+            Mass density (kg/m³), > 0.
+        acceleration
+            Acceleration (m/s²), d components; (0.0, -9.81) acts downwards along y.
+
+        Raises
+        ------
+        ProblemError
+            If the density is not positive, the acceleration is not 2 or 3 finite numbers, or their
+            product overflows or underflows: a weight of zero would pass for a body without weight.
         """
         rho = positive_number("gravity: density", density, "kg/m³")
         need = "give 2 or 3 components in m/s², such as (0.0, -9.81)"
@@ -100,9 +166,27 @@ class BodyForce:
 
 @dataclass(frozen=True)
 class Weight:
-    """Weight of a body: the density of its material, or of each zone's, times an acceleration.
+    """Weight of a body: the density of each material times an acceleration.
 
-    That has d components (m/s²), such as (0.0, -9.81): downwards along y.
+    Parameters
+    ----------
+    acceleration
+        Acceleration (m/s²), d components; (0.0, -9.81) acts downwards along y.
+
+    Raises
+    ------
+    ProblemError
+        If the acceleration is not a tuple of 2 or 3 finite numbers.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Weight, lattice_network, square
+    >>> box = Box((0.4, 0.1))
+    >>> material = Isotropic(E=1e5, nu=1 / 3, thickness=0.2)
+    >>> problem = Problem(box, material, supports=(), loads=(Weight((0.0, -9.81)),))
+    >>> network = lattice_network(problem, square(box, (4, 1)))
+    >>> print(f"{network.force[:, 1].sum():.4f} N")  # 1000 kg/m³, 0.008 m³
+    -78.4800 N
     """
 
     acceleration: tuple[float, ...]

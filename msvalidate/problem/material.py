@@ -1,4 +1,4 @@
-"""Of what: linear elastic materials."""
+"""Linear elastic materials, isotropic and anisotropic."""
 
 from __future__ import annotations
 
@@ -26,15 +26,28 @@ class Isotropic:
 
     Parameters
     ----------
-    E, nu
-        Young's modulus (Pa) and Poisson's ratio of the three-dimensional material.
+    E
+        Young's modulus (Pa) of the three-dimensional material, > 0.
+    nu
+        Poisson's ratio of the three-dimensional material, -1 < nu <= 1/2.
     state
-        "plane_stress" or "plane_strain" for d = 2, "solid" for d = 3.
+        "plane_stress" or "plane_strain" in 2D, "solid" in 3D.
     density
-        Mass density (kg/m³); only motion and `Weight` depend on it. Default: that of water and
-        soft tissue.
+        Mass density (kg/m³), > 0. Masses and `Weight` depend on it. Default: water, 1000 kg/m³.
     thickness
-        Out-of-plane thickness (m) of a plane body; must stay 1 for a solid.
+        Out-of-plane thickness (m) of a 2D body, > 0; it must stay 1 for a solid.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range, or the state is none of the three.
+
+    Examples
+    --------
+    >>> from msvalidate import Isotropic
+    >>> rubber = Isotropic(E=1e6, nu=0.49, state="plane_strain", thickness=0.002)
+    >>> rubber.dim
+    2
     """
 
     E: float
@@ -67,13 +80,26 @@ class Anisotropic:
     Parameters
     ----------
     C
-        (3, 3) in Voigt order xx, yy, xy, or (6, 6) in order xx, yy, zz, yz, xz, xy, with
-        engineering shear strains (Pa). Plane tensors are the in-plane ones as they stand:
-        plane stress or plane strain is already in them. Symmetric, positive definite.
+        Stiffness tensor (Pa) in Voigt notation [Nye1957] with engineering shear strains: shape
+        (3, 3) in the order xx, yy, xy, or (6, 6) in the order xx, yy, zz, yz, xz, xy. A 2D tensor
+        relates the in-plane components, so it already contains plane stress or plane strain.
     density
-        Mass density (kg/m³).
+        Mass density (kg/m³), > 0.
     thickness
-        Out-of-plane thickness (m) of a plane body; must stay 1 for a solid.
+        Out-of-plane thickness (m) of a 2D body, > 0; it must stay 1 for a solid.
+
+    Raises
+    ------
+    ProblemError
+        If the tensor has another shape, is not symmetric or is not positive definite, or if density
+        or thickness are out of range.
+
+    Examples
+    --------
+    >>> from msvalidate import Anisotropic
+    >>> plate = Anisotropic([[2e5, 5e4, 0.0], [5e4, 1e5, 0.0], [0.0, 0.0, 4e4]], thickness=0.001)
+    >>> plate.dim
+    2
     """
 
     C: Array

@@ -1,4 +1,4 @@
-"""A body made of cells: any outline, in the plane or in space, with straight or bent sides."""
+"""Mesh domain: any outline in 2D or 3D, with straight or curved sides."""
 
 from __future__ import annotations
 
@@ -37,31 +37,46 @@ from msvalidate.problem.zone import CellSet
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Body made of cells of one shape, and the names of parts of its surface.
+    """Body that consists of cells of one shape, with named boundaries and zones.
 
-    Two meshes are equal if their cells are, whatever the names of their boundaries and zones.
+    Two meshes are equal if their points, cells and shape are equal, whatever the names.
 
     Parameters
     ----------
     points
-        (n, d) positions (m) of all nodes.
+        Coordinates (m) of all nodes, shape (n, d).
     cells
-        (c, k) nodes of each cell, numbered as in VTK: corners counter-clockwise (in space those of
-        the first face as seen from the rest), mid-sides, middles of faces, the middle.
+        Node numbers of each cell, shape (c, k), in the order of VTK: corners counter-clockwise (in
+        3D those of the first face as seen from the rest), mid-side nodes, face nodes, centre node.
     shape
-        A name in `problem.SHAPES`: "triangle", "quad9" and so on in the plane, "tetra10",
-        "hexahedron" in space. Mid-sides may lie off the straight line: the side is then bent.
+        "triangle", "triangle6", "quad", "quad8" or "quad9" in 2D; "tetra", "tetra10", "hexahedron"
+        or "hexahedron27" in 3D. Mid-side nodes may lie off the straight line: the side is then
+        curved.
     boundaries
-        Name -> nodes (f, k) of facets, corners first, that belong to one cell alone.
+        Name -> node numbers (f, k) of facets on the surface, corners first.
     zones
-        Name -> numbers (z,) of cells, as of those of another material.
+        Name -> cell numbers (z,).
 
     Raises
     ------
     ProblemError
-        If a cell is inverted, flat, folded or overlaps another, a point lies where another does,
-        belongs to no cell or lies in one that does not name it, a boundary is empty or not on the
-        surface, or a zone is empty or names a cell that is not there.
+        If a cell is inverted, flat, folded or overlaps another one; a node coincides with another,
+        belongs to no cell or lies in a cell without being one of its nodes; a boundary is empty or
+        not on the surface; or a zone is empty or names a missing cell.
+
+    Examples
+    --------
+    >>> from msvalidate import Mesh
+    >>> mesh = Mesh(
+    ...     points=[[0, 0], [1, 0], [1, 1], [0, 1]],
+    ...     cells=[[0, 1, 2], [0, 2, 3]],
+    ...     shape="triangle",
+    ...     boundaries={"left": [[3, 0]]},
+    ... )
+    >>> print(mesh)
+    mesh of 2 triangle cells, 1 x 1 m
+    >>> print(mesh.side("left"))
+    boundary 'left'
     """
 
     points: Array
@@ -114,7 +129,10 @@ class Mesh:
 
     @cached_property
     def span(self) -> Span:
-        """Low and high coordinate (m) of the nodes along each axis; bent sides may bulge beyond."""
+        """Low and high coordinate (m) of the nodes along each axis.
+
+        Curved sides may extend beyond it.
+        """
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         return tuple((float(a), float(b)) for a, b in zip(low, high, strict=True))
 
@@ -131,7 +149,7 @@ class Mesh:
 
     @cached_property
     def pieces(self) -> Index:
-        """Number (n,) from 0 of the piece of each node, where the mesh is in pieces apart."""
+        """Number (n,) of the connected component of each node, from 0."""
         n, first = len(self.points), np.repeat(self.cells[:, 0], self.cells.shape[1])
         joined = csr_array((np.ones(first.size), (first, self.cells.ravel())), shape=(n, n))
         return np.asarray(connected_components(joined, directed=False)[1])
@@ -170,7 +188,7 @@ class Mesh:
         return Boundary("surface", self.points[self.surface])
 
     def on_boundary(self, places: Array) -> bool:
-        """Whether all places (k, d) in m lie on the surface."""
+        """Return True if all points (k, d) in m lie on the surface."""
         return bool(self.whole_surface.select(places, self.tolerance).all())
 
     def contains(self, points: Array) -> Mask:
@@ -178,7 +196,7 @@ class Mesh:
         return is_on_any(self.kind, self.points[self.cells], np.asarray(points), self.tolerance)
 
     def part(self, region: Region | Segment) -> Boundary:
-        """Facets of the surface that lie in a part of a side given by its coordinates.
+        """Return the surface facets in a region, a side or part of it by coordinates.
 
         Raises `ProblemError` if none does, the part goes on inside the body, or ends between the
         ends of a facet.
@@ -207,7 +225,7 @@ class Mesh:
         return part
 
     def places_in(self, region: Region) -> Array:
-        """Nodes (k, d) in m that lie in a region which is no part of a side.
+        """Return the nodes (k, d) in m of a region inside the body.
 
         Raises `ProblemError` if none does, or it ends between two of them.
         """
@@ -231,7 +249,7 @@ class Mesh:
         return f", or a side by name: {', '.join(self.boundaries)}" if self.boundaries else ""
 
     def _continues_inside(self, region: Region) -> bool:
-        """Whether cells reach through the plane of a region, within it."""
+        """Return True if cells extend through the plane of a region, within the region."""
         (axis,), room = region.normal_axes, self.tolerance
         plane = float(region.corners(self.span)[0, axis])
         x = self.points[self.cells][..., axis]
@@ -240,7 +258,7 @@ class Mesh:
         return bool(region.overlaps(low, high, room).any())
 
     def _ends_within_facets(self, region: Region) -> bool:
-        """Whether facets in the plane of a region reach across its rim."""
+        """Return True if facets in the plane of a region extend across its rim."""
         places, room = self.points[self.surface], self.tolerance
         flat = Region(tuple(None if isinstance(e, tuple) else e for e in region.extent))
         inside = [each.select(places.reshape(-1, self.dim), room) for each in (flat, region)]
@@ -259,29 +277,31 @@ class Mesh:
         self._take_named("zones", "cells", zones, self._checked_cells)
 
     def _take_named(
-        self, what: str, of: str, given: object, checked: Callable[[object, Index], Index]
+        self, what: str, of: str, entries: object, checked: Callable[[object, Index], Index]
     ) -> None:
-        if not isinstance(given, Mapping):
-            raise ProblemError(f"mesh {what}: {format_value(given)}; give {of} by their names")
-        found = {name: checked(name, each) for name, each in given.items()}
+        if not isinstance(entries, Mapping):
+            raise ProblemError(f"mesh {what}: {format_value(entries)}; give {of} by their names")
+        found = {name: checked(name, each) for name, each in entries.items()}
         for each in found.values():
             each.setflags(write=False)
         object.__setattr__(self, what, found)
 
-    def _checked_cells(self, name: object, given: Index) -> Index:
+    def _checked_cells(self, name: object, numbers: Index) -> Index:
         """Numbers of a zone's cells, each once and rising."""
         said = f"mesh zone {format_value(name)}"
         check_name("mesh zone", name)
         need = "give numbers (z,) of its cells"
-        cells = indices(said, given, len(self.cells), "z>0", need=need, what="cells")
+        cells = indices(said, numbers, len(self.cells), "z>0", need=need, what="cells")
         return np.unique(cells)
 
-    def _checked(self, name: object, given: Index) -> Index:
+    def _checked(self, name: object, numbers: Index) -> Index:
         """Facets of a boundary, each once, as the surface lists them."""
         said = f"mesh boundary {format_value(name)}"
         check_name("mesh boundary", name)
         k = self.surface.shape[1]
-        facets = integers(said, given, "f>0", k, need=f"{self.shape} needs (f, {k}), or none of it")
+        facets = integers(
+            said, numbers, "f>0", k, need=f"{self.shape} needs (f, {k}), or none of it"
+        )
         both = np.sort(np.concatenate([self.surface, facets]), axis=1)
         _, first, which = np.unique(both, axis=0, return_index=True, return_inverse=True)
         at = first[which.ravel()[len(self.surface) :]]
@@ -295,7 +315,7 @@ class Mesh:
 
 
 def _entry(what: str, named: Mapping[str, Index], name: str) -> Index:
-    """What has a name in a mesh. Raises `ProblemError` that lists the names for another."""
+    """Return the entry of a name; raise `ProblemError` that lists the known names."""
     if not isinstance(name, str) or name not in named:
         known = ", ".join(map(format_value, named)) or "none with a name"
         raise ProblemError(f"{what} {format_value(name)}: the mesh has {known}; choose one of them")

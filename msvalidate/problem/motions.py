@@ -1,4 +1,4 @@
-"""Whether the question has an answer: the rigid motions that supports leave free."""
+"""Rigid-body motions that the supports of a body leave free."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from msvalidate.problem.arrays import AXES, Array, Mask
 from msvalidate.problem.errors import ProblemError
 
 
-def refuse_free_motions(name: str, points: Array, held: Mask) -> None:
+def refuse_free_motions(name: str, points: Array, fixed: Mask) -> None:
     """Raise `ProblemError`, naming them, if the held components leave the body rigid motions."""
-    motions = free_motions(points, held)
+    motions = free_motions(points, fixed)
     if motions:
         raise ProblemError(
             f"{name}: the supports leave the body free: {'; '.join(motions)}. "
@@ -18,20 +18,20 @@ def refuse_free_motions(name: str, points: Array, held: Mask) -> None:
         )
 
 
-def free_motions(points: Array, held: Mask) -> list[str]:
-    """Name the rigid motions u(x) = t + w × x that the held components do not prevent.
+def free_motions(points: Array, fixed: Mask) -> list[str]:
+    """Name the rigid-body motions u(x) = t + w×x that the supports leave free.
 
     Held are components (n, d) at places (n, d) in m.
     """
     d = points.shape[1]
     middle = points.mean(axis=0) if len(points) else np.zeros(d)
-    somewhere = held.any(axis=1)
-    points, held = points[somewhere], held[somewhere]
+    somewhere = fixed.any(axis=1)
+    points, fixed = points[somewhere], fixed[somewhere]
     # Measured by what is held: two supports side by side hold a large body, if only just.
     centre = points.mean(axis=0) if len(points) else middle
     scale = float(np.abs(points - centre).max()) if len(points) else 1.0
     modes = rigid_motions((points - centre) / (scale or 1.0))
-    stiffness = modes[held].T @ modes[held]
+    stiffness = modes[fixed].T @ modes[fixed]
     eigenvalues, vectors = np.linalg.eigh(stiffness)
     free = vectors[:, eigenvalues <= 1e-12 * max(float(eigenvalues[-1]), 1.0)]
     return _describe_motions(free, centre, scale or 1.0, middle)

@@ -16,17 +16,17 @@ from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import FACETS, map_facets, project_on_facets
 
 BENT, MANY, PART_BENT = (0.5, 40.0), 6, 0.1
-"""Angles (degrees) between facets that stand for a curve; how many, and what part of all."""
+"""Range of angles (degrees) between facets of a curve; their minimum number and share."""
 FLAT = 1e-9
 """Difference of normals below which a side is flat."""
 CANDIDATES = 6
 """Facets whose middles are nearest to a place, of which one is the nearest."""
 MISSED = 1e-2
-"""Distance of a place from a facet, over its size, beyond which others are looked at too."""
+"""Relative distance of a point from a facet, beyond which other facets are searched."""
 
 
 def pressure(region: Part, domain: Domain, value: float) -> Traction:
-    """Traction of a pressure (Pa) on a part of a body's sides: -p n, positive inwards.
+    """Return the traction -p n of a pressure (Pa) on a side, positive inwards.
 
     Raises `ProblemError` if the pressure is not finite, or the part is not on the body's sides.
     """
@@ -38,7 +38,10 @@ def pressure(region: Part, domain: Domain, value: float) -> Traction:
 
 
 def is_faceted(mesh: Mesh) -> bool:
-    """Whether straight facets seem to stand for a curved side: many meet at small angles."""
+    """Return True if straight facets seem to approximate a curved side.
+
+    Many of them then meet at small angles.
+    """
     if mesh.kind.degree > 1:
         return False
     normal = _normals(mesh.points[mesh.surface]).mean(axis=1)
@@ -59,7 +62,10 @@ def _ridges(facets: Index, dim: int) -> Index:
 
 
 def nearest_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
-    """Places (n, d) in m on facets (f, k, d) nearest to points (n, d), and distances (n,) in m."""
+    """Find the nearest positions (n, d) in m on facets and their distances (n,).
+
+    The facets have nodes (f, k, d), the points are (n, d), both in m.
+    """
     tree = KDTree(places.mean(axis=1))
     facet, distance, at = _nearest_facet(tree, places, points, CANDIDATES)
     return map_facets(places[facet], at[:, None])[0][:, 0], distance

@@ -40,7 +40,7 @@ class ReadOnly:
 
 
 class _Short(Repr):
-    """The standard short one, with arrays by shape and range, other things by kind and size."""
+    """Short repr: arrays by shape and range, other objects by kind and size."""
 
     def __init__(self, levels: int) -> None:
         super().__init__()
@@ -69,7 +69,7 @@ _WHOLE, _BRIEF = _Short(6), _Short(1)
 
 @recursive_repr()  # "..." for a record that holds itself
 def short_repr(record: Any) -> str:
-    """One line, ``Name(field=value, ...)``, of at most `LONGEST_REPR` letters.
+    """Return ``Name(field=value, ...)`` in at most `LONGEST_REPR` letters.
 
     Where all is too much, records in it show their names, numbers four digits, and as many fields
     are shown as there is room for.

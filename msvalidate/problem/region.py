@@ -1,4 +1,4 @@
-"""Where on a body: parts of it by coordinates, along a straight line, or by facets of a mesh."""
+"""Regions of a body, given by coordinates, by a line segment or by mesh facets."""
 
 from __future__ import annotations
 
@@ -17,13 +17,27 @@ from msvalidate.problem.shapes import FACETS, facet_areas, is_on_any
 
 @dataclass(frozen=True)
 class Region:
-    """The points of a body with given coordinates: a point, an edge, a face or a part of one.
+    """Points of a body with given coordinates: a point, edge, face or part of one.
 
     Parameters
     ----------
     extent
-        One entry per axis: a coordinate (m), a closed interval ``(low, high)`` (m), or None where
-        any coordinate will do.
+        One entry per axis: a coordinate (m), a closed interval ``(low, high)`` (m), or None for any
+        coordinate.
+
+    Raises
+    ------
+    ProblemError
+        If it is not a tuple of 2 or 3 such entries, or an interval does not have low < high.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import Region
+    >>> lower_half_of_left_side = Region((0.0, (0.0, 0.5)))
+    >>> points = np.array([[0.0, 0.2], [0.0, 0.8], [0.1, 0.2]])
+    >>> lower_half_of_left_side.select(points, tolerance=1e-9).tolist()
+    [True, False, False]
     """
 
     extent: tuple[float | tuple[float, float] | None, ...]
@@ -58,17 +72,17 @@ class Region:
 
     @property
     def is_facet(self) -> bool:
-        """Whether it is part of a side: an edge in the plane, a face in space."""
+        """True if the region is part of an edge (2D) or face (3D)."""
         return len(self.normal_axes) == 1
 
     @property
     def normal_axes(self) -> tuple[int, ...]:
-        """The axes along which the region has no extension: one for a face, d for a point."""
+        """Axes along which the region is flat: one for a face, d for a point."""
         flat = [a for a, e in enumerate(self.extent) if not (e is None or isinstance(e, tuple))]
         return tuple(flat)
 
     def select(self, points: Array, tolerance: float) -> Mask:
-        """Mask (n,) of the points (n, d) that lie in the region to within `tolerance` (m)."""
+        """Mask (n,) of the points (n, d) in the region, within `tolerance` (m)."""
         chosen = np.ones(len(points), dtype=bool)
         for x, entry in zip(points.T, self.extent, strict=True):
             if entry is not None:
@@ -77,7 +91,7 @@ class Region:
         return chosen
 
     def on_rim(self, points: Array, tolerance: float) -> Mask:
-        """Mask (n,) of the points (n, d) of the region where an interval of it ends."""
+        """Mask (n,) of the points (n, d) at the ends of the region's intervals."""
         near = np.zeros(len(points), dtype=bool)
         for x, entry in zip(points.T, self.extent, strict=True):
             if isinstance(entry, tuple):
@@ -85,7 +99,9 @@ class Region:
         return near & self.select(points, tolerance)
 
     def overlaps(self, low: Array, high: Array, tolerance: float) -> Mask:
-        """Mask (n,) of the boxes with ends (n, d) in m that share more than a rim with the region.
+        """Mask (n,) of the boxes that overlap the region by more than a rim.
+
+        The boxes have low and high ends (n, d) in m.
 
         Along the axes where it is flat, whatever they have.
         """
@@ -100,7 +116,10 @@ class Region:
         return np.array(list(product(*self._bounds(span))))
 
     def measure(self, span: Span) -> float:
-        """Length, area or volume (m, m², m³) of the region in a body of this span; 1 of a point."""
+        """Length (m), area (m²) or volume (m³) of the region; 1 for a point.
+
+        The span is that of the body.
+        """
         return math.prod(ends[1] - ends[0] for ends in self._bounds(span) if len(ends) == 2)
 
     def _bounds(self, span: Span) -> list[tuple[float, ...]]:
@@ -114,7 +133,13 @@ class Region:
 
 @dataclass(frozen=True)
 class Segment:
-    """The points of a plane body on the straight line between two places (m) of two coordinates."""
+    """Straight line segment between two points of a 2D body.
+
+    Parameters
+    ----------
+    start, end
+        Coordinates (m) of its ends, two each.
+    """
 
     start: tuple[float, float]
     end: tuple[float, float]
@@ -138,7 +163,7 @@ class Segment:
         return f"(({x0:g}, {y0:g}) to ({x1:g}, {y1:g}))"
 
     def select(self, points: Array, tolerance: float) -> Mask:
-        """Mask (n,) of the points (n, 2) that lie on the segment to within `tolerance` (m)."""
+        """Mask (n,) of the points (n, 2) on the segment, within `tolerance` (m)."""
         start = np.array(self.start)
         along = np.array(self.end) - start
         length = float(np.linalg.norm(along))
@@ -159,10 +184,17 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The points of some facets of a mesh: a part of its surface that has a name for messages.
+    """Facets of a mesh that form a named part of its surface.
 
-    `Mesh.side` makes it. `places` (f, k, d) in m are the nodes of each facet: corners, mid-sides,
-    middle. They run counter-clockwise as seen from outside, in the plane round the body.
+    `Mesh.side` returns one.
+
+    Parameters
+    ----------
+    name
+        Name in messages.
+    places
+        Nodes (m) of each facet, shape (f, k, d): corners, mid-side nodes, centre node. They run
+        counter-clockwise as seen from outside; in 2D the body is on the left.
     """
 
     name: str
@@ -187,7 +219,10 @@ class Boundary:
         return int(self.places.shape[2])
 
     def select(self, points: Array, tolerance: float) -> Mask:
-        """Mask (n,) of the points (n, d) on the facets, bent or not, to within `tolerance` (m)."""
+        """Mask (n,) of the points (n, d) on the facets, within `tolerance` (m).
+
+        The facets may be curved.
+        """
         shape = FACETS[self.dim, self.places.shape[1]]
         return is_on_any(shape, self.places, np.asarray(points), tolerance)
 

@@ -1,4 +1,4 @@
-"""Shapes of cells and of their facets: reference nodes, maps, areas and where a place lies.
+"""Shapes of cells and facets: reference nodes, maps, areas and point location.
 
 Nodes are numbered as in VTK (and meshio): corners, mid-sides, middles of faces, the middle.
 """
@@ -17,17 +17,16 @@ from msvalidate.problem.arrays import Array, Index, Mask
 from msvalidate.problem.records import dataclass
 
 GAUSS = {1: 11, 2: 6}
-"""Gauss points along each axis of an edge and of a face: what quadratic cells enclose, whose
-integrands are of degree 5 at most, comes out exact; an edge bent by a quarter of its length is
-measured to 1e-10."""
+"""Gauss points along each axis of an edge and of a face.
+
+Volumes of quadratic cells (degree 5) are then exact; a strongly curved edge is accurate to 1e-10.
+"""
 NEWTON_STEPS = 30
-"""Steps within which the place in a cell that is mapped to a point is found: straight simplices
-take one, others five."""
+"""Maximum number of Newton steps for the inverse map of a cell."""
 AT_REST, SINGULAR = 1e-12, 1e-15
-"""A step, in the unit cell, far below where two places are one; and the part of a map's squared
-slopes that is added to them, so that a place where the map has no inverse raises no error."""
+"""Convergence limit of the inverse map in the unit cell, and its regularisation."""
 AT_ONCE = 20_000
-"""Pairs of a point and a cell that are looked into at once: 27 nodes of each take 40 MB."""
+"""Number of pairs of points and cells per batch (40 MB with 27 nodes)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +59,12 @@ class Shape:
 
     @property
     def dim(self) -> int:
-        """Number of axes of the unit cell: 1 of an edge, 2 of a face, 3 of a solid."""
+        """Number of axes of the unit cell: 1 (edge), 2 (face) or 3 (solid)."""
         return int(self.nodes.shape[1])
 
     @cached_property
     def facets(self) -> Index:
-        """Nodes (facets, k) of each facet, corners first, in the order of the facet's own shape."""
+        """Nodes (facets, k) of each facet, corners first, in the order of its shape."""
         ring = np.array(self.rings)
         if self.degree == 1:
             return ring
@@ -123,7 +122,7 @@ class Shape:
 
     @cached_property
     def bulge(self) -> float:
-        """How far its map reaches beyond its nodes at most, as a multiple of their distance.
+        """Largest distance of the map beyond its nodes, as a multiple of their distance.
 
         The largest sum of the shape functions' magnitudes (Lebesgue's constant), from any place:
         5/4 on a line with a middle, 3 in a square without.
@@ -240,13 +239,15 @@ SHAPES = {
 CELLS = tuple(name for name, shape in SHAPES.items() if shape.dim > 1)
 """Names of what a mesh may consist of."""
 FACETS = {(shape.dim + 1, len(shape.nodes)): shape for shape in SHAPES.values() if shape.dim < 3}
-"""The shape of a facet by the body's number of axes and the facet's number of nodes."""
+"""Shape of a facet by (number of axes, number of nodes)."""
 STRAIGHT = {(shape.dim, shape.corners): shape for shape in SHAPES.values() if shape.degree == 1}
 """The shape of straight cells by their number of axes and of corners."""
 
 
 def map_facets(places: Array, at: Array) -> tuple[Array, Array]:
-    """Where places of the unit facet are mapped (f, q, d) in m, and area vectors outwards there.
+    """Map positions of the unit facet to facets, with outward area vectors.
+
+    Both are (f, q, d): positions in m, area vectors in m or m².
 
     The places are (q, e), or (f, q, e) for each of the facets (f, k, d) in m, whose nodes run
     counter-clockwise as seen from outside, in the plane round the body. Vectors are in m or m².
@@ -261,7 +262,9 @@ def map_facets(places: Array, at: Array) -> tuple[Array, Array]:
 
 
 def area_vectors(places: Array) -> tuple[Array, Array]:
-    """Gauss points (f, q, d) in m of facets with nodes (f, k, d), and area vectors outwards there.
+    """Compute Gauss points (f, q, d) in m of facets and their outward area vectors.
+
+    The facets have nodes (f, k, d) in m.
 
     The vectors (f, q, d), in m or m², hold the weights: they sum to integrals.
     """
@@ -271,20 +274,23 @@ def area_vectors(places: Array) -> tuple[Array, Array]:
 
 
 def enclosed_volume(places: Array) -> float:
-    """Area (m²) or volume (m³) within facets (f, k, d) that close: ∮ x·n dA / d (Gauss), exact."""
+    """Compute the area (m²) or volume (m³) that closed facets (f, k, d) enclose.
+
+    It is ∮ x·n dA / d by the divergence theorem, and exact.
+    """
     middle = places.mean(axis=(0, 1))
     x, normal = area_vectors(places - middle)
     return float(np.einsum("fqd,fqd->", x, normal) / places.shape[2])
 
 
 def facet_areas(places: Array) -> Array:
-    """Length (m) or area (m²) of each of some facets (f, k, d), bent ones by Gauss's rule."""
+    """Compute the length (m) or area (m²) of facets (f, k, d) by Gauss quadrature."""
     _, normal = area_vectors(places)
     return np.asarray(np.linalg.norm(normal, axis=2).sum(axis=1))
 
 
 def facet_middles(places: Array) -> Array:
-    """The place (f, d) in m that the middle of the unit facet is mapped to, of facets (f, k, d)."""
+    """Midpoints (f, d) in m of facets (f, k, d), straight or curved."""
     shape = FACETS[places.shape[2], places.shape[1]]
     return np.asarray((shape.values(shape.middle[None]) @ places)[:, 0])
 
@@ -292,7 +298,9 @@ def facet_middles(places: Array) -> Array:
 def incident_pairs(
     shape: Shape, places: Array, points: Array, tolerance: float
 ) -> tuple[Index, Index]:
-    """Pairs (p,), (p,) of a cell or facet (f, k, d) and a point (n, d) within `tolerance` (m).
+    """Find the pairs of a cell or facet and a point within `tolerance` (m).
+
+    The cells or facets have nodes (f, k, d), the points are (n, d); the pairs are two arrays (p,).
 
     A tree of the points names those near each cell; Newton's steps then look for the place of the
     unit cell that is mapped there (Gauss's and Newton's where a facet has fewer axes than space).
@@ -313,7 +321,9 @@ def incident_pairs(
 
 
 def weights_at(shape: Shape, places: Array, points: Array, tolerance: float) -> tuple[Index, Array]:
-    """A cell (n,) of some (c, k, d) for each point (n, d), -1 where none, and its shape functions.
+    """Find the cell (n,) of each point, or -1, and its shape functions there.
+
+    The cells have nodes (c, k, d), the points are (n, d), both in m.
 
     These are (n, k), at the place of the cell that is mapped to the point.
     """
@@ -327,14 +337,19 @@ def weights_at(shape: Shape, places: Array, points: Array, tolerance: float) -> 
 
 
 def is_on_any(shape: Shape, places: Array, points: Array, tolerance: float) -> Mask:
-    """Mask (n,) of points (n, d) within `tolerance` (m) of some cells or facets (f, k, d)."""
+    """Mask (n,) of the points within `tolerance` (m) of any cell or facet.
+
+    The points are (n, d), the cells or facets (f, k, d), in m.
+    """
     found = np.zeros(len(points), dtype=bool)
     found[incident_pairs(shape, places, points, tolerance)[1]] = True
     return found
 
 
 def project_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
-    """Places (n, e) of the unit facet nearest to points (n, d) in m, and distances (n,) in m.
+    """Project points on facets: coordinates (n, e) in the unit facet and distances.
+
+    The points are (n, d), the distances (n,), in m.
 
     Each point has a facet of its own, with nodes (n, k, d) in m.
     """

@@ -1,4 +1,4 @@
-"""Problem: a body, what it is made of, how it is held, what acts on it and what it may touch."""
+"""Boundary value problem: domain, material, supports, loads and contacts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from msvalidate.problem.contact import Contact
 from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.loads import BodyForce, Load, Traction, Weight, check_region, check_vector
-from msvalidate.problem.material import Material
+from msvalidate.problem.material import Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.records import dataclass, field
@@ -29,15 +29,29 @@ from msvalidate.problem.zone import Zone, refuse_other_state
 
 @dataclass(frozen=True)
 class Support:
-    """Displacement components prescribed on a region.
+    """Prescribed displacement components on a region: a Dirichlet boundary condition.
 
     Parameters
     ----------
     region
-        Where.
+        Part of the body: a point, edge, face or interval as `Region`, a segment, or a named
+        boundary of a `Mesh`.
     displacement
-        One entry per axis: a value (m), a field of points (n, d) -> (n,) (m), or None where the
-        body is free to move.
+        One entry per axis: a value (m), a function of points (n, d) in m that returns (n,) in m, or
+        None for a free component.
+
+    Raises
+    ------
+    ProblemError
+        If it is not a tuple with one entry per axis, every entry is None, or a value is not a
+        finite number.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Support
+    >>> box = Box((0.4, 0.1))
+    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> roller = Support(box.side("bottom"), (None, 0.0))
     """
 
     region: Part
@@ -64,27 +78,48 @@ class Support:
                 )
 
 
+SLIGHT = 1e-8
+"""Indentation relative to the body from which rounding of gaps leaves it seven digits."""
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A body with its material, supports and loads.
+    """Boundary value problem: a body with its material, supports, loads and contacts.
 
     Parameters
     ----------
-    domain, material
-        The body, and what it is of but for its zones.
-    supports, loads
-        How it is held, and what acts on it.
+    domain
+        The body: a `Box`, `Polygon` or `Mesh`.
+    material
+        Material of the body outside its zones, `Isotropic` or `Anisotropic`.
+    supports
+        Prescribed displacements, a tuple of `Support` (Dirichlet boundary conditions).
+    loads
+        Tuple of `PointForce`, `Traction`, `BodyForce` and `Weight`.
     name
-        What messages call it.
+        Name of the problem in messages.
     zones
-        Parts of another material; of several that hold a place the last one counts.
+        Parts of other materials, a tuple of `Zone`. Where zones overlap, the last one counts.
     contacts
-        What it may touch.
+        Rigid obstacles that the body may touch.
 
     Raises
     ------
     ProblemError
-        If the parts do not fit together. A body may be free to move: `refuse_free_body`.
+        If the parts do not fit together, such as a 3D material in a 2D domain or a load off the
+        body. Rigid-body motion is not excluded here: see `refuse_free_body`.
+
+    Examples
+    --------
+    >>> from msvalidate import Box, Isotropic, Problem, Support, Traction
+    >>> beam = Box((0.4, 0.1))
+    >>> problem = Problem(
+    ...     domain=beam,
+    ...     material=Isotropic(E=1e5, nu=1 / 3, thickness=0.2),
+    ...     supports=(Support(beam.side("left"), (0.0, 0.0)),),
+    ...     loads=(Traction(beam.side("right"), (0.0, -10.0)),),
+    ... )
+    >>> problem.refuse_free_body()  # raises ProblemError if the body could move rigidly
     """
 
     domain: Domain
@@ -129,14 +164,31 @@ class Problem:
             corners = corners_of(contact.region, self.domain)
             _refuse_off_side("contact", contact.region, self.domain, corners)
             _refuse_centre_inside(contact, self.domain)
-        self._held_corners()
+        self._support_corners()
 
     @property
     def materials(self) -> tuple[Material, ...]:
         """The body's material, then that of each zone."""
         return (self.material, *(zone.material for zone in self.zones))
 
-    def _held_corners(self) -> tuple[Array, Mask]:
+    def refuse_slight_force(self) -> None:
+        """Raise `ProblemError` if rounding of gaps hides what an obstacle's force indents.
+
+        Of problems without an answer: near the surface smaller forces have one.
+        """
+        length = float(np.ptp(self.domain.span, axis=1).max())
+        side = length if self.domain.dim == 3 else self.material.thickness
+        E = (m.E if isinstance(m, Isotropic) else float(np.abs(m.C).max()) for m in self.materials)
+        stiffness = max(E) * side
+        for contact in self.contacts:
+            if contact.force is not None and contact.force < SLIGHT * stiffness * length:
+                raise ProblemError(
+                    f"contact on {contact.region}: {contact.force:g} N indent the body by about "
+                    f"{contact.force / stiffness:.1g} m, which rounding of the gaps hides; take "
+                    f"{2 * SLIGHT * stiffness * length:.1g} N or more"
+                )
+
+    def _support_corners(self) -> tuple[Array, Mask]:
         """Corners of the supported regions and the components held there.
 
         A rigid motion is affine, so it vanishes on a region when it vanishes on its corners.
@@ -155,11 +207,11 @@ class Problem:
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
 
     def refuse_free_body(self) -> None:
-        """Raise `ProblemError` if the supports leave the body, or a piece of it, a rigid motion.
+        """Raise `ProblemError` if the body, or a piece of it, can move rigidly.
 
         The message names each. What solves for rest asks it before it meshes.
         """
-        refuse_free_motions(self.name, *self._held_corners())
+        refuse_free_motions(self.name, *self._support_corners())
         mesh = self.domain
         if not isinstance(mesh, Mesh) or not mesh.pieces.any():
             return
@@ -275,7 +327,7 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
 
 
 def _component_values(name: str, entry: float | Field, points: Array) -> Array:
-    """One displacement component at the points: a field evaluated, a number repeated."""
+    """Evaluate a prescribed displacement component at the points: a field or a number."""
     if not callable(entry):
         return np.full(len(points), float(entry))
     values = finite_coordinates(name, entry(points))

@@ -1,4 +1,4 @@
-"""Parts of a body that are of another material: zones, and the regions that they take."""
+"""Zones, the regions of a body that consist of another material."""
 
 from __future__ import annotations
 
@@ -23,9 +23,27 @@ from msvalidate.problem.shapes import CELLS, FACETS, SHAPES, is_on_any
 
 @dataclass(frozen=True)
 class Ball:
-    """The points within a distance of a place: a disc in the plane, a ball in space.
+    """Disc (2D) or ball (3D), the region of a `Zone`.
 
-    The centre has two or three coordinates in m, the radius is in m.
+    Parameters
+    ----------
+    centre
+        Coordinates (m) of the centre, d = 2 or 3 of them.
+    radius
+        Radius (m), > 0.
+
+    Raises
+    ------
+    ProblemError
+        If the centre is not a tuple of 2 or 3 coordinates, or the radius is not positive.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from msvalidate import Ball
+    >>> disc = Ball(centre=(0.5, 0.5), radius=0.2)
+    >>> disc.select(np.array([[0.5, 0.6], [0.9, 0.9]]), tolerance=1e-9).tolist()
+    [True, False]
     """
 
     centre: tuple[float, ...]
@@ -49,7 +67,7 @@ class Ball:
         return len(self.centre)
 
     def depth(self, points: Array) -> Array:
-        """How far (n,) in m points (n, d) lie inside; below zero outside."""
+        """Depth (n,) in m of the points (n, d) below the surface, negative outside."""
         return np.asarray(self.radius - np.linalg.norm(points - np.array(self.centre), axis=1))
 
     def select(self, points: Array, tolerance: float) -> Mask:
@@ -61,17 +79,25 @@ class Ball:
         return np.asarray(np.abs(self.depth(points)) <= tolerance)
 
     def meets(self, span: Span) -> bool:
-        """Whether it shares more than a rim with the box round a body."""
+        """Return True if the ball overlaps the bounding box of a body."""
         low, high = np.array(span).T
         return bool(self.depth(np.clip([self.centre], low, high))[0] > 0)
 
 
 @dataclass(frozen=True, eq=False)
 class CellSet:
-    """The points of some cells of a mesh that have a name; `Mesh.zone` makes it.
+    """Named cells of a mesh, as the region of a `Zone`; `Mesh.zone` returns one.
 
-    Messages call it by the name. The cells have a `shape` of `SHAPES` and nodes `places` (c, k, d)
-    in m; `rim` (f, k, d) are those of the facets that are the side of one of these cells alone.
+    Parameters
+    ----------
+    name
+        Name in messages.
+    shape
+        Cell shape, a name in `SHAPES`.
+    places
+        Nodes (m) of the cells, shape (c, k, d).
+    rim
+        Nodes (m) of the facets that belong to only one of these cells, shape (f, k, d).
     """
 
     name: str
@@ -111,15 +137,27 @@ class CellSet:
 
 @dataclass(frozen=True)
 class Zone:
-    """A part of a body that is of another material than the rest.
+    """Region of a body that consists of a different material.
 
     Parameters
     ----------
     region
-        A `Region` of intervals, such as Region(((0.0, 0.5), None)), a `Ball`, or cells of a mesh
-        that have a name, mesh.zone(name).
+        A `Region` with an extent along each axis, such as Region(((0.0, 0.5), None)); a `Ball`; or
+        named cells of a mesh, `Mesh.zone`.
     material
-        Its own. State and thickness are those of the body.
+        Material of the zone. `Problem` requires the state and thickness of the body's material.
+
+    Raises
+    ------
+    ProblemError
+        If the region is flat along an axis, or material and region differ in dimension.
+
+    Examples
+    --------
+    >>> from msvalidate import Isotropic, Region, Zone
+    >>> stiff_half = Zone(Region(((0.5, 1.0), None)), Isotropic(E=1e6, nu=0.3))
+    >>> stiff_half.region.dim
+    2
     """
 
     region: Region | Ball | CellSet

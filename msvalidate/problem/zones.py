@@ -1,4 +1,4 @@
-"""Which material is where: of each place, and of each cell, in a body with zones."""
+"""Material of each point and of each cell in a body with zones."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from msvalidate.problem.statement import Problem
 from msvalidate.problem.zone import Ball, CellSet, Zone
 
 SAMPLES = 6
-"""Places along each axis of a cell at which a ball is looked for that no corner lies in."""
+"""Sample points along each axis of a cell, to detect a ball between its corners."""
 INSIDE = 1e-4
-"""Part of a cell from its side on which a place lies inside it."""
+"""Relative distance from the side of a cell from which a point is inside."""
 AT_ONCE = 5_000
 """Cells looked into at once: 216 places in each take 25 MB."""
 
@@ -39,7 +39,9 @@ def materials_at(problem: Problem, places: Array) -> Index:
 
 
 def materials_of_cells(problem: Problem, places: Array, shape: Shape) -> Index:
-    """Number (c,) of the material of cells (c, k, d) in m, an index into `Problem.materials`.
+    """Index (c,) into `Problem.materials` of the material of each cell.
+
+    The cells have corners (c, k, d) in m.
 
     Where corners of straight cells lie on a ball, its outline is the cells', which has an area or a
     volume that is less by second order in their size.

@@ -23,7 +23,7 @@ MOST_TURNS = 40
 PATIENCE = 8
 """Turns in which the least movement so far must have come down: past a largest voltage it stays."""
 SHORTENINGS = 4
-"""Times that a step is halved towards the last point that had an image."""
+"""Maximum number of bisections of a step towards the last valid point."""
 ALIKE = 1e-8
 """Relative size below which a difference counts as linearly dependent on the others."""
 
@@ -32,7 +32,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class StaggeredResult(Generic[T]):
-    """How a fixed point was found.
+    """Result of a fixed-point iteration.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from reference_fem.electric.mesh import SlabMesh
 Far = Literal["natural", "floating"]
 FAR: tuple[Far, ...] = ("natural", "floating")
 SAME = 1e-9
-"""Part of a distance by which two are told apart."""
+"""Relative difference of equal distances."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ LEAST_KNOWN = 1e-6
 
 
 def no_nodes() -> Index:
-    """Of a medium in which no conductor floats."""
+    """Empty node array, for a medium without a floating conductor."""
     return np.zeros(0, dtype=np.intp)
 
 
@@ -142,7 +142,7 @@ class Dielectric:
 
     @cached_property
     def _share(self) -> float:
-        """What a correction leaves."""
+        """Relative error that a correction leaves."""
         moves = ~self.held
         moves[self.floating] = False
         return share_left(self._charge, self._inverse, self.body.points, moves, 1)

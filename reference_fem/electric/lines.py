@@ -1,4 +1,4 @@
-"""Where the lines of a slab's mesh stand: graded to edges of electrodes and corners of the slab.
+"""Grid lines of a slab's mesh, graded to electrode edges and slab corners.
 
 At an edge of an electrode the potential goes as √r. Elements of degree p keep their order there if
 lines stand at distances s^g from it, s evenly spaced, with g > 2p in theory

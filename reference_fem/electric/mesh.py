@@ -205,7 +205,7 @@ def move_air(mesh: SlabMesh, displacement: Array) -> SlabMesh:
 
 
 def _orient_outline(mesh: SlabMesh, points: Array, u: Array) -> str:
-    """Which cell a displacement (m, 2) has turned inside out, and what to do."""
+    """Describe the inverted cell under a displacement (m, 2), and a remedy."""
     kind, cells = mesh.body.element, mesh.body.cells
     swelling = mesh.body.swelling(points)
     if (swelling[mesh.inside] <= 0).any():  # the air only follows
@@ -221,7 +221,10 @@ def _orient_outline(mesh: SlabMesh, points: Array, u: Array) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Follow:
-    """How the air follows the slab: K_aa u_a = -K_as u_s, `link` being K_as."""
+    """Motion of the air mesh with the slab: K_aa u_a = -K_as u_s.
+
+    `link` is K_as.
+    """
 
     factor: Callable[[Array], Array]
     link: csr_matrix

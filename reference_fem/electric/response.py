@@ -1,4 +1,4 @@
-"""What Maxwell's forces do to a slab that is bonded to a rigid base, for small displacements."""
+"""Small displacements of a bonded slab under Maxwell forces."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ class Slab:
 
     @property
     def voltages(self) -> tuple[float, ...]:
-        """Of the electrodes (V)."""
+        """Voltages (V) of the electrodes."""
         return tuple(electrode.voltage for electrode in self.electrodes)
 
     def level(self, side: Side) -> float:

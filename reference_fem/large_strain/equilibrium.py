@@ -38,10 +38,12 @@ FEW = 5
 """Newton steps up to which the next part of the load is made twice as large."""
 LEAST_PART = 2.0**-10
 SHORTENINGS = 8
-"""Times that a step may be halved before the part of the load is."""
+"""Maximum number of bisections of a Newton step before the load step is reduced."""
 DESCENT = 0.8
-"""Of the slope of the energy along a step, what may be left at its end: above it, the step went too
-far or turned back ([Crisfield1991], section 9.2)."""
+"""Largest relative slope of the energy at the end of a step.
+
+Above it the step is too long or changes direction ([Crisfield1991], section 9.2).
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +160,7 @@ def deform(
 
 @dataclass(frozen=True)
 class _Steps:
-    """How to go about a load: its first part, its least, and the residual to stop at."""
+    """Load steps: first and smallest fraction, and the tolerance of the residual."""
 
     first: float
     least: float
@@ -264,7 +266,7 @@ def _largest_strain(solid: Solid, step: Array) -> float:
 
 
 def _is_stable(solid: Solid, u: Array) -> bool:
-    """Whether the tangent at u (n, d) in m is positive."""
+    """Return True if the tangent at u (n, d) in m is positive definite."""
     nothing = np.zeros(u.shape)
     step, negative, _ = _step(solid, u, nothing, nothing)
     return step is not None and not negative

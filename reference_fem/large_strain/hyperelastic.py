@@ -32,7 +32,7 @@ from msvalidate.problem.records import dataclass
 
 
 class Law(Protocol):
-    """What a body at large strain needs to know of its material."""
+    """Interface of a hyperelastic law."""
 
     @property
     def dim(self) -> int:

@@ -24,7 +24,7 @@ from reference_fem.systems.direct import elimination_order
 from reference_fem.systems.solver import refuse_no_mask
 
 ROUNDED = 4 * float(np.finfo(float).eps)
-"""Of a displacement, what its storing and the differences of a few of them may lose."""
+"""Relative rounding of a displacement and of differences of a few of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ class Solid:
         return components.reshape(self.held.shape[::-1]).T
 
     def is_upright(self, displacement: Array) -> bool:
-        """Whether det F > 0 at all integration points."""
+        """Return True if det F > 0 at all integration points."""
         return bool((np.linalg.det(self.gradient(displacement)) > 0).all())
 
     def turned(self, displacement: Array) -> int | None:

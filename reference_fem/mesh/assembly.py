@@ -41,7 +41,7 @@ class SparsityPattern:
 
     @property
     def nodes(self) -> int:
-        """How many nodes there are."""
+        """Number of nodes."""
         return len(self.start) - 1
 
     def matrix(self, entries: Array) -> csr_matrix:

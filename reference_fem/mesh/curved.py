@@ -20,11 +20,11 @@ from reference_fem.mesh.maps import determinant
 STRAIGHT = 1e-8
 """Nodes this close to their places on straight edges, relative to the cell, are on them."""
 ROUNDING = 1e-14
-"""What coordinates do not resolve, relative to the largest."""
+"""Relative rounding of coordinates."""
 FLAT = 1e-12
 """Jacobian relative to the lengths of the cell's edges, at or below which it is none."""
 HALVINGS = 5
-"""How often each axis of a cell is halved until its Jacobian is known to be above zero."""
+"""Maximum number of bisections per axis to prove a positive Jacobian."""
 CELLS_AT_ONCE = 10_000
 """A hexahedron's Jacobian is sampled at 216 points: 20 kB."""
 
@@ -108,7 +108,7 @@ class _Bernstein:
 
 @cache
 def _bernstein(name: str) -> _Bernstein:
-    """Of an element of degree p.
+    """Bernstein matrices for the Jacobian of an element of degree p.
 
     Each column of the map's derivative is one degree lower along its own axis, so that the product
     of d has degree pd - 1 along each axis of the unit cube; over the unit simplex it has (p - 1) d.
@@ -141,7 +141,7 @@ def _polynomials(powers: Index, degree: int, x: Array) -> Array:
 
 
 def _halve_cell(places: Array, simplex: bool) -> tuple[Array, Array]:
-    """Where places (n, d) of the unit cell come to lie in its halves, and in turn in theirs.
+    """Positions (n, d) of points of the unit cell in its two halves.
 
     A simplex is cut amid its first edge, and the new corner put last; a cube across its first axis,
     and the axes turned: so all sides are halved.

@@ -86,7 +86,7 @@ class Discretisation(ReadOnly):
 
     @cached_property
     def in_one_piece(self) -> bool:
-        """Whether all cells hang together by whole sides.
+        """Return True if all cells are connected through whole sides.
 
         Its cells bend for no motion but rigid ones, and two with a common side move as one: such a
         body has no mechanism, and supports that stop its rigid motions hold it.

@@ -62,7 +62,7 @@ class Element:
 
     @property
     def degree(self) -> int:
-        """Of the polynomials that it holds on parallelograms, parallelepipeds and simplices."""
+        """Polynomial degree on parallelograms, parallelepipeds and simplices."""
         return 2 if self.middles else 1
 
     @property
@@ -101,12 +101,12 @@ class Element:
 
     @property
     def simplex(self) -> bool:
-        """Whether its cells are triangles or tetrahedra."""
+        """True for triangles and tetrahedra."""
         return self.corners == self.dim + 1
 
     @property
     def locks(self) -> bool:
-        """Whether meshes too coarse for a nearly incompressible material answer wrongly.
+        """Return True if coarse meshes show volumetric locking.
 
         Of the first degree they do (`locking`); of the second they lose an order at most.
         """

@@ -1,4 +1,4 @@
-"""Which cells hold a point, and where in them: straight cells or curved, in d dimensions."""
+"""Location of points in straight or curved cells, in 2D and 3D."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from reference_fem.mesh.maps import Cells, determinant
 OUTSIDE = 1e-9
 """A point this close to the body, relative to the body's size, lies on its edge."""
 PAIRS_AT_ONCE = 1_000_000
-"""Of cells with up to eight nodes; of larger ones fewer, for the same memory."""
+"""Number of pairs of cells and points per batch, for cells of eight nodes."""
 
 
 def locate(cells: Cells, points: Array) -> tuple[Index, Array]:

@@ -12,9 +12,12 @@ from msvalidate.problem.checks import length_in_metres, refuse_too_many, require
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 
 CLEAR = 0.6
-"""Of the spacing, how far points inside keep from the outline: nearer ones make flat triangles."""
+"""Smallest distance of interior points from the outline, in spacings.
+
+Closer points make flat triangles.
+"""
 TRIES = 6
-"""Times that the points on the outline are doubled until every edge is one of the triangles'."""
+"""Maximum number of refinements of the outline until triangles contain every edge."""
 
 
 def outline_discretisation(
@@ -111,7 +114,7 @@ def _triangles(points: Array, origin: Array, outline: Polygon) -> Index:
 
 
 def _covers(points: Array, cells: Index, outline: Polygon) -> bool:
-    """Whether triangles make up the outline, each point used."""
+    """Return True if triangles fill the outline and use every point."""
     x = points[cells]
     a, b = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
     area = float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2)

@@ -18,7 +18,7 @@ from reference_fem.mesh.discretisation import Discretisation, make_discretisatio
 from reference_fem.mesh.elements import Element
 
 SEED = 20_240_229
-"""Of the numbers that nodes are told apart by."""
+"""Seed of the random numbers that identify nodes."""
 SCALE = 64
 """Nodes of children lie at multiples of a quarter along each axis: weights of corners are whole."""
 NO_SHARE = 1e-12

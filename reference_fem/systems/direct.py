@@ -82,7 +82,7 @@ def _corner_graph(body: Discretisation) -> tuple[Array, Index]:
 
 
 def favours_factor(body: Discretisation) -> bool:
-    """Whether "auto" begins with a factor."""
+    """Return True if "auto" starts with a factor."""
     return not body.in_one_piece or choose_solver(body)[0].name == "direct"
 
 

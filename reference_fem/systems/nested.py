@@ -42,12 +42,12 @@ from reference_fem.systems.solver import (
 )
 
 NESTED = "nested"
-"""What `SystemSolution.choice` says of it."""
+"""Name of this solver in `SystemSolution.choice`."""
 ERROR = 1e-10
 """Displacement that one cycle makes of the residual left, over the largest, at which to stop."""
 MOST_STEPS = 200
 PART = 1e-3
-"""Of an error, what steps leave before the residual is summed cell by cell again."""
+"""Relative error after which the residual is computed again, cell by cell."""
 SAFETY = 4.0
 """Factor on what the last cycle makes of the residual, which is less than the error left."""
 SHRINKS = 0.5

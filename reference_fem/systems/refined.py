@@ -31,8 +31,10 @@ SAFETY = 16.0
 """Factor on the larger of the last two that rounding made: one in 25 normal variables is that much
 smaller than its like."""
 LEAST = 1e-12
-"""What is rounded before there are equations: constants, points and weights of integration. It is
-in no correction, and long cells make up to 1e-12 of it before corrections tell."""
+"""Relative rounding of the equations themselves, which no correction reveals.
+
+It comes from constants, points and weights of integration; long cells have up to 1e-12.
+"""
 
 Vectors = Callable[[Array], Array]
 """Forces of unknowns, or unknowns that forces bring about; both (N,), and zero where held."""

@@ -1,4 +1,4 @@
-"""One system, many loads: the solver that size, dimension and shape of a body make the fastest."""
+"""Solver of one system for many loads, the fastest for the body."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import bsr_array, csr_matrix, issparse
 
 from msvalidate.linear_algebra import choice as limits
-from msvalidate.linear_algebra.choice import ASKED, Choice
+from msvalidate.linear_algebra.choice import QUESTIONS, Choice
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
 from msvalidate.linear_algebra.factor import (
     Factor,
@@ -65,7 +65,7 @@ ten times as long as wide 100, and nu = .499 takes 200."""
 
 @dataclass(frozen=True)
 class SystemSolution:
-    """How a system was solved.
+    """Solution statistics of a system: solver, reason, residual and error.
 
     Parameters
     ----------
@@ -251,7 +251,7 @@ class Solver:
         return self.inverse(force.T.ravel()).reshape(self.body.dim, -1).T
 
     def _remedy(self, **given: Array) -> str:
-        """What to say of a solution that fails its check."""
+        """Remedy for a solution that fails its check."""
         for name, values in {"stiffness": self.stiffness.data, **given}.items():
             if not np.isfinite(values).all():
                 return f"the {name} holds values that are not finite"
@@ -279,7 +279,7 @@ class Solver:
     def _planned(self) -> tuple[Choice, Dissection | None]:
         """The solver to begin with, and what a factor takes where that was counted."""
         if self.choice != "auto":
-            return Choice("multigrid" if self.choice == "multigrid" else "direct", ASKED), None
+            return Choice("multigrid" if self.choice == "multigrid" else "direct", QUESTIONS), None
         if not self.body.in_one_piece:
             why = "parts that hang by edges may be mechanisms, which a factor shows"
             return Choice("direct", why), None
@@ -291,12 +291,15 @@ class Solver:
 
     @property
     def _fits(self) -> bool:
-        """Whether a factor is small enough to be made where multigrid fails."""
+        """Return True if a factor fits into memory where multigrid fails."""
         return factor_entries(self.body) <= limits.MOST_IN_NEED
 
     @cached_property
     def _factor(self) -> Factor:
-        """Of the free part, in nested dissection; refused where a part moves without strain."""
+        """Factor of the free part, in nested dissection.
+
+        A part that moves without strain is refused.
+        """
         large = len(self._free) >= limits.WORTH_CHOLMOD and has_cholmod()
         best = "cholmod" if large else "superlu"
         name = best if self.choice in ("auto", "multigrid") else self.choice

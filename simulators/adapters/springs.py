@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Our own springs: a network of springs.csv, at rest or at given positions. Wants msvalidate.
 
-Law: a central force k (|d| - L0) along each spring, msvalidate/network/network.py. What solid they
-stand for is the business of whoever made springs.csv; E and nu are not read.
+Law: a central force k (|d| - L0) along each spring, msvalidate/springs/network/network.py. What
+solid they stand for is the business of whoever made springs.csv; E and nu are not read.
 
 Settings: ``geometry`` linear (default: one solve with the tangent at the points) or nonlinear
 (Newton's method, springs along their present direction).
@@ -12,9 +12,9 @@ import numpy as np
 from exchange import Refusal, cannot, refuse_unknown, run, setting
 
 import msvalidate
-from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.network import internal_force, spring_network
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 
 def answer(request):

@@ -1,4 +1,4 @@
-"""Does an actuator of springs and charges move as elasticity and electrostatics say?
+"""Dielectric elastomer actuator of springs and charges
 
 The report ends with a dielectric elastomer actuator: charges on the springs of a slab's faces,
 Coulomb's law between them, and its Figure 8, "to be compared with FEM later". One question a file:
@@ -21,7 +21,7 @@ from functools import partial
 
 from msvalidate import kit
 
-from . import air, controls, figure8, permittivity, prestretched, profile
+from . import actuator_controls, air, figure8, permittivity, prestretched, profile
 from .bodies import ActuatorSolver, linear_response, springs
 
 ASKED = {
@@ -33,7 +33,7 @@ ASKED = {
 """Question -> who answers it for a candidate. `air` is asked of linear responses."""
 STRETCHED = "half of the electrodes' force in a stretched film"
 FAULTS = {
-    name: {"candidate": controls.KINDS[kind].spoilt(size), "questions": (question,)}
+    name: {"candidate": actuator_controls.KINDS[kind].spoilt(size), "questions": (question,)}
     for name, kind, size, question in (
         ("half of the electrodes' force", "forces smaller", 0.5, "profile"),
         ("forces of the face across", "forces of the other face", 1.0, "profile"),
@@ -66,4 +66,6 @@ def run(
     candidate = kit.check_actuator(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     asked |= {"air": partial(linear, setting=setting)}
-    return kit.gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)
+    return kit.gather_evidence(
+        asked | {"controls": partial(actuator_controls.run, setting)}, questions
+    )

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.stiffness import moduli
 from msvalidate.dielectric.actuator import Actuator, at_voltage, slab
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.lattice import square
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.constants.stiffness import moduli
+from msvalidate.springs.lattice import square
+from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem import facing_slab, respond, slab_mesh, solve_charges
 
 LENGTH, HEIGHT = 60.0, 10.0

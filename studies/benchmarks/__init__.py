@@ -1,4 +1,4 @@
-"""The classic benchmarks of elasticity: how near do springs and elements come to them?
+"""Classic benchmarks of elasticity
 
 Every table of a benchmark has the layout of `cases`: the value, the accepted one and its source,
 the differences, an uncertainty, and the order with which the mesh takes them away. One question a
@@ -31,10 +31,10 @@ from functools import partial
 from msvalidate import kit
 
 from . import (
+    benchmarks_controls,
     bending,
     cantilever,
     cases,
-    controls,
     cook,
     ellipse,
     from_file,
@@ -50,7 +50,7 @@ from . import (
     three_point,
 )
 
-FAULTS = controls.FAULTS
+FAULTS = benchmarks_controls.FAULTS
 """Negative controls: arguments of `run` under which a tolerance must fail, asked of the question
 that should notice."""
 ASKED = (

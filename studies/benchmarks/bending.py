@@ -29,8 +29,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.constants.stiffness import in_plane_moduli
-from msvalidate.lattice import square
+from msvalidate.springs.constants.stiffness import in_plane_moduli
+from msvalidate.springs.lattice import square
 
 from . import cases, models
 

@@ -28,7 +28,7 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.lattice import square
+from msvalidate.springs.lattice import square
 
 from . import cases, models
 

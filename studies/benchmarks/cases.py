@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from reference_fem.closing_in import close_in_each
+from reference_fem.richardson import extrapolate_each
 
 ROUNDING = 1e-10
 """Relative difference below which a value is exact: 1e-16 times a condition number of up to 1e6."""
@@ -120,7 +120,7 @@ def uncertainty(cells: Sequence[int], values: Sequence[float]) -> float | str:
     if at < 3 or cells[at - 3] * 4 != cells[at - 1] or cells[at - 2] * 2 != cells[at - 1]:
         return "none"
     rows = [np.array([value]) for value in values[:at]]
-    estimate = close_in_each(rows, int(cells[at - 1]), PLAUSIBLE[1])
+    estimate = extrapolate_each(rows, int(cells[at - 1]), PLAUSIBLE[1])
     return float(abs(estimate.uncertainty[0] / rows[-1][0]))
 
 

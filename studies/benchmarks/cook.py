@@ -27,12 +27,12 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.cut_network import cut_network
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.lattice import cut_lattice, mesh_lattice, patterns
-from msvalidate.lattice.edges import EdgeLattice
-from msvalidate.statics.stress import fitted_stress
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.springs.bodies.cut_network import cut_network
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import cut_lattice, mesh_lattice, patterns
+from msvalidate.springs.lattice.edges import EdgeLattice
+from msvalidate.springs.statics.stress import fitted_stress
 from reference_fem.elasticity import elastic_tensor
 from reference_fem.mesh.outlines import outline_discretisation
 

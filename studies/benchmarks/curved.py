@@ -1,9 +1,9 @@
 """Curved outlines: bodies solved by quadratic elements and by lattices cut to the outline.
 
-Springs are cells of the square lattice, cut by the outline (`msvalidate.lattice.cut`), with an
+Springs are cells of the square lattice, cut by the outline (`springs.lattice.cut`), with an
 energy of the cells' volumes where nu is not 1/3. A network's stress at its outline is that of a
-polynomial through the displacements near by (`statics.stress.fitted_stress`): a quadratic one,
-whose own error has order 2, and a quartic one, which leaves the network's error.
+polynomial through the displacements near by (`springs.statics.stress.fitted_stress`): a quadratic
+one, whose own error has order 2, and a quartic one, which leaves the network's error.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.cut_network import cut_network
-from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.lattice import Pattern, patterns
-from msvalidate.lattice.cut import CutLattice, cut_lattice
-from msvalidate.statics.stress import fitted_stress, interior_points
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.cut_network import cut_network
+from msvalidate.springs.constants.stiffness import CAUCHY
+from msvalidate.springs.lattice import Pattern, patterns
+from msvalidate.springs.lattice.cut import CutLattice, cut_lattice
+from msvalidate.springs.statics.stress import fitted_stress, interior_points
 
 from . import models
 from .shapes import PatchMesh

@@ -17,7 +17,7 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.mesh_file import read_mesh
+from msvalidate.springs.bodies.mesh_file import read_mesh
 
 from . import cases, curved, models
 from .patch_bodies import MODULUS, PATCH, THICKNESS

@@ -24,11 +24,11 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.case.building import build_case
-from msvalidate.case.reading import parse_source
-from msvalidate.constants.zones import calibrate_zones
-from msvalidate.lattice import Lattice, fill, mesh_lattice, patterns
+from msvalidate.case.file.building import build_case
+from msvalidate.case.file.reading import parse_source
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.zones import calibrate_zones
+from msvalidate.springs.lattice import Lattice, fill, mesh_lattice, patterns
 from msvalidate_check import ElasticCase, FieldVerdict, case_names, check, elastic_case
 from msvalidate_check.case_set import case_facts
 

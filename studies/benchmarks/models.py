@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.lattice import Lattice
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import CAUCHY
+from msvalidate.springs.lattice import Lattice
 
 from . import cases
 

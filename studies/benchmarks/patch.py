@@ -19,9 +19,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.lattice import fill, mesh_lattice, patterns, square, triangular, zigzag_block
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import CAUCHY
+from msvalidate.springs.lattice import (
+    fill,
+    mesh_lattice,
+    patterns,
+    square,
+    triangular,
+    zigzag_block,
+)
 
 from . import cases, models
 from .patch_bodies import (

@@ -9,7 +9,7 @@ import numpy as np
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.network import tangent
+from msvalidate.springs.network import tangent
 from reference_fem.elasticity import stiffness
 
 MODULUS, THICKNESS = 1e6, 1e-3

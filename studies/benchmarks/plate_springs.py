@@ -24,9 +24,9 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.lattice import patterns
-from msvalidate.lattice.cut import CutLattice, cut_lattice
-from msvalidate.statics.stress import fitted_stress, interior_points
+from msvalidate.springs.lattice import patterns
+from msvalidate.springs.lattice.cut import CutLattice, cut_lattice
+from msvalidate.springs.statics.stress import fitted_stress, interior_points
 from reference_fem import Solution
 from reference_fem.elasticity import elastic_tensor
 

@@ -19,9 +19,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.lattice import Pattern, patterns, voronoi
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import isotropic_moduli
+from msvalidate.springs.lattice import Pattern, patterns, voronoi
 
 PRINTED = (0.45, 0.90)
 """Shear and area modulus over the spring constant, moderate randomness, as printed."""

@@ -10,9 +10,9 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.lattice import fill, patterns
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.lattice import fill, patterns
 from reference_fem.body import nodal_forces
 
 from . import framed_plate

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from reference_fem.closing_in import Estimate, refine
+from reference_fem.richardson import Estimate, refine
 
 from . import curved
 from .potentials import holed_strip

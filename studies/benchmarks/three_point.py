@@ -22,8 +22,8 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.lattice import square
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.springs.lattice import square
 from reference_fem.elasticity import elastic_tensor
 
 from . import cases, models

@@ -1,4 +1,4 @@
-"""Which sentences of the source report hold?
+"""Statements of the source report, judged
 
 The ledger lists 64 sentences of the report that started this project. Which are true, which only
 where the source says so, which are false as said and true on another condition? Those that quote
@@ -23,7 +23,7 @@ import pandas as pd
 
 from msvalidate import kit
 
-from .controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
+from .claims_controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
 from .reading import last_sizes, read
 from .record import BACKGROUND, IF, NONE, SENTENCES, TOPICS, VERDICTS, Sentence
 

@@ -1,4 +1,4 @@
-"""What do springs say when a body is pressed, dropped and dragged?
+"""Contact of spring networks: pressing, impact and friction
 
 The report would have springs examined for contact too. One question a file:
 
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.statics.contact import press
+from msvalidate.springs.statics.contact import solve_contact
 
 from . import moving, resting
 
@@ -25,7 +25,7 @@ FAULTS = {**resting.FAULTS, **moving.FAULTS}
 
 
 def run(
-    candidate: resting.Press = press,
+    candidate: resting.Press = solve_contact,
     setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
     width: resting.Width = resting.second_moment,

@@ -15,13 +15,14 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from msvalidate import kernels, kit
-from msvalidate.dynamics.implicit import NetworkAcceleration
-from msvalidate.dynamics.integrate import State, motion
-from msvalidate.dynamics.integrators import EULER_CROMER, LEAPFROG, step_factors
-from msvalidate.network import Configuration, Network, spring_network
-from msvalidate.network.ground import Ground
+from msvalidate import kit
 from msvalidate.problem import Array, Mask
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.implicit import NetworkAcceleration
+from msvalidate.springs.dynamics.integrate import State, motion
+from msvalidate.springs.dynamics.integrators import EULER_CROMER, LEAPFROG, step_factors
+from msvalidate.springs.network import Configuration, Network, spring_network
+from msvalidate.springs.network.ground import Ground
 
 V = 0.01
 """Speed (m/s) of the bar: L = M = EA = 1, so that waves have the speed 1."""

@@ -21,13 +21,18 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import contact_network
-from msvalidate.lattice import mesh_lattice, square
-from msvalidate.network import Configuration, Network
 from msvalidate.problem.records import replace
-from msvalidate.statics.contact import ContactEquilibrium, Pressed, Touching, press
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import contact_network
+from msvalidate.springs.lattice import mesh_lattice, square
+from msvalidate.springs.network import Configuration, Network
+from msvalidate.springs.statics.contact import (
+    ContactCandidates,
+    ContactEquilibrium,
+    ContactForces,
+    solve_contact,
+)
+from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem import contact as elements
 from reference_fem.first_mesh import first_mesh
 from reference_fem.large_strain import Solid, deform, neo_hookean
@@ -35,7 +40,7 @@ from reference_fem.mesh.discretisation import make_discretisation
 
 Press = Callable[..., ContactEquilibrium]
 """(network, touching, geometry) -> what is at rest."""
-Width = Callable[[Pressed, float], float]
+Width = Callable[[ContactForces, float], float]
 """(contact, spacing) -> half-width (m)."""
 E, NU, R = 8 / 3, 1 / 3, 100.0
 W, H = 10, 20
@@ -154,12 +159,12 @@ def run_deep(candidate: Press) -> kit.Evidence:
     )
 
 
-def second_moment(found: Pressed, _spacing: float) -> float:
+def second_moment(found: ContactForces, _spacing: float) -> float:
     """Half-width (m) by the forces' second moment."""
     return found.half_width
 
 
-def counted(found: Pressed, spacing: float) -> float:
+def counted(found: ContactForces, spacing: float) -> float:
     """Half-width (m) of a half model by the number of touching points."""
     return float((found.force > 0).sum() - 1) * spacing
 
@@ -213,7 +218,7 @@ def _half_block(a: float) -> kit.Problem:
     return _problem(box, contact, kit.Support(box.side("left"), (0.0, None)))
 
 
-def _press_half(candidate: Press, cells: int, a: float) -> Pressed:
+def _press_half(candidate: Press, cells: int, a: float) -> ContactForces:
     problem = _half_block(a)
     assert isinstance(problem.domain, kit.Box)  # noqa: S101  as `_half_block` has it
     network, touching = contact_network(problem, square(problem.domain, (W * cells, H * cells)))
@@ -304,28 +309,28 @@ def press_deep(candidate: Press, part: float) -> dict[str, float]:
 
 
 def press_too_deep(
-    network: Network, touching: tuple[Touching, ...], how: str
+    network: Network, touching: tuple[ContactCandidates, ...], how: str
 ) -> ContactEquilibrium:
     """Contact whose gaps are .1 % of the depth too small."""
-    return press(network, [replace(one, depth=1.001 * one.depth) for one in touching])
+    return solve_contact(network, [replace(one, depth=1.001 * one.depth) for one in touching])
 
 
 def press_by_penalty(
-    network: Network, touching: tuple[Touching, ...], _how: str
+    network: Network, touching: tuple[ContactCandidates, ...], _how: str
 ) -> ContactEquilibrium:
     """One-sided springs, a hundred times as stiff as the network's own, in place of contact."""
     return _press_densely(network, touching[0], 1 / (100 * float(network.stiffness.max())))
 
 
 def press_and_pull(
-    network: Network, touching: tuple[Touching, ...], _how: str
+    network: Network, touching: tuple[ContactCandidates, ...], _how: str
 ) -> ContactEquilibrium:
     """Contact that also pulls, wherever the obstacle is in the body as it was."""
     return _press_densely(network, touching[0], 0.0, pulls=True)
 
 
 def _press_densely(
-    network: Network, one: Touching, give: float, *, pulls: bool = False
+    network: Network, one: ContactCandidates, give: float, *, pulls: bool = False
 ) -> ContactEquilibrium:
     free = ~network.held.ravel()
     gap = one.obstacle.gap(network.points[one.points], one.depth)
@@ -344,7 +349,9 @@ def _press_densely(
     found = equilibrium(replace(network, force=load))
     left = gap - found.displacement[one.points, 1]
     open_by = float(np.abs(left[force > 0]).max() / -gap.min())
-    pressed = Pressed(one.points, one.share, force, left, one.depth, float(force.sum()), np.nan)
+    pressed = ContactForces(
+        one.points, one.share, force, left, one.depth, float(force.sum()), np.nan
+    )
     return ContactEquilibrium(found, load, (pressed,), open_by, 1, 0)
 
 

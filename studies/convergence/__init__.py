@@ -1,4 +1,4 @@
-"""Convergence: what does it cost to bring a spring network to rest, and how does that grow?
+"""Cost of equilibrium by relaxations and finite elements
 
 The report claims that a spring network costs O(n) for n nodes, since the time to rest "can be
 limited and constant", against O(n^9) by finite elements, n then the nodes along an edge of a cube.
@@ -27,8 +27,8 @@ from functools import cache, partial
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Method
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Method
 
 from . import dynamic_relaxation, frontier, space, spoilt, steps, strained, times
 

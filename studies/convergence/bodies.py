@@ -7,14 +7,14 @@ from functools import cache
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.routes import default_constants
-from msvalidate.constants.stiffness import square_tensor
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.lattice import Lattice, fill, patterns, square
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.routes import default_constants
+from msvalidate.springs.constants.stiffness import square_tensor
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.lattice import Lattice, fill, patterns, square
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 SIZES: dict[str, tuple[float, ...]] = {
     "plate": (1.0, 1.0),

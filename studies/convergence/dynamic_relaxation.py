@@ -24,13 +24,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import LEAPFROG
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Method, Run
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.viscous import viscous
-from msvalidate.output.figures import COLOURS, new_figure
+from msvalidate.bench.output.figures import COLOURS, new_figure
+from msvalidate.springs.dynamics.integrators import LEAPFROG
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Method, Run
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.dynamics.viscous import viscous
 
 from . import bodies
 

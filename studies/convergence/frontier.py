@@ -28,10 +28,10 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Method
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.bench.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Method
 
 from . import bodies, summary
 

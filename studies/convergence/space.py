@@ -25,8 +25,8 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.judging.counting import TIGHT
-from msvalidate.output.figures import COLOURS
+from msvalidate.bench.judging.counting import TIGHT
+from msvalidate.bench.output.figures import COLOURS
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.direct import node_order
 

@@ -11,12 +11,12 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import LEAPFROG, step_factors
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Method, Run
-from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.dynamics.viscous import viscous
-from msvalidate.network import configuration_at, tangent
+from msvalidate.springs.dynamics.integrators import LEAPFROG, step_factors
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Method, Run
+from msvalidate.springs.dynamics.step_limits import SAFETY
+from msvalidate.springs.dynamics.viscous import viscous
+from msvalidate.springs.network import configuration_at, tangent
 
 from .dynamic_relaxation import METHOD, steps_at_best_damping
 

@@ -24,10 +24,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Method
-from msvalidate.judging import counting
-from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
+from msvalidate.bench.judging import counting
+from msvalidate.bench.judging.counting import THRESHOLDS, TIGHT, predict_steps
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Method
 
 from . import bodies
 

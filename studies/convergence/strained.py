@@ -20,11 +20,11 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Method
-from msvalidate.lattice import square
-from msvalidate.network import Configuration
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Method
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import Configuration
 
 from . import bodies
 

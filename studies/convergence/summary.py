@@ -16,8 +16,8 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.dynamics.run import Method
-from msvalidate.judging import counting
+from msvalidate.bench.judging import counting
+from msvalidate.springs.dynamics.run import Method
 
 from . import bodies, times
 

@@ -27,13 +27,13 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.dynamics.divergence import SPECTRUM_ERROR
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Method, Run
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging import counting
-from msvalidate.judging.counting import TIGHT
-from msvalidate.output.figures import add_shared_legend, new_figure
+from msvalidate.bench.judging import counting
+from msvalidate.bench.judging.counting import TIGHT
+from msvalidate.bench.output.figures import add_shared_legend, new_figure
+from msvalidate.springs.dynamics.divergence import SPECTRUM_ERROR
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Method, Run
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
 
 from . import bodies, steps
 

@@ -1,4 +1,4 @@
-"""Cost: what do springs and elements cost, and what limits them?
+"""Run time of springs and finite elements
 
 Springs are chosen for their speed, so both sides are timed beside the programs that others use, in
 the same process and in turn. One question a file:
@@ -27,9 +27,10 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Any
 
-from msvalidate import kernels, kit
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Method
+from msvalidate import kit
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Method
 
 from . import (
     agreement,
@@ -55,7 +56,7 @@ class Implementations:
     Parameters
     ----------
     motion
-        A network made ready for steps, as `kernels.Motion`.
+        A network made ready for steps, as `springs.kernels.Motion`.
     relaxations
         Name -> way to rest.
     elements

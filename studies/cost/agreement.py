@@ -2,7 +2,7 @@
 
 Question   How far apart are the trajectories of every path, on one thread and on two, after 2000
            steps? Does a run that diverges, or a NaN, come out of every path as what it is?
-Candidate  The package's `kernels.Motion`.
+Candidate  The package's `springs.kernels.Motion`.
 Reference  The plain NumPy form, step by step.
 Expected   Rounding: sums in another order. Two threads add up as one does, but where their shares
            meet.

@@ -11,10 +11,10 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.lattice import fill, patterns, square
-from msvalidate.network import spring_network
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.dynamics.step_limits import SAFETY
+from msvalidate.springs.lattice import fill, patterns, square
+from msvalidate.springs.network import spring_network
 
 SIDE = 0.1
 """Of the plate (m)."""

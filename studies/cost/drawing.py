@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.judging.counting import TIGHT
+from msvalidate.bench.judging.counting import TIGHT
 
 from .timing import ABSENT, SINGLE
 

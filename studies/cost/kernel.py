@@ -2,7 +2,7 @@
 
 Question   Nanoseconds a spring and step, against the number of points: by the compiled steps on
            their general path, on the path of uniform lattices, and on two threads.
-Candidate  The package's `kernels.Motion`, made ready before it is timed.
+Candidate  The package's `springs.kernels.Motion`, made ready before it is timed.
 Reference  Other programs in the same process and in turn: NumPy's `bincount`, a matrix of SciPy,
            and LAMMPS, where it is installed.
 Expected   The same per spring at the sizes until a network no longer fits into the caches, and no
@@ -22,7 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from msvalidate import kernels, kit
+from msvalidate import kit
+from msvalidate.springs import kernels
 
 from . import bodies, drawing, lammps_peer, plain
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn, summary
@@ -42,7 +43,7 @@ KEEP = 0.99
 """Part of the velocity that a step keeps: nothing grows, nothing becomes too small to be a normal
 number, which would take the processor longer."""
 Moving = Callable[..., kernels.Motion]
-"""`kernels.Motion` or what stands for it."""
+"""`springs.kernels.Motion` or what stands for it."""
 
 
 class Way(NamedTuple):

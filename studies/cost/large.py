@@ -23,10 +23,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate import kernels, kit
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Method
-from msvalidate.network import tangent
+from msvalidate import kit
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Method
+from msvalidate.springs.network import tangent
 from reference_fem.elasticity import stiffness
 
 from . import bodies, drawing, fem, kernel

@@ -23,9 +23,10 @@ import numpy as np
 import pandas as pd
 from scipy.linalg.blas import daxpy, dgemm
 
-from msvalidate import kernels, kit
-from msvalidate.dynamics.spectrum import highest_frequency
-from msvalidate.dynamics.step_limits import SAFETY
+from msvalidate import kit
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.spectrum import highest_frequency
+from msvalidate.springs.dynamics.step_limits import SAFETY
 
 from . import bodies, drawing, kernel
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.output.provenance import available_cores, processor_name
+from msvalidate.bench.output.provenance import available_cores, processor_name
 
 from .timing import ABSENT
 

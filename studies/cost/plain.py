@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate import kit
-from msvalidate.network import internal_force
+from msvalidate.springs.network import internal_force
 
 Force = Callable[[kit.Array], kit.Array]
 """Force (n, d) in N of all springs at displacements (n, d) in m."""

@@ -25,9 +25,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Method
-from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
+from msvalidate.bench.judging.counting import THRESHOLDS, TIGHT, predict_steps
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Method
 
 from . import drawing, resting
 from .timing import GROWTH, ROUNDS

@@ -6,13 +6,14 @@ from functools import cache, partial
 
 import numpy as np
 
-from msvalidate import kernels, kit
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Method
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.judging import counting
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate import kit
+from msvalidate.bench.judging import counting
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Method
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.dynamics.step_limits import SAFETY
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from . import bodies, kernel
 from .timing import Act, in_turn

@@ -23,10 +23,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.network import Configuration, spring_network
-from msvalidate.network.inverse import Solver
-from msvalidate.network.multigrid import Cycles
-from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.springs.network import Configuration, spring_network
+from msvalidate.springs.network.inverse import Solver
+from msvalidate.springs.network.multigrid import Cycles
+from msvalidate.springs.statics.equilibrium import Equilibrium, equilibrium
 
 from . import bodies, drawing, large
 from .timing import GROWTH, QUICK_ROUNDS, Act, Lap, in_turn, lap

@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate import kernels, kit
-from msvalidate.dynamics.integrators import LEAPFROG
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Run
-from msvalidate.dynamics.step_limits import SAFETY
-from msvalidate.dynamics.viscous import viscous
+from msvalidate import kit
 from msvalidate.linear_algebra.choice import Choice
 from msvalidate.linear_algebra.conjugate_gradients import conjugate_gradients
-from msvalidate.network import Configuration
-from msvalidate.network.multigrid import PART, make_cycle, restrained_tangent
-from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.integrators import LEAPFROG
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Run
+from msvalidate.springs.dynamics.step_limits import SAFETY
+from msvalidate.springs.dynamics.viscous import viscous
+from msvalidate.springs.network import Configuration
+from msvalidate.springs.network.multigrid import PART, make_cycle, restrained_tangent
+from msvalidate.springs.statics.equilibrium import Equilibrium, equilibrium
 
 from . import bodies, fem_ways
 from .fem_ways import Found
@@ -42,7 +43,7 @@ class Blind(kernels.Motion):
     """Motion that makes numbers of what is none, and brings back what is far away."""
 
     def advance(self, displacement: kit.Array, *state: Any, **how: Any) -> tuple[int, float, bool]:
-        """As `kernels.Motion` has it, but for that."""
+        """As `springs.kernels.Motion` has it, but for that."""
         done, energy, fell = super().advance(displacement, *state, **how)
         seen = np.nan_to_num(displacement, copy=False)
         np.clip(seen, -bodies.SIDE, bodies.SIDE, out=displacement)

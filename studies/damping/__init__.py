@@ -1,4 +1,4 @@
-"""How does a damped lattice come to rest, and is the report's advice on viscosity sound?
+"""Relaxation of a damped lattice
 
 Algorithm 1 adds a virtual viscosity F = -c·v and lets the body move until it is still. One question
 a file:
@@ -12,9 +12,9 @@ a file:
 - `wave`: how fast the strain wave runs, and what the held edge returns;
 - `controls`: faulty motions, and the smallest fault that this study notices.
 
-Candidate: the motion of a network, `euler_cromer` of `dynamics.integrate` by default. Reference:
-the damped oscillator and the waves of elasticity in closed form, and the scheme's recursion mode by
-mode.
+Candidate: the motion of a network, `euler_cromer` of `springs.dynamics.integrate` by default.
+Reference: the damped oscillator and the waves of elasticity in closed form, and the scheme's
+recursion mode by mode.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from functools import partial
 
 from msvalidate import kit
 
-from . import advice, controls, decay, direction, figure2, rest, stop_rule, wave
+from . import advice, damping_controls, decay, direction, figure2, rest, stop_rule, wave
 from .bodies import MOTION, MotionSolver
 
 ASKED = {
@@ -38,12 +38,12 @@ ASKED = {
 """Question -> who answers it for a candidate."""
 
 FAULTS = {
-    name: {"candidate": controls.apply_fault(kind, size), "questions": (question,)}
+    name: {"candidate": damping_controls.apply_fault(kind, size), "questions": (question,)}
     for name, kind, size, question in (
         ("damping halved", "damping", -0.5, "rest"),
         ("forces 10 % too large", "kick", 0.1, "wave"),
         ("half of the first kick lost", "first kick", 0.5, "figure2"),
-        (controls.NEW_VELOCITY, controls.NEW_VELOCITY, 1.0, "direction"),
+        (damping_controls.NEW_VELOCITY, damping_controls.NEW_VELOCITY, 1.0, "direction"),
         ("forces a fiftieth of a step late", "lagged force", 0.02, "figure2"),
     )
 }
@@ -59,4 +59,4 @@ def run(
     """All questions, or those named, for one candidate."""
     candidate = kit.check_motion(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return kit.gather_evidence(asked | {"controls": controls.run}, questions)
+    return kit.gather_evidence(asked | {"controls": damping_controls.run}, questions)

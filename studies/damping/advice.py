@@ -18,7 +18,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.damping import decay
+from msvalidate.springs.dynamics.damping import decay
 
 from . import bodies, rest
 from .bodies import MotionSolver

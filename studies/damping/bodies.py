@@ -11,14 +11,14 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.dynamics.integrate import State, euler_cromer
-from msvalidate.dynamics.integrators import EULER_CROMER
-from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.lattice import square
-from msvalidate.network import tangent
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.dynamics.integrate import State, euler_cromer
+from msvalidate.springs.dynamics.integrators import EULER_CROMER
+from msvalidate.springs.dynamics.step_limits import stability_limit
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import tangent
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 MotionSolver = Callable[[kit.Network, State, float, int, Any], State]
 """A candidate: state after so many steps of dt (s) with a damping (1/s)."""

@@ -17,9 +17,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.damping import decay
-from msvalidate.dynamics.integrate import State
-from msvalidate.network import spring_network
+from msvalidate.springs.dynamics.damping import decay
+from msvalidate.springs.dynamics.integrate import State
+from msvalidate.springs.network import spring_network
 
 from . import bodies
 from .bodies import LOAD, MotionSolver

@@ -19,7 +19,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.integrate import State
+from msvalidate.springs.dynamics.integrate import State
 
 from . import bodies, decay
 from .bodies import LOAD, MotionSolver

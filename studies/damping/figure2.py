@@ -20,7 +20,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.damping import approach
+from msvalidate.springs.dynamics.damping import approach
 
 from . import bodies
 from .bodies import Body, MotionSolver

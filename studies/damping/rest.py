@@ -23,7 +23,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.damping import approach, decay
+from msvalidate.springs.dynamics.damping import approach, decay
 
 from . import bodies
 from .bodies import Body, MotionSolver

@@ -24,8 +24,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.damping import decay
-from msvalidate.network import internal_force
+from msvalidate.springs.dynamics.damping import decay
+from msvalidate.springs.network import internal_force
 
 from . import bodies
 from .bodies import Body, MotionSolver

@@ -28,11 +28,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import moduli, square_tensor
-from msvalidate.dynamics.integrate import State
-from msvalidate.lattice import square
-from msvalidate.network import internal_force
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import moduli, square_tensor
+from msvalidate.springs.dynamics.integrate import State
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import internal_force
 
 from .bodies import DENSITY, ISOTROPIC, MotionSolver
 

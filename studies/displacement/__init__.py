@@ -1,4 +1,4 @@
-"""Displacement: how far are the report's load cases from elasticity, and why?
+"""Displacement errors of the report's load cases
 
 A single difference from FEM mixes several causes; this study takes them apart.
 
@@ -30,7 +30,7 @@ from msvalidate import kit
 from . import (
     bent_bar,
     budget,
-    controls,
+    displacement_controls,
     elastic,
     emblem,
     identities,
@@ -42,23 +42,26 @@ from . import (
 )
 
 FAULTS = {
-    name: {"candidate": controls.candidate_with(kind, size), "questions": ("identities",)}
-    for name, (kind, size) in controls.ASKED.items()
+    name: {
+        "candidate": displacement_controls.candidate_with(kind, size),
+        "questions": ("identities",),
+    }
+    for name, (kind, size) in displacement_controls.ASKED.items()
 } | {
     "budget of springs 0.1 % softer": {
-        "candidate": controls.candidate_with("stiffness of every spring", -0.001),
+        "candidate": displacement_controls.candidate_with("stiffness of every spring", -0.001),
         "questions": ("budget",),
     },
     "bent bar of springs 0.1 % softer": {
-        "candidate": controls.candidate_with("stiffness of every spring", -0.001),
+        "candidate": displacement_controls.candidate_with("stiffness of every spring", -0.001),
         "questions": ("bent_bar",),
     },
     "bent bar of wrong boundary weights": {
-        "candidate": controls.candidate_with("boundary weights", 1.0),
+        "candidate": displacement_controls.candidate_with("boundary weights", 1.0),
         "questions": ("bent_bar",),
     },
     "solids of springs 1 % softer": {
-        "candidate": controls.candidate_with("stiffness of every spring", -0.01),
+        "candidate": displacement_controls.candidate_with("stiffness of every spring", -0.01),
         "questions": ("solid",),
     },
 }
@@ -85,7 +88,7 @@ def run(
             "identities": lambda: identities.run(candidate, setting),
             "bent_bar": lambda: bent_bar.run(candidate, setting),
             "solid": lambda: solid.run(candidate, setting),
-            "controls": lambda: controls.run(bodies()),
+            "controls": lambda: displacement_controls.run(bodies()),
         },
         questions,
     )

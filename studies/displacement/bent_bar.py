@@ -25,10 +25,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.lattice import fill, patterns
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.constants.stiffness import moduli, pattern_tensor
+from msvalidate.springs.lattice import fill, patterns
 
 HEIGHTS, FINE_SECTION = (1, 2, 3, 4), 12
 """Cells through the height of the bar, and of a cross-section from which the limit is read."""

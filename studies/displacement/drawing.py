@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from msvalidate import kit
-from msvalidate.output.body_drawing import BOUNDARY_RULES
+from msvalidate.bench.output.body_drawing import BOUNDARY_RULES
 
 from .load_cases import BAND, CASES, body, problem
 from .models import ISOTROPIC

@@ -15,7 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.lattice import square
+from msvalidate.springs.lattice import square
 from msvalidate_check.text import percent
 
 from . import load_cases

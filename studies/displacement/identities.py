@@ -18,9 +18,9 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import Lattice, square
-from msvalidate.network import tangent
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import Lattice, square
+from msvalidate.springs.network import tangent
 from reference_fem.elasticity import stiffness
 
 from . import load_cases

@@ -8,8 +8,8 @@ import numpy as np
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.case.large import elements_in_full, lattice_law
-from msvalidate.lattice.patterns import all_patterns
+from msvalidate.case.springs.large import elements_in_full, lattice_law
+from msvalidate.springs.lattice.patterns import all_patterns
 from reference_fem.large_strain import st_venant_kirchhoff
 
 from . import elastic, load_cases

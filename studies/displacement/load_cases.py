@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.lattice import Lattice, square, trapezium, triangular, zigzag_block
 from msvalidate.problem.checks import whole_number
+from msvalidate.springs.lattice import Lattice, square, trapezium, triangular, zigzag_block
 
 MODULUS = 1e5
 """Young's modulus (Pa) of the target; what the lattice's axial modulus is set to."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.springs.bodies.lattice_network import lattice_network
 
 from . import load_cases
 from .load_cases import CASES

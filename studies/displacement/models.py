@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.isotropic import isotropic_constants
-from msvalidate.lattice import patterns
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.constants.isotropic import isotropic_constants
+from msvalidate.springs.lattice import patterns
 
 from . import load_cases
 from .load_cases import DENSITY, MODULUS, THICKNESS

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.bench.judging.singularity import clamped_free_exponent
 
 from .load_cases import CASES
 from .models import MODELS, Model, homogenised

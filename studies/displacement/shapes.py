@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.springs.bodies.lattice_network import lattice_network
 
 from . import load_cases, redrawn
 from .claims import (

@@ -22,7 +22,7 @@ from functools import partial
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.judging.singularity import clamped_edge_exponent
+from msvalidate.bench.judging.singularity import clamped_edge_exponent
 from reference_fem.elasticity import elastic_tensor
 
 from . import orders, solid_drawing

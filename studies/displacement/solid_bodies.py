@@ -8,12 +8,12 @@ import numpy as np
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
-from msvalidate.judging.singularity import clamped_edge_exponent
-from msvalidate.lattice import Constants, Pattern, PatternLattice, fill, patterns
+from msvalidate.bench.judging.singularity import clamped_edge_exponent
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
+from msvalidate.springs.lattice import Constants, Pattern, PatternLattice, fill, patterns
 from reference_fem.body import nodal_forces
-from reference_fem.closing_in import extrapolate
+from reference_fem.richardson import extrapolate
 
 from .load_cases import MODULUS
 

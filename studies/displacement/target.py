@@ -18,10 +18,10 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import moduli, square_tensor
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.lattice import square
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import moduli, square_tensor
+from msvalidate.springs.lattice import square
 
 from .models import plane_stress
 

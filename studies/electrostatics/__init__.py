@@ -1,4 +1,4 @@
-"""Electrostatics: are charges of electrodes right, and are forces the derivatives of their energy?
+"""Electrode charges and electrostatic forces
 
 The report puts even charges on springs, with the kernel 1/(4πεr) of space in a plane body, and sums
 Coulomb's forces between their middles, half to each end. One question a file:
@@ -27,8 +27,8 @@ from functools import partial
 from msvalidate import kit
 
 from . import (
-    controls,
     edge,
+    electrostatics_controls,
     field,
     in_air,
     models,
@@ -54,7 +54,7 @@ ASKED = {
     "scaling": scaling.run,
 }
 """Question -> who answers it for a candidate."""
-FAULTS = controls.FAULTS
+FAULTS = electrostatics_controls.FAULTS
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
@@ -66,4 +66,4 @@ def run(
     """All questions, or those named, for one candidate."""
     candidate = kit.check_functions(candidate, ChargeSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return kit.gather_evidence(asked | {"controls": controls.run}, questions)
+    return kit.gather_evidence(asked | {"controls": electrostatics_controls.run}, questions)

@@ -1,4 +1,4 @@
-"""What do springs say when they break?
+"""Fracture of spring lattices
 
 "Let springs break at a critical stretch" is the usual reason for a lattice. One question a file:
 
@@ -17,9 +17,9 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.dynamics.ledger import Ledger
-from msvalidate.network.breakage import Breakage
-from msvalidate.statics.breaking import grow
+from msvalidate.springs.dynamics.ledger import Ledger
+from msvalidate.springs.network.breakage import Breakage
+from msvalidate.springs.statics.breaking import propagate_crack
 
 from . import faults, growth, intensity, moving, paths
 from .springs import Grow
@@ -29,7 +29,7 @@ FAULTS = faults.FAULTS
 
 
 def run(
-    candidate: Grow = grow,
+    candidate: Grow = propagate_crack,
     setting: kit.Setting = kit.FULL,
     questions: tuple[str, ...] | None = None,
     known: dict[tuple[str, float], float] = intensity.KNOWN,

@@ -7,17 +7,17 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.network import Network
-from msvalidate.network.breakage import critical_stretches
 from msvalidate.problem import Index
 from msvalidate.problem.records import replace
-from msvalidate.statics.breaking import Break, Growth, Way
+from msvalidate.springs.network import Network
+from msvalidate.springs.network.breakage import critical_stretches
+from msvalidate.springs.statics.breaking import Break, BreakingPath, FractureResult
 
 from .intensity import INFINITE
 from .moving import Late, Mends
 
 
-class EitherWay(Way):
+class EitherWay(BreakingPath):
     """Springs that break when they are compressed as well, as one program's do."""
 
     def next(self) -> tuple[float, Index] | None:
@@ -26,7 +26,7 @@ class EitherWay(Way):
         return 1 / float(part.max()), np.flatnonzero(part >= (1 - 1e-9) * part.max())
 
 
-class OwnAlone(Way):
+class OwnAlone(BreakingPath):
     """What a break releases booked as the springs' own energy alone."""
 
     def cut(self, springs: Index, needed: float) -> Break | None:
@@ -35,13 +35,13 @@ class OwnAlone(Way):
         return replace(found, released=found.own) if found else None
 
 
-def by(way: type[Way]) -> object:
+def by(way: type[BreakingPath]) -> object:
     """As `grow`, on another way, without its look at the ledger."""
 
     def grow(
         network: Network, critical_stretch: ArrayLike, raised: float = 1.0, *,
         crack: Index | tuple[()] = (), most_breaks: int | None = None,
-    ) -> Growth:  # fmt: skip
+    ) -> FractureResult:  # fmt: skip
         stretch = critical_stretches(network, critical_stretch)
         own = way(network, stretch, crack=np.asarray(crack, dtype=np.intp))
         return own.follow(raised, math.inf if most_breaks is None else most_breaks)

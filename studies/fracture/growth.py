@@ -20,8 +20,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.bodies.toughness import (
+from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Traction
+from msvalidate.problem.records import replace
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.bodies.toughness import (
     Toughness,
     crack_patch,
     critical_stretch,
@@ -29,10 +31,8 @@ from msvalidate.bodies.toughness import (
     springs_energy,
     starts,
 )
-from msvalidate.lattice import fill
-from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Traction
-from msvalidate.problem.records import replace
-from msvalidate.statics.breaking import Growth
+from msvalidate.springs.lattice import fill
+from msvalidate.springs.statics.breaking import FractureResult
 
 from . import intensity
 from .springs import LATTICES, NU, E, Grow, filled, middles, pulled
@@ -155,7 +155,7 @@ def in_field(name: str, stretch: float, radii: tuple[int, int] = (30, 50)) -> fl
     return float(needed.max()) ** 2 / E * stretch**2
 
 
-def in_strip(grow: Grow, name: str, stretch: float, height: int, breaks: int) -> Growth:
+def in_strip(grow: Grow, name: str, stretch: float, height: int, breaks: int) -> FractureResult:
     """Growth in a long strip between clamps that do not break."""
     network = pulled(filled(name, 3 * height, height), LATTICES[name][1])
     high = np.ptp(network.points[:, 1])
@@ -246,13 +246,13 @@ def run_growth(grow: Grow, setting: kit.Setting, rule: str = "growth") -> kit.Ev
     )  # fmt: skip
 
 
-def strip_release(name: str, strip: Growth) -> float:
+def strip_release(name: str, strip: FractureResult) -> float:
     """G = E ε² H/2(1 - nu²) at the largest load of a strip."""
     high = np.ptp(strip.network.points[:, 1])
     return float(E / (1 - NU**2) * max(one.load for one in strip.breaks) ** 2 * high / 2)
 
 
-def balance(name: str, height: int, strip: Growth, stretch: float) -> dict[str, object]:
+def balance(name: str, height: int, strip: FractureResult, stretch: float) -> dict[str, object]:
     """What is released per crack length in steady growth, over G, and the springs' share.
 
     The share is of the springs that broke, each at the critical stretch.
@@ -273,7 +273,7 @@ def balance(name: str, height: int, strip: Growth, stretch: float) -> dict[str, 
     }  # fmt: skip
 
 
-def saw_teeth(strip: Growth) -> list[dict[str, float]]:
+def saw_teeth(strip: FractureResult) -> list[dict[str, float]]:
     """Strain at which each spring would break, over that at growth."""
     middle, top = middles(strip.network), max(one.load for one in strip.breaks)
     return [

@@ -19,10 +19,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import fill
 from msvalidate.problem import Box, Isotropic, Problem, Region, Support, Traction
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import fill
+from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem.body import solve_problem
 from reference_fem.fracture import crack_mesh, j_integral, release_rate
 

@@ -13,15 +13,15 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.toughness import crossings
-from msvalidate.dynamics.integrate import State, euler_cromer, motion
-from msvalidate.dynamics.integrators import EULER_CROMER, VELOCITY_VERLET
-from msvalidate.dynamics.ledger import Ledger
-from msvalidate.network import Network
-from msvalidate.network.breakage import Breakage
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.toughness import crossings
+from msvalidate.springs.dynamics.integrate import State, euler_cromer, motion
+from msvalidate.springs.dynamics.integrators import EULER_CROMER, VELOCITY_VERLET
+from msvalidate.springs.dynamics.ledger import Ledger
+from msvalidate.springs.network import Network
+from msvalidate.springs.network.breakage import Breakage
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from .springs import LATTICES, Grow, filled, pulled
 

@@ -21,10 +21,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.bodies.toughness import crossings
-from msvalidate.lattice.turned import fill_rotated
-from msvalidate.lattice.voronoi import voronoi_box
 from msvalidate.problem import Array, Box
+from msvalidate.springs.bodies.toughness import crossings
+from msvalidate.springs.lattice.turned import fill_rotated
+from msvalidate.springs.lattice.voronoi import voronoi_box
 
 from .springs import LATTICES, Grow, middles, pulled
 

@@ -6,15 +6,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from msvalidate.lattice import Pattern, boundary_weights, fill
-from msvalidate.lattice.filled import Lattice
-from msvalidate.lattice.patterns import square, triangular
-from msvalidate.network import Network, spring_network
 from msvalidate.problem import Array, Box
-from msvalidate.statics.breaking import Growth
+from msvalidate.springs.lattice import Pattern, boundary_weights, fill
+from msvalidate.springs.lattice.filled import Lattice
+from msvalidate.springs.lattice.patterns import square, triangular
+from msvalidate.springs.network import Network, spring_network
+from msvalidate.springs.statics.breaking import FractureResult
 
-Grow = Callable[..., Growth]
-"""As `msvalidate.statics.breaking.grow`."""
+Grow = Callable[..., FractureResult]
+"""As `msvalidate.springs.statics.breaking.propagate_crack`."""
 E, NU = 8 / 3, 1 / 3
 LATTICES: dict[str, tuple[Pattern, tuple[float, ...]]] = {
     "square-8": (square(), (2.0, 1.0)),

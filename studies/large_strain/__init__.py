@@ -1,4 +1,4 @@
-"""At which strain are springs no longer the material, by which law, and where are they elements?
+"""Spring laws at large strain
 
 The report has springs serve beyond 5 % strain where elements fail, and leaves rubber's law open.
 One question a file:
@@ -19,7 +19,7 @@ from collections.abc import Callable
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.network import Network
+from msvalidate.springs.network import Network
 
 from . import bending, buckling, rubber, stretch, twins
 

@@ -22,14 +22,14 @@ import pandas as pd
 from scipy.sparse.linalg import spsolve
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import square_tensor
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.lattice import square
-from msvalidate.network import Configuration, Network
+from msvalidate.bench.judging.singularity import clamped_free_exponent
 from msvalidate.problem import Array
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import square_tensor
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import Configuration, Network
+from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem.elasticity import stiffness
 from reference_fem.large_strain.by_cell import st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform

@@ -22,12 +22,12 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import square
-from msvalidate.network import Configuration, Network
 from msvalidate.problem import Array
 from msvalidate.problem.records import replace
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import Configuration, Network
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from . import fibres
 

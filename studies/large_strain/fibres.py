@@ -13,10 +13,10 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from msvalidate.network.laws.law import SpringLaw
-from msvalidate.network.laws.linear import LINEAR
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
+from msvalidate.springs.network.laws.law import SpringLaw
+from msvalidate.springs.network.laws.linear import LINEAR
 
 MU = LAM = 1.0
 """N/m."""

@@ -19,12 +19,12 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import square
-from msvalidate.network import Configuration, Network
-from msvalidate.network.laws.green import GREEN
-from msvalidate.network.laws.zero_length import ZERO_LENGTH
 from msvalidate.problem.records import replace
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import Configuration, Network
+from msvalidate.springs.network.laws.green import GREEN
+from msvalidate.springs.network.laws.zero_length import ZERO_LENGTH
 
 from . import fibres
 

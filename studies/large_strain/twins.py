@@ -24,14 +24,15 @@ from matplotlib.figure import Figure
 from scipy.sparse import kron
 from skfem.models.poisson import laplace
 
-from msvalidate import kit, lattice
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import patterns
-from msvalidate.network import Configuration, Network
-from msvalidate.network.laws.green import GREEN
+from msvalidate import kit
 from msvalidate.problem import SHAPES, Array
 from msvalidate.problem.records import replace
+from msvalidate.springs import lattice
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import patterns
+from msvalidate.springs.network import Configuration, Network
+from msvalidate.springs.network.laws.green import GREEN
 from reference_fem.large_strain.by_cell import neo_hookean, st_venant_kirchhoff
 from reference_fem.large_strain.equilibrium import deform
 from reference_fem.large_strain.solid import Solid

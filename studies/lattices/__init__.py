@@ -1,6 +1,6 @@
-"""Lattices: which elastic solid is every lattice, and how well does it stand for it?
+"""Effective elastic moduli of lattices
 
-Every lattice that `msvalidate.lattice.patterns` knows, under each of its rules for the constants of
+Every lattice that `springs.lattice.patterns` knows, under each of its rules for the constants of
 its springs. One question a file:
 
 - `solids`: tensor, modulus, ratio and anisotropy of the endless lattice, and its fastest wave;
@@ -22,9 +22,9 @@ from __future__ import annotations
 from functools import cache, partial
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import homogenise
+from msvalidate.springs.constants.homogenise import homogenise
 
-from . import choice, clamped, controls, cost, orthotropic, solids, uniform
+from . import choice, clamped, cost, lattices_controls, orthotropic, solids, uniform
 from .cases import Solid
 from .ratio import any_ratio, near_half
 from .ratio import faults as ratio_faults
@@ -33,23 +33,23 @@ from .voronoi import solids as random_solids
 
 FAULTS = {
     "one neighbour direction missing": {
-        "solid": controls.solid_with(1.0),
+        "solid": lattices_controls.solid_with(1.0),
         "questions": ("solids",),
     },
     "every spring 1 % stiffer": {
-        "candidate": controls.body_with("stiffness of every spring", 0.01),
+        "candidate": lattices_controls.body_with("stiffness of every spring", 0.01),
         "questions": ("uniform",),
     },
     "clamped bodies 1 % stiffer": {
-        "candidate": controls.body_with("stiffness of every spring", 0.01),
+        "candidate": lattices_controls.body_with("stiffness of every spring", 0.01),
         "questions": ("clamped",),
     },
     "one spring missing": {
-        "candidate": controls.body_with("one spring", 1.0),
+        "candidate": lattices_controls.body_with("one spring", 1.0),
         "questions": ("uniform",),
     },
     "wrong boundary weights": {
-        "candidate": controls.body_with("boundary weights", 1.0),
+        "candidate": lattices_controls.body_with("boundary weights", 1.0),
         "questions": ("uniform",),
     },
     **faults.FAULTS,
@@ -81,7 +81,7 @@ def run(
             "choice": lambda: choice.run(
                 {**endless(), **stretched().tables, **held().tables, **rested().tables}
             ),
-            "controls": controls.run,
+            "controls": lattices_controls.run,
             "random_solids": lambda: random_solids.run(solid, setting),
             "random_bodies": lambda: bodies.run(candidate, setting, solid),
             "zero": lambda: zero.run(candidate, setting, solid),

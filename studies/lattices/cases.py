@@ -12,8 +12,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import eigsh
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import Homogenised, homogenise
-from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, fill, patterns
+from msvalidate.springs.constants.homogenise import Homogenised, homogenise
+from msvalidate.springs.lattice import Constants, Lattice, Pattern, PatternLattice, fill, patterns
 
 Solid = Callable[..., Homogenised]
 """From a pattern, its constants (N/m) and a spacing (m) to the solid that it is."""

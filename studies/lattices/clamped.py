@@ -20,7 +20,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.springs.bodies.lattice_network import lattice_network
 
 from . import cases, edges, elastic, loading
 from .cases import Case, Solid

@@ -22,15 +22,15 @@ import pandas as pd
 from scipy.linalg import eigvalsh
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.run import Run
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.counting import predict_steps
-from msvalidate.lattice import fill
-from msvalidate.network import tangent
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.bench.judging.counting import predict_steps
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.run import Run
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.lattice import fill
+from msvalidate.springs.network import tangent
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from . import cases, edges, loading
 from .cases import Case, Solid

@@ -14,11 +14,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import lsmr
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import voigt_directions
-from msvalidate.lattice import Lattice, Pattern, PatternLattice, fill
-from msvalidate.network import tangent
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import voigt_directions
+from msvalidate.springs.lattice import Lattice, Pattern, PatternLattice, fill
+from msvalidate.springs.network import tangent
 
 from . import cases, loading
 from .cases import Case, Solid

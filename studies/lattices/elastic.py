@@ -8,7 +8,7 @@ import numpy as np
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.bench.judging.singularity import clamped_free_exponent
 from reference_fem.body import nodal_forces
 
 from . import cases, loading

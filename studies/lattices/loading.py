@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import Constants, Lattice
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import Constants, Lattice
 
 from .cases import box_of
 

@@ -20,8 +20,8 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import Pattern, fill, patterns
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import Pattern, fill, patterns
 
 from . import loading
 from .cases import Solid

@@ -22,7 +22,7 @@ import pandas as pd
 from scipy.optimize import minimize
 
 from msvalidate import kit
-from msvalidate.constants.stiffness import (
+from msvalidate.springs.constants.stiffness import (
     ALIKE,
     CAUCHY,
     cubic_part,
@@ -30,8 +30,8 @@ from msvalidate.constants.stiffness import (
     isotropic_part,
     moduli,
 )
-from msvalidate.constants.waves import highest_frequency
-from msvalidate.lattice import Constants, Pattern, repeat_cell
+from msvalidate.springs.constants.waves import highest_frequency
+from msvalidate.springs.lattice import Constants, Pattern, repeat_cell
 
 from . import cases, loading, surfaces, theory
 from .cases import Case, Solid

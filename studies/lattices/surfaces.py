@@ -12,7 +12,7 @@ from matplotlib.colors import LightSource, Normalize
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.constants.directions import directional_modulus
+from msvalidate.springs.constants.directions import directional_modulus
 
 ROUND = 181
 """Directions of a curve; of a surface as many round, and half as many up and down."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from msvalidate.lattice import Constants
+from msvalidate.springs.lattice import Constants
 
 ZENER: dict[str, Callable[[Constants], float]] = {
     "square": lambda k: 2 * k[1] / k[0],

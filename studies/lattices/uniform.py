@@ -23,7 +23,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.lattice import patterns
+from msvalidate.springs.lattice import patterns
 
 from . import cases, edges, loading
 from .cases import Case, Solid

@@ -1,4 +1,4 @@
-"""What are springs good for, and where must they not be used?
+"""Validity of springs by body and question
 
 - `good_for`: ten rows to choose by, from the tables of the other studies;
 - `ordinary`: parts as `case run` finds them, a plate with two holes and a bracket in space;
@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import cache, partial
 
 from msvalidate import kit
-from msvalidate.network import faults
+from msvalidate.springs.network import faults
 
 from . import good_for, ordinary, part
 

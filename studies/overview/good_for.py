@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
+from msvalidate_check.text import percent
 from msvalidate_check.verdict import AGREES, NOT_ASKED, NOT_RESOLVED, agreement
 
 from ..large_strain import bending
@@ -305,11 +306,6 @@ def thin_walls(tables: Tables, springs: str) -> str:
     cells = " and ".join(f"{ordinary.MM * ordinary.WALL / h:.3g}" for h in spacings)
     soft = " (one: hourglass modes)" if springs == ordinary.ON_MESH else ""
     return f"walls {cells} cells thick{soft}; {others(ordinary.BRACKET, tables, springs)}"
-
-
-def percent(error: object) -> str:
-    """A share in per cent."""
-    return f"{100 * float(str(error)):.2g} %"
 
 
 QUESTIONS = (

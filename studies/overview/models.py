@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.lattice import patterns, square, voronoi, voronoi_box
+from msvalidate.springs.bodies.calibrate import calibrate
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.calibration import Calibration
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import isotropic_moduli
+from msvalidate.springs.lattice import patterns, square, voronoi, voronoi_box
 
 NU = 0.4
 BLOCK = kit.Box((1.0, 1.0))

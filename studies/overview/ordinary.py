@@ -21,10 +21,10 @@ import pandas as pd
 from scipy.spatial import Delaunay
 
 from msvalidate import kit
-from msvalidate.case.case import Case
-from msvalidate.case.comparison import compare_case
-from msvalidate.lattice import fill, patterns
+from msvalidate.case.compare.comparison import compare_case
+from msvalidate.case.file.case import Case
 from msvalidate.linear_algebra.norms import max_length
+from msvalidate.springs.lattice import fill, patterns
 from reference_fem.mesh.from_mesh import mesh_discretisation
 
 BAND = 0.05

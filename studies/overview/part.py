@@ -29,9 +29,9 @@ from numpy.typing import ArrayLike
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.lattice import square
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.springs.constants.stiffness import isotropic_moduli
+from msvalidate.springs.lattice import square
 from msvalidate_check.verdict import NOT_ASKED
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import elastic_tensor

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
+from msvalidate.bench.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
 
 TITLE = "A block in plane strain, Poisson's ratio 0.4, clamped on one side and sheared on the other"
 AXES = ("springs, or pairs of nodes that share an element", "seconds from problem to displacement")

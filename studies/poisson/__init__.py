@@ -1,4 +1,4 @@
-"""Poisson's ratio of a lattice: which formula is right, and for what?
+"""Poisson's ratio of the square lattice
 
 The report's lattice, square cells with eight neighbours, is claimed to have Poisson's ratio
 k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1.
@@ -25,30 +25,30 @@ from __future__ import annotations
 from functools import partial
 
 from msvalidate import kit
-from msvalidate.network import faults
+from msvalidate.springs.network import faults
 
 from . import (
     algorithm1,
-    controls,
     cube,
     direction,
     finite_size,
     incompressible,
+    poisson_controls,
     rotated,
 )
 
 FAULTS = {
     "every spring 1 % stiffer": {
-        "candidate": partial(controls.apply_fault, faults.stiffen_all, 0.01)
+        "candidate": partial(poisson_controls.apply_fault, faults.stiffen_all, 0.01)
     },
     "diagonals 1 % stiffer": {
-        "candidate": partial(controls.apply_fault, faults.stiffen_diagonals, 0.01)
+        "candidate": partial(poisson_controls.apply_fault, faults.stiffen_diagonals, 0.01)
     },
     "one spring missing": {
-        "candidate": partial(controls.apply_fault, faults.weaken_one_spring, 1.0)
+        "candidate": partial(poisson_controls.apply_fault, faults.weaken_one_spring, 1.0)
     },
     "wrong boundary weights": {
-        "candidate": partial(controls.apply_fault, faults.stiffen_boundary, 1.0)
+        "candidate": partial(poisson_controls.apply_fault, faults.stiffen_boundary, 1.0)
     },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail."""
@@ -69,7 +69,7 @@ def run(
             "cube": partial(cube.run, candidate, setting),
             "incompressible": partial(incompressible.run, candidate, setting),
             "algorithm1": partial(algorithm1.run, candidate=candidate, setting=setting),
-            "controls": controls.run,
+            "controls": poisson_controls.run,
         },
         questions,
     )

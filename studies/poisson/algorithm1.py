@@ -18,9 +18,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import kit, lattice
-from msvalidate.dynamics.relax import algorithm1
-from msvalidate.dynamics.run import Relaxation
+from msvalidate import kit
+from msvalidate.springs import lattice
+from msvalidate.springs.dynamics.relax import algorithm1
+from msvalidate.springs.dynamics.run import Relaxation
 
 from . import block
 

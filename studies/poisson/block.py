@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 import reference_fem
-from msvalidate import kit, lattice
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import interior_tensor
+from msvalidate import kit
+from msvalidate.springs import lattice
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import interior_tensor
 
 SIDE = 1.0
 BOX = kit.Box((SIDE, SIDE))

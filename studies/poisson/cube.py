@@ -21,8 +21,8 @@ from functools import partial
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.lattice import patterns
+from msvalidate.springs.constants.stiffness import moduli, pattern_tensor
+from msvalidate.springs.lattice import patterns
 
 from . import block, cube_drawing
 from .cube_block import (

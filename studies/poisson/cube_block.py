@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 import reference_fem
-from msvalidate import kit, lattice
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.constants.stiffness import moduli
-from msvalidate.lattice import Constants, Pattern, patterns
-from reference_fem.closing_in import Estimate, close_in_each
+from msvalidate import kit
+from msvalidate.springs import lattice
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.constants.stiffness import moduli
+from msvalidate.springs.lattice import Constants, Pattern, patterns
+from reference_fem.richardson import Estimate, extrapolate_each
 
 SIDE = 1.0
 BOX = kit.Box((SIDE,) * 3)
@@ -146,7 +147,7 @@ def clamped_reference(name: str, sizes: tuple[int, ...]) -> Estimate:
             ]
         )
 
-    return close_in_each([sampled(MESH // part) for part in (4, 2, 1)], MESH)
+    return extrapolate_each([sampled(MESH // part) for part in (4, 2, 1)], MESH)
 
 
 def _clamped_eighth(tensor: kit.Array) -> kit.Problem:

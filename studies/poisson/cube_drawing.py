@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.output.body_drawing import BOUNDARY_RULES
+from msvalidate.bench.output.body_drawing import BOUNDARY_RULES
 
 from .cube_block import SIDE, spring_cube
 

@@ -18,9 +18,10 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate import kit, lattice
-from msvalidate.constants.directions import directional_ratio, rotate_tensor
-from msvalidate.constants.homogenise import interior_tensor
+from msvalidate import kit
+from msvalidate.springs import lattice
+from msvalidate.springs.constants.directions import directional_ratio, rotate_tensor
+from msvalidate.springs.constants.homogenise import interior_tensor
 
 from . import block
 from .block import BOX, K1, RATIOS

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 import reference_fem
-from msvalidate import kit, lattice
-from msvalidate.constants.stiffness import square_tensor
+from msvalidate import kit
+from msvalidate.springs import lattice
+from msvalidate.springs.constants.stiffness import square_tensor
 
 from . import block
 from .block import BOX, DEFINITIONS

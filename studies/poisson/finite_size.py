@@ -18,9 +18,10 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from msvalidate import kit, lattice
-from msvalidate.constants.stiffness import square_tensor
-from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate import kit
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.springs import lattice
+from msvalidate.springs.constants.stiffness import square_tensor
 
 from . import block
 from .block import DEFINITIONS, K1, LOADINGS

@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from msvalidate import kit
-from msvalidate.constants.directions import directional_ratio
-from msvalidate.constants.stiffness import moduli, square_tensor
+from msvalidate.springs.constants.directions import directional_ratio
+from msvalidate.springs.constants.stiffness import moduli, square_tensor
 
 from . import block
 from .block import K1, RATIOS

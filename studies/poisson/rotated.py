@@ -23,10 +23,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import kit, lattice
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.directions import directional_ratio, rotate_tensor
-from msvalidate.constants.homogenise import interior_tensor
+from msvalidate import kit
+from msvalidate.springs import lattice
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.directions import directional_ratio, rotate_tensor
+from msvalidate.springs.constants.homogenise import interior_tensor
 
 from . import block, direction
 from .block import BOX, K1, RATIOS, SIDE

@@ -1,4 +1,4 @@
-"""When is a slab of dielectric elastomer pulled in, and what of it is the mesh's?
+"""Pull-in of a dielectric elastomer slab
 
 Charges squeeze the slab, a thinner slab is squeezed more, and past some voltage no equilibrium is
 left. Several instabilities share that name. One question a file:
@@ -23,7 +23,7 @@ from functools import partial
 
 from msvalidate import kit
 
-from . import beyond, controls, instability, permittivity, sweep, which
+from . import beyond, instability, permittivity, pull_in_controls, sweep, which
 from .way import SPRINGS, PullInSolver
 
 ASKED = {
@@ -36,7 +36,7 @@ ASKED = {
 """Question -> who answers it for a candidate."""
 FAULTS = {
     name: {"candidate": way, "questions": (question,)}
-    for name, (way, question) in controls.FAULTS.items()
+    for name, (way, question) in pull_in_controls.FAULTS.items()
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -50,4 +50,4 @@ def run(
     """All questions, or those named, for one candidate."""
     candidate = kit.check_functions(candidate, PullInSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return kit.gather_evidence(asked | {"controls": controls.run}, questions)
+    return kit.gather_evidence(asked | {"controls": pull_in_controls.run}, questions)

@@ -17,8 +17,8 @@ import pandas as pd
 
 from msvalidate import kit
 from msvalidate.dielectric.actuator import ActuatorEquilibrium, PulledIn, fix_near_tips
-from msvalidate.network import configuration_at
-from msvalidate.network.residual import force_scale
+from msvalidate.springs.network import configuration_at
+from msvalidate.springs.network.residual import force_scale
 
 from . import slab
 from .slab import PULL_IN, REACH

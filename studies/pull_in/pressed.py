@@ -15,10 +15,10 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.lattice import square
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.lattice import square
+from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem import box_discretisation
 from reference_fem.large_strain import Solid, deform, square_fibres
 

@@ -1,4 +1,4 @@
-"""Which elastic solid does a simulator simulate, and why is its answer not elasticity's?
+"""Effective elastic solid of a simulator
 
 A simulator is asked through files or in memory (`msvalidate.simulators`): the gate tries it, the
 affine probe reads its law from single steps, bodies of the frozen set are brought to rest, and what

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from msvalidate.lattice.edges import mesh_lattice
-from msvalidate.network import internal_force, spring_network
 from msvalidate.simulators.bodies.laws import LAWS, lame
 from msvalidate.simulators.bodies.tetrahedra import Stress, of_law, tetrahedra
 from msvalidate.simulators.exchange.program import Program
 from msvalidate.simulators.exchange.protocol import Answer, Request, Simulator, SimulatorError
 from msvalidate.simulators.verdict.causes import CAUSE, NOT_EXPLAINED, OVER_DENSITY, STOPPED
 from msvalidate.simulators.verdict.judgement import Judgement
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.lattice.edges import mesh_lattice
+from msvalidate.springs.network import internal_force, spring_network
+from msvalidate.springs.statics.equilibrium import equilibrium
 from msvalidate_check.causes import Cause
 from msvalidate_check.verdict import NOT_AT_REST
 

@@ -1,4 +1,4 @@
-"""Stability: how large may a time step be, and what does each scheme make of a motion?
+"""Stable time steps and orders of integrators
 
 The report compares four ways to step in time and prints two of them wrongly.
 
@@ -31,11 +31,10 @@ from dataclasses import replace
 from functools import cache, partial
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
 
 from . import (
-    controls,
     cost,
     drift,
     figure3,
@@ -45,6 +44,7 @@ from . import (
     nonlinear,
     order,
     passing,
+    stability_controls,
     summary,
 )
 from .common import Schemes
@@ -65,11 +65,11 @@ VERLET = INTEGRATORS["velocity_verlet"]
 LAGGED = replace(VERLET, step=INTEGRATORS["verlet_lagged"].step)
 FAULTS = {
     "Verlet without its second kick": {
-        "candidate": INTEGRATORS | {VERLET.name: controls.with_weak_kick(1.0)},
+        "candidate": INTEGRATORS | {VERLET.name: stability_controls.with_weak_kick(1.0)},
         "questions": ("limits",),
     },
     "half of Verlet's second kick": {
-        "candidate": INTEGRATORS | {VERLET.name: controls.with_weak_kick(0.5)},
+        "candidate": INTEGRATORS | {VERLET.name: stability_controls.with_weak_kick(0.5)},
         "questions": ("order",),
     },
     "Verlet with the old force in both kicks": {
@@ -77,16 +77,17 @@ FAULTS = {
         "questions": ("drift",),
     },
     "a thousandth of Verlet's second kick missing": {
-        "candidate": INTEGRATORS | {VERLET.name: controls.with_weak_kick(0.001)},
+        "candidate": INTEGRATORS | {VERLET.name: stability_controls.with_weak_kick(0.001)},
         "questions": ("cost",),
     },
     "Euler-Cromer with half the damping": {
         "candidate": INTEGRATORS
-        | {"euler_cromer": controls.with_weak_damping("euler_cromer", 0.5)},
+        | {"euler_cromer": stability_controls.with_weak_damping("euler_cromer", 0.5)},
         "questions": ("limits",),
     },
     "leapfrog with 1 % less damping": {
-        "candidate": INTEGRATORS | {"leapfrog": controls.with_weak_damping("leapfrog", 0.01)},
+        "candidate": INTEGRATORS
+        | {"leapfrog": stability_controls.with_weak_damping("leapfrog", 0.01)},
         "questions": ("order",),
     },
 }
@@ -109,7 +110,7 @@ def run(
         return kit.Evidence(tables, tolerances=summary.RULES, columns=kit.columns(__file__))
 
     others: dict[str, Callable[[], kit.Evidence]] = {
-        "controls": partial(controls.run, setting),
+        "controls": partial(stability_controls.run, setting),
         "summary": summarised,
     }
     return kit.gather_evidence(asked | others, questions)

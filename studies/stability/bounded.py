@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.dynamics.scheme import Integrator, MotionState
+from msvalidate.springs.dynamics.scheme import Integrator, MotionState
 
 from .networks import Linear
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
 
 Schemes = Mapping[str, Integrator]
 """Name -> scheme: the candidate of every question."""

@@ -25,8 +25,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator, UndampedMotion
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator, UndampedMotion
 
 from . import common, oscillator
 from .common import Schemes

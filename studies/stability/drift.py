@@ -22,9 +22,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.step_limits import one_step_matrix
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.step_limits import one_step_matrix
 
 from . import common, oscillator
 from .common import Schemes

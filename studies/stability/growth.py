@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.implicit import ModeAcceleration
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator, MotionState
+from msvalidate.springs.dynamics.implicit import ModeAcceleration
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator, MotionState
 
 from . import common
 from .bounded import energy

@@ -18,9 +18,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.step_limits import stability_limit
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.step_limits import stability_limit
 
 from . import common
 from .bounded import Search, measured_limit

@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.step_limits import one_step_matrix
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.step_limits import one_step_matrix
 
 
 def velocity_first(h: float, keep: float, push: float) -> kit.Array:

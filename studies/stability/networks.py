@@ -15,11 +15,11 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import interior_tensor
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.lattice import Lattice, square, triangular, zigzag_block
-from msvalidate.network import tangent
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import interior_tensor
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.lattice import Lattice, square, triangular, zigzag_block
+from msvalidate.springs.network import tangent
 
 CONSTANTS = {"square": (1.0, 0.5), "triangular": (1.0,)}
 """Spring constants (N/m) by kind: isotropic."""

@@ -16,10 +16,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.integrate import State, motion
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.step_limits import stability_limit
+from msvalidate.springs.dynamics.integrate import State, motion
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.step_limits import stability_limit
 
 from .common import Schemes
 from .networks import Body, clamped, free_components, linear

@@ -22,9 +22,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.integrate import State, motion
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.integrate import State, motion
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
 
 from . import common, oscillator
 from .common import Schemes

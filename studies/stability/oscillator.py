@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from msvalidate.dynamics.scheme import Integrator, MotionState
+from msvalidate.springs.dynamics.scheme import Integrator, MotionState
 
 
 class Oscillator:

@@ -21,12 +21,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.lattice import Lattice
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.dynamics.step_limits import stability_limit
+from msvalidate.springs.lattice import Lattice
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from . import common, runs
 from .common import Schemes

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.dynamics.integrate import State, motion
-from msvalidate.dynamics.scheme import Integrator
-from msvalidate.lattice import Lattice
+from msvalidate.springs.dynamics.integrate import State, motion
+from msvalidate.springs.dynamics.scheme import Integrator
+from msvalidate.springs.lattice import Lattice
 
 from .networks import REPORTED, Body, clamped
 

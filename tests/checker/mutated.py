@@ -18,7 +18,7 @@ import numpy as np
 
 from msvalidate_check import elastic_case
 from msvalidate_check.command import run
-from tests.msvalidate.case.mutated import mutated_bytes
+from tests.msvalidate.case.file.mutated import mutated_bytes
 
 CASE = elastic_case("cell_pull_plane_strain")
 NODES, U = CASE.points[CASE.named], CASE.wanted

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.case.building import read_case
-from msvalidate.case.judge import judge_result
-from msvalidate.case.results import Result
+from msvalidate.case.file.building import read_case
+from msvalidate.case.judge.judgement import judge_result
+from msvalidate.case.judge.results import Result
 from msvalidate_check import CheckError, assert_elastic, check, elastic_case
 from msvalidate_check.case_set import case_facts, case_names
 from msvalidate_check.command import run as command

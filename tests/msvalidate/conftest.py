@@ -11,11 +11,11 @@ import pytest
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, Delaunay, QhullError
 
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import square
-from msvalidate.network import spring_network
-from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import SHAPES, Box, Isotropic, Mesh, Problem, Support, Traction
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import spring_network
+from msvalidate.springs.network.laws.volumes import Volumes
 
 UNIT = 0.37
 """Size (m) of the squares and cubes of random networks."""

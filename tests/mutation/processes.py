@@ -30,7 +30,7 @@ def prepare() -> None:
         "matplotlib.pyplot", "meshio", "numba", "numpy", "pandas", "pyamg", "pytest",
         "_pytest.assertion.rewrite", "scipy.integrate", "scipy.interpolate", "scipy.optimize",
         "scipy.sparse.linalg", "scipy.spatial", "scipy.special", "scipy.stats", "shapely",
-        "skfem", "skfem.helpers", "tqdm",
+        "skfem", "skfem.helpers",
     ):  # fmt: skip
         importlib.import_module(name)
     from hypothesis import Phase, settings  # noqa: PLC0415

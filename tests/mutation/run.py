@@ -41,34 +41,36 @@ def _files(*names: str) -> list[str]:
 
 MODULES: dict[str, tuple[list[str], list[str], int]] = {
     # name: files, tests, faults
-    "integrators": ([f"msvalidate/dynamics/{name}.py" for name in ("integrators", "variants",
-        "step_limits", "implicit")], _files("integrators", "integrators_on_networks", "integrate"),
-        28),
-    "homogenise": (["msvalidate/constants/homogenise.py"], _files("homogenise"), 28),
-    "calibrate": (["msvalidate/bodies/calibrate.py", "msvalidate/constants/routes.py"],
+    "integrators": ([f"msvalidate/springs/dynamics/{name}.py" for name in ("integrators",
+        "variants", "step_limits", "implicit")],
+        _files("integrators", "integrators_on_networks", "integrate"), 28),
+    "homogenise": (["msvalidate/springs/constants/homogenise.py"], _files("homogenise"), 28),
+    "calibrate": (["msvalidate/springs/bodies/calibrate.py",
+        "msvalidate/springs/constants/routes.py"],
         _files("calibrate", "uniform_tension"), 28),
-    "volumes": (["msvalidate/network/laws/volumes.py"], _files("volumes", "volumes_by_hand",
+    "volumes": (["msvalidate/springs/network/laws/volumes.py"], _files("volumes", "volumes_by_hand",
         "network", "spectrum"), 25),
-    "compare": (["msvalidate/judging/compare.py"], _files("evidence", "compare"), 25),
-    "rules": (["msvalidate/judging/rules.py"], _files("rules"), 25),
-    "baseline": (["msvalidate/output/baseline.py", "checker/msvalidate_check/baseline.py"],
+    "compare": (["msvalidate/bench/judging/compare.py"], _files("evidence", "compare"), 25),
+    "rules": (["msvalidate/bench/judging/rules.py"], _files("rules"), 25),
+    "baseline": (["msvalidate/bench/output/baseline.py", "checker/msvalidate_check/baseline.py"],
         [*_files("baseline"), "tests/checker/test_plugin.py"], 25),
-    "stiffness": (["msvalidate/constants/stiffness.py"], _files("stiffness", "calibrate"), 25),
-    "network": (["msvalidate/network/network.py"], _files("network", "spectrum", "lattice_network",
-        "body_exact", "supports", "unstable"), 25),
+    "stiffness": (["msvalidate/springs/constants/stiffness.py"],
+        _files("stiffness", "calibrate"), 25),
+    "network": (["msvalidate/springs/network/network.py"], _files("network", "spectrum",
+        "lattice_network", "body_exact", "supports", "unstable"), 25),
     "charges": (["msvalidate/dielectric/charges/*.py"], [f"{T}/dielectric/charges"], 25),
-    "kernels": (["msvalidate/kernels/*.py", "msvalidate/dielectric/kernels/*.py"], [], 25),
+    "kernels": (["msvalidate/springs/kernels/*.py", "msvalidate/dielectric/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
-    "equilibrium": (["msvalidate/statics/equilibrium.py"],
+    "equilibrium": (["msvalidate/springs/statics/equilibrium.py"],
         _files("equilibrium*", "unstable", "path", "refinement"), 25),
     "linear_algebra": (["msvalidate/linear_algebra/*.py", "reference_fem/systems/direct.py"],
         [*_files("factor", "order", "multigrid", "inverse"), f"{F}/systems"], 60),
     "checker": (["checker/msvalidate_check/*.py"], ["tests/checker",
         *_files("baseline", "report", "report_interrupted", "judging")], 40),
     "simulators": (["msvalidate/simulators/*/*.py"], [f"{T}/simulators"], 40),
-    "case": (["msvalidate/case/*.py"], [f"{T}/case"], 40),
+    "case": (["msvalidate/case/*/*.py"], [f"{T}/case"], 40),
 }  # fmt: skip
-KT, CT = f"{T}/kernels", f"{T}/dielectric/charges"
+KT, CT = f"{T}/springs/kernels", f"{T}/dielectric/charges"
 CELLS = [
     [f"{KT}/test_kernels.py::test_{n}" for n in (
         "cells_push_as_in_the_plain_form", "cells_add_to_what_is_there_whatever_their_groups",
@@ -357,9 +359,9 @@ def asked_of_questions(one: Mutant, module: str, tree: Path, out: Path) -> tuple
 
 
 def _question(study: str, questions: tuple[str, ...]) -> int:
-    from msvalidate.judging import catalogue  # noqa: PLC0415
-    from msvalidate.judging.evidence import all_passed, judge  # noqa: PLC0415
-    from msvalidate.judging.sweep import Setting  # noqa: PLC0415
+    from msvalidate.bench.judging import catalogue  # noqa: PLC0415
+    from msvalidate.bench.judging.evidence import all_passed, judge  # noqa: PLC0415
+    from msvalidate.bench.judging.sweep import Setting  # noqa: PLC0415
 
     given = {"questions": questions} if questions else {}
     evidence = catalogue.load(study).run(setting=Setting(quick=True), **given)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.case.springs import solve_springs
+from msvalidate.case.springs.lattice_springs import solve_springs
 from msvalidate.simulators.exchange.lammps import lammps_files
-from msvalidate.statics.equilibrium import equilibrium
-from tests.msvalidate.case.test_network_files import BRACKET, HOLES, case_of
+from msvalidate.springs.statics.equilibrium import equilibrium
+from tests.msvalidate.case.springs.test_network_files import BRACKET, HOLES, case_of
 from tests.peers.with_lammps import opened
 
 CASES = {  # strains of some 1e-3: of smaller ones positions in double precision have fewer digits

@@ -5,8 +5,8 @@ from functools import partial
 import numpy as np
 import pytest
 from msvalidate.studies.actuator import (
+    actuator_controls,
     bodies,
-    controls,
     edges,
     figure8_statements,
     models,
@@ -15,8 +15,8 @@ from msvalidate.studies.actuator import (
 )
 
 import reference_fem
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.sweep import Setting
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import Box, Isotropic, SolverError
 from msvalidate.studies import actuator
 
@@ -83,10 +83,10 @@ def test_limits_of_growth(grown, limit):
     assert np.isnan(profile.limit_of(grown[:2]))
 
 
-@pytest.mark.parametrize(("name", "size"), controls.ASKED.items())
+@pytest.mark.parametrize(("name", "size"), actuator_controls.ASKED.items())
 def test_faults_are_mixed_as_they_are(name, size):
     """The resolution's shortcut is the faulty candidate itself."""
-    kind, slab = controls.KINDS[name], bodies.body("partial", 3)
+    kind, slab = actuator_controls.KINDS[name], bodies.body("partial", 3)
     right = bodies.linear_response(None, slab, 1.0)
     wrong = kind.spoilt(1.0)(slab, 1.0)
     there = kind.spoilt(size)(slab, 1.0)

@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from msvalidate.studies.claims import reading, record
 
-from msvalidate.judging.sweep import Setting
-from msvalidate.output.baseline import baseline_folder
-from msvalidate.output.results import THIS_RUN, Results
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.bench.output.baseline import baseline_folder
+from msvalidate.bench.output.results import THIS_RUN, Results
 from msvalidate.problem import ProblemError
 from msvalidate.studies import claims
 from tests.table import stored_rows, table

@@ -14,11 +14,11 @@ from msvalidate.studies.convergence import (
 )
 from scipy.sparse import csr_matrix
 
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.judging import counting
-from msvalidate.judging.sweep import Setting
+from msvalidate.bench.judging import counting
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import SolverError
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
 from reference_fem.systems.direct import node_order
 
 QUICK = Setting(quick=True)

@@ -26,10 +26,10 @@ from msvalidate.studies.cost.readings import Reading
 from msvalidate.studies.cost.target_list import Target
 from msvalidate.studies.cost.timing import ABSENT, SINGLE
 
-from msvalidate.judging.evidence import UNGATED, all_passed, judge
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import internal_force
-from msvalidate.output.stored import csv_bytes
+from msvalidate.bench.judging.evidence import UNGATED, all_passed, judge
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.bench.output.stored import csv_bytes
+from msvalidate.springs.network import internal_force
 from msvalidate.studies import cost
 from msvalidate_check.baseline import differences, read_columns
 

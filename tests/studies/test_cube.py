@@ -4,17 +4,17 @@ from functools import partial
 
 import numpy as np
 import pytest
-from msvalidate.studies.poisson import controls, cube, cube_block, cube_layers
+from msvalidate.studies.poisson import cube, cube_block, cube_layers, poisson_controls
 
 import reference_fem
-from msvalidate.judging.candidate import solve_springs
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.singularity import clamped_edge_exponent
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import faults
-from msvalidate.output import figures
+from msvalidate.bench.judging.candidate import solve_springs
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.singularity import clamped_edge_exponent
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.bench.output import figures
+from msvalidate.springs.network import faults
 from msvalidate.studies import poisson
-from reference_fem.closing_in import extrapolate
+from reference_fem.richardson import extrapolate
 
 QUICK = Setting(quick=True)
 
@@ -170,7 +170,7 @@ def test_a_fault_under_clamped_ends_alone_is_caught():
 
 
 def test_a_small_fault_of_the_diagonals_is_caught():
-    candidate = partial(controls.apply_fault, faults.stiffen_diagonals, 1e-7)
+    candidate = partial(poisson_controls.apply_fault, faults.stiffen_diagonals, 1e-7)
     row, stiff = cube.measure(candidate, ("cubic 18", "shared", "traction", 2))
     assert abs(row["nu_springs"] - 0.25) > 1e-9
     assert abs(stiff["modulus_ratio"] - 1) > 1e-9

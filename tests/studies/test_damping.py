@@ -8,7 +8,7 @@ import pytest
 from msvalidate.studies.damping import (
     advice,
     bodies,
-    controls,
+    damping_controls,
     decay,
     direction,
     figure2,
@@ -18,11 +18,11 @@ from msvalidate.studies.damping import (
 )
 from scipy.linalg import eigh
 
-from msvalidate.dynamics.integrate import State, euler_cromer, motion
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.judging.sweep import Setting
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import SolverError
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.dynamics.integrate import State, euler_cromer, motion
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 QUICK = Setting(quick=True)
 
@@ -130,7 +130,7 @@ def test_stops_of_modes_are_those_of_the_run(plate):
 
 
 def test_stop_step_notices_another_damping():
-    faulty = stop_rule.run(controls.apply_fault("damping", 0.05), QUICK)
+    faulty = stop_rule.run(damping_controls.apply_fault("damping", 0.05), QUICK)
     quantity = stop_rule.RULES[0].quantity
     assert faulty.observed[quantity].error > stop_rule.RULES[0].limit
 
@@ -211,7 +211,7 @@ def test_peak_of_a_gaussian():
 def test_new_velocity_is_what_it_says(plate):
     dt, c = 0.01, 3.0
     kicked = State(plate.network.points, 1e-6 * (1.0 - plate.network.held))
-    found = controls.apply_fault("viscous force from the new velocity", 1.0)(
+    found = damping_controls.apply_fault("viscous force from the new velocity", 1.0)(
         plate.network, kicked, dt, 1, c
     )
     undamped = motion(plate.network, kicked, INTEGRATORS["euler_cromer"], dt, 1, 0.0)
@@ -221,7 +221,7 @@ def test_new_velocity_is_what_it_says(plate):
 
 
 def test_other_kick_is_lighter_masses(plate):
-    found = controls.apply_fault("kick", 0.2)(plate.network, plate.start, 0.02, 7, 0.5)
+    found = damping_controls.apply_fault("kick", 0.2)(plate.network, plate.start, 0.02, 7, 0.5)
     lighter = replace(plate.network, mass=plate.network.mass / 1.2)
     wanted = euler_cromer(lighter, plate.start, 0.02, 7, 0.5)
     assert found.position - plate.network.points == pytest.approx(
@@ -230,12 +230,12 @@ def test_other_kick_is_lighter_masses(plate):
     assert found.velocity == pytest.approx(wanted.velocity, rel=1e-6, abs=1e-13)
 
 
-@pytest.mark.parametrize("kind", controls.KINDS)
+@pytest.mark.parametrize("kind", damping_controls.KINDS)
 def test_stated_resolution_is_the_real_one(kind):
-    noticed = controls.smallest(kind)["smallest_noticed"]
+    noticed = damping_controls.smallest(kind)["smallest_noticed"]
 
     def largest(size):
-        return max(controls.excesses(controls.apply_fault(kind, size)).values())
+        return max(damping_controls.excesses(damping_controls.apply_fault(kind, size)).values())
 
     # Rounding is a tenth of a limit: what the extrapolation from a large fault cannot know.
     assert largest(1.3 * noticed) > 1

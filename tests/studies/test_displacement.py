@@ -5,16 +5,23 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from msvalidate.studies.displacement import budget, controls, load_cases, measuring, orders, target
+from msvalidate.studies.displacement import (
+    budget,
+    displacement_controls,
+    load_cases,
+    measuring,
+    orders,
+    target,
+)
 from msvalidate.studies.displacement.large import Large
 from msvalidate.studies.displacement.load_cases import CASES
 from msvalidate.studies.displacement.measuring import WEIGHTS, Block, Measurement
 from msvalidate.studies.displacement.models import ISOTROPIC, MODELS, homogenised
 
-from msvalidate.judging.candidate import solve_springs
-from msvalidate.judging.evidence import all_passed, judge
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.bench.judging.candidate import solve_springs
+from msvalidate.bench.judging.evidence import all_passed, judge
+from msvalidate.bench.judging.singularity import clamped_free_exponent
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 
 QUICK = Setting(quick=True)
@@ -125,7 +132,9 @@ def test_a_probe_that_meets_no_point_is_refused():
 
 def test_no_resolution_where_a_fault_does_nothing():
     """Rounding is no sign of a fault: the bent beam's traction is no uniform one."""
-    found = controls.smallest("traction", 1, controls.bending_error, controls.IDENTITY)
+    found = displacement_controls.smallest(
+        "traction", 1, displacement_controls.bending_error, displacement_controls.IDENTITY
+    )
     assert found == "none"
 
 
@@ -152,7 +161,7 @@ def test_the_blunter_corner_decides():
 
 def test_target_judges_by_an_independent_program():
     assert all_passed(judge(target.run(solve_springs, QUICK)))
-    stiffer = controls.candidate_with("stiffness of every spring", 0.02)
+    stiffer = displacement_controls.candidate_with("stiffness of every spring", 0.02)
     failed = judge(target.run(stiffer, QUICK)).query("verdict == 'fail'")["quantity"]
     assert "sheared square, k2 = 2 k1: an independent program, in its last digits" in set(failed)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from msvalidate.studies.electrostatics import (
     common,
-    controls,
     derivatives,
     edge,
+    electrostatics_controls,
     in_air,
     models,
     nodes,
@@ -14,14 +14,14 @@ from msvalidate.studies.electrostatics import (
 )
 from msvalidate.studies.electrostatics.common import MOMENTS
 
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.dielectric.charges import (
     capacitance,
     facing_strips,
     facing_strips_capacitance,
     strip_points,
 )
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.sweep import Setting
 from msvalidate.studies import electrostatics
 
 QUICK = Setting(quick=True)
@@ -163,7 +163,7 @@ def test_sums_over_points_times_their_places(shape):
 def test_field_of_points_is_that_of_segments_far_away():
     electrodes = common.pair("wavy", 4.0, 10)
     far = np.array([[40.0, 30.0], [-70.0, 5.0]])
-    seen = controls.of_points(electrodes)
+    seen = electrostatics_controls.of_points(electrodes)
     assert seen.field(far) == pytest.approx(MOMENTS.charges(electrodes).field(far), rel=2e-3)
     assert np.isfinite(seen.field(electrodes.middle)).all()
 
@@ -172,27 +172,27 @@ def test_no_fault_is_the_solver_itself():
     electrodes = common.pair("wavy", 4.0, 10)
     for weighting in ("galerkin", "collocation"):
         right = MOMENTS.charges(electrodes, weighting=weighting)
-        same = controls.perturb_potentials(0.0, electrodes, weighting=weighting)
+        same = electrostatics_controls.perturb_potentials(0.0, electrodes, weighting=weighting)
         assert same.charge == pytest.approx(right.charge, rel=1e-9)
         assert same.floating == pytest.approx(right.floating, rel=1e-9)
     assert MOMENTS.charges(electrodes).totals.sum() == pytest.approx(0, abs=1e-12)
-    alone = controls.perturb_potentials(0.0, electrodes, neutral=False)
+    alone = electrostatics_controls.perturb_potentials(0.0, electrodes, neutral=False)
     assert abs(alone.totals.sum()) > 1e-2
 
 
 def test_without_neutrality_the_unit_of_length_matters():
     def found(unit):
         electrodes = facing_strips(6.0 * unit, unit, 20)
-        return controls.perturb_potentials(0.0, electrodes, neutral=False).totals[0]
+        return electrostatics_controls.perturb_potentials(0.0, electrodes, neutral=False).totals[0]
 
     assert abs(found(1000.0) / found(1.0) - 1) > 0.01
     small, large = (capacitance(facing_strips(6.0 * u, u, 20)) for u in (1.0, 1000.0))
     assert small == pytest.approx(large, rel=1e-10)
 
 
-@pytest.mark.parametrize("kind", controls.KINDS)
+@pytest.mark.parametrize("kind", electrostatics_controls.KINDS)
 def test_stated_resolution_is_the_real_one(kind):
-    faulty, error, _ = controls.KINDS[kind]
-    noticed = controls.smallest(kind)["smallest_noticed"]
+    faulty, error, _ = electrostatics_controls.KINDS[kind]
+    noticed = electrostatics_controls.smallest(kind)["smallest_noticed"]
     assert abs(error(faulty(1.3 * noticed))) > 1
     assert abs(error(faulty(0.7 * noticed))) < 1

@@ -11,23 +11,23 @@ import pytest
 from msvalidate.studies.lattices import (
     cases,
     clamped,
-    controls,
     edges,
     elastic,
+    lattices_controls,
     loading,
     solids,
     uniform,
 )
 from msvalidate.studies.lattices.cases import Case
 
-from msvalidate import lattice
-from msvalidate.constants.directions import directional_modulus
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.judging.evidence import all_passed, judge
-from msvalidate.judging.sweep import Setting
-from msvalidate.lattice import Pattern, fill, patterns
-from msvalidate.lattice.pattern import pattern_by_shells
+from msvalidate.bench.judging.evidence import all_passed, judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import Anisotropic, Box, ProblemError, SolverError
+from msvalidate.springs import lattice
+from msvalidate.springs.constants.directions import directional_modulus
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.lattice import Pattern, fill, patterns
+from msvalidate.springs.lattice.pattern import pattern_by_shells
 from msvalidate.studies import lattices
 
 QUICK = Setting(quick=True)
@@ -284,7 +284,7 @@ def test_nothing_to_judge_is_no_pass():
 def test_a_missing_direction_is_another_tensor():
     full, less = (
         make(patterns.square(), (1.0, 0.5)).tensor
-        for make in (homogenise, controls.solid_with(1.0))
+        for make in (homogenise, lattices_controls.solid_with(1.0))
     )
     np.testing.assert_allclose(full - less, np.diag([1.0, 0, 0]), atol=1e-14)
 

@@ -18,12 +18,12 @@ from msvalidate.studies.lattices.ratio.bent import Bent
 from msvalidate.studies.lattices.ratio.routes import Way
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.waves import highest_frequency
-from msvalidate.judging.evidence import judge
-from msvalidate.lattice import patterns
-from msvalidate.network.faults import stiffen_all
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.springs.bodies.calibrate import calibrate
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.waves import highest_frequency
+from msvalidate.springs.lattice import patterns
+from msvalidate.springs.network.faults import stiffen_all
 from msvalidate.studies import lattices
 from tests.registries import AFFINE
 

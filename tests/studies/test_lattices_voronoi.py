@@ -19,11 +19,11 @@ from scipy.stats import t as student
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.constants.directions import rotate_tensor
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import cubic_part, isotropic_part
-from msvalidate.judging.evidence import judge
-from msvalidate.lattice.voronoi import pattern_of_tessellation
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.springs.constants.directions import rotate_tensor
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import cubic_part, isotropic_part
+from msvalidate.springs.lattice.voronoi import pattern_of_tessellation
 
 QUICK = kit.Setting(quick=True)
 

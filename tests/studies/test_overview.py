@@ -10,9 +10,9 @@ import pytest
 from msvalidate.studies.benchmarks import cases, cook
 from msvalidate.studies.overview import good_for, models, ordinary, part
 
-from msvalidate.judging.candidate import solve_springs
-from msvalidate.output import front
-from msvalidate.output.results import Results
+from msvalidate.bench.judging.candidate import solve_springs
+from msvalidate.bench.output import front
+from msvalidate.bench.output.results import Results
 from tests.table import table
 
 LIMIT = cases.Quantity("Cook's membrane", "u_y", "m", 24.0, "by hand", 1 / 3)

@@ -8,18 +8,18 @@ import pytest
 from msvalidate.studies.poisson import (
     algorithm1,
     block,
-    controls,
     elastic_block,
     finite_size,
+    poisson_controls,
     rotated,
 )
 
 import reference_fem
-from msvalidate.constants.stiffness import square_tensor
-from msvalidate.judging.candidate import solve_springs
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import faults
+from msvalidate.bench.judging.candidate import solve_springs
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.sweep import Setting
+from msvalidate.springs.constants.stiffness import square_tensor
+from msvalidate.springs.network import faults
 from msvalidate.studies import poisson
 
 QUICK = Setting(quick=True)
@@ -34,13 +34,13 @@ def test_reference_in_the_candidates_place_has_no_error():
     assert difference[~uniform].max() < elastic_block.REFERENCE_ERROR, "a coarser mesh of its own"
 
 
-@pytest.mark.parametrize("name", controls.FAULTS)
+@pytest.mark.parametrize("name", poisson_controls.FAULTS)
 def test_stated_resolution_is_the_real_one(name):
-    noticed = controls.smallest(name)["smallest_noticed"]
+    noticed = poisson_controls.smallest(name)["smallest_noticed"]
 
     def largest(size):
-        faulty = partial(controls.apply_fault, controls.FAULTS[name][0], size)
-        return max(controls.identities(faulty).values())
+        faulty = partial(poisson_controls.apply_fault, poisson_controls.FAULTS[name][0], size)
+        return max(poisson_controls.identities(faulty).values())
 
     assert largest(1.1 * noticed) > finite_size.IDENTITY
     assert largest(0.9 * noticed) < finite_size.IDENTITY

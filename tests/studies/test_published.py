@@ -11,7 +11,7 @@ from msvalidate.studies.benchmarks import (
     spring_meshes,
 )
 
-from msvalidate.judging.candidate import solve_springs
+from msvalidate.bench.judging.candidate import solve_springs
 from msvalidate.problem import Box
 from reference_fem import box_discretisation
 

@@ -8,22 +8,22 @@ import pandas as pd
 import pytest
 from msvalidate.studies.pull_in import (
     branches,
-    controls,
     film,
     homogeneous,
     infinite,
     instability,
     pressed,
+    pull_in_controls,
     sweep,
 )
 from msvalidate.studies.pull_in.slab import HEIGHT, PERMITTIVITY, PULL_IN
 from msvalidate.studies.pull_in.way import SPRINGS, PullInSolver, bonded, sliding
 
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.dielectric.actuator import at_voltage, uniform
 from msvalidate.dielectric.charges import Moments, facing_strips, tangent
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import tangent as springs_tangent
+from msvalidate.springs.network import tangent as springs_tangent
 from msvalidate.studies import pull_in
 
 QUICK = Setting(quick=True)
@@ -147,29 +147,33 @@ def test_what_is_the_meshs_is_read_off_the_table():
 # --- controls -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", controls.KINDS)
+@pytest.mark.parametrize("kind", pull_in_controls.KINDS)
 def test_stated_resolution_is_the_real_one(kind):
-    noticed = controls.run().tables["resolution"].set_index("fault")["smallest_noticed"][kind]
+    noticed = (
+        pull_in_controls.run().tables["resolution"].set_index("fault")["smallest_noticed"][kind]
+    )
     for part, passes in ((1.1, False), (0.9, True)):
-        found = controls.pulled_in(PullInSolver(partial(controls.KINDS[kind], part * noticed)))
+        found = pull_in_controls.pulled_in(
+            PullInSolver(partial(pull_in_controls.KINDS[kind], part * noticed))
+        )
         error = abs(found / PULL_IN.voltage - 1)
         assert (error <= sweep.RULES[1].limit) == passes
 
 
 def test_no_fault_is_the_way_itself():
-    right = controls.pulled_in(SPRINGS)
-    for faulty in controls.KINDS.values():
-        assert controls.pulled_in(PullInSolver(partial(faulty, 0.0))) == right
+    right = pull_in_controls.pulled_in(SPRINGS)
+    for faulty in pull_in_controls.KINDS.values():
+        assert pull_in_controls.pulled_in(PullInSolver(partial(faulty, 0.0))) == right
 
 
 def test_half_the_softening_is_between():
     found = at_voltage(sliding(3), 0.95 * PULL_IN.voltage)
     whole, half, none = (
         modes(found, 1)[0][0]
-        for modes in (SPRINGS.modes, controls.half_softened, controls.springs_alone)
+        for modes in (SPRINGS.modes, pull_in_controls.half_softened, pull_in_controls.springs_alone)
     )
     assert whole < half < none
-    assert controls.springs_alone(replace(found, voltage=5.0), 1)[0][0] == none
+    assert pull_in_controls.springs_alone(replace(found, voltage=5.0), 1)[0][0] == none
 
 
 @pytest.mark.parametrize(
@@ -188,6 +192,7 @@ def test_each_threshold_notices_its_law(fault, noticing):
 def test_linear_sheet_is_the_neo_hookean_one_to_second_order():
     for along, across in ((1e-3, 0.0), (1e-3, 2e-3), (-1e-3, 5e-4)):
         soft, straight = (
-            law(1 + along, 1 + across) for law in (homogeneous.neo_hookean, controls.linear_sheet)
+            law(1 + along, 1 + across)
+            for law in (homogeneous.neo_hookean, pull_in_controls.linear_sheet)
         )
         assert straight == pytest.approx(soft, rel=1e-2)

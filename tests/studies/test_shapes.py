@@ -9,7 +9,7 @@ from msvalidate.studies.displacement import claims, load_cases, shapes
 from msvalidate.studies.displacement.load_cases import CASES
 from msvalidate.studies.displacement.measuring import Block, Measurement
 
-from msvalidate.judging.evidence import all_passed, judge
+from msvalidate.bench.judging.evidence import all_passed, judge
 from msvalidate.problem import SolverError
 
 FINER = 10

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from msvalidate.studies.displacement import bent_bar, controls, solid, solid_bodies
+from msvalidate.studies.displacement import bent_bar, displacement_controls, solid, solid_bodies
 from msvalidate.studies.displacement.solid_bodies import CASES, MODELS
 
 import reference_fem
-from msvalidate.judging.candidate import solve_springs
-from msvalidate.judging.evidence import all_passed, judge
-from msvalidate.judging.singularity import clamped_edge_exponent, clamped_free_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.bench.judging.candidate import solve_springs
+from msvalidate.bench.judging.evidence import all_passed, judge
+from msvalidate.bench.judging.singularity import clamped_edge_exponent, clamped_free_exponent
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 
 QUICK = Setting(quick=True)
@@ -81,7 +81,7 @@ def test_a_section_may_move_more_freely_than_its_bound():
 
 def test_the_bar_notices_small_faults():
     for kind, size in (("stiffness of every spring", 1e-7), ("boundary weights", 1e-7)):
-        verdict = judge(bent_bar.run(controls.candidate_with(kind, size), QUICK))
+        verdict = judge(bent_bar.run(displacement_controls.candidate_with(kind, size), QUICK))
         assert not all_passed(verdict), kind
 
 

@@ -7,7 +7,6 @@ import pytest
 from msvalidate.studies.stability import (
     bounded,
     common,
-    controls,
     cost,
     drift,
     figure3,
@@ -17,20 +16,21 @@ from msvalidate.studies.stability import (
     oscillator,
     passing,
     runs,
+    stability_controls,
 )
 from msvalidate.studies.stability import (
     growth as growing,
 )
 from msvalidate.studies.stability.networks import OSCILLATOR, Body, clamped, linear
 
-from msvalidate.dynamics.integrators import INTEGRATORS
-from msvalidate.dynamics.scheme import MotionState
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.step_limits import one_step_matrix
-from msvalidate.judging.evidence import all_passed, judge
-from msvalidate.judging.sweep import Setting
-from msvalidate.network import tangent
+from msvalidate.bench.judging.evidence import all_passed, judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import ProblemError
+from msvalidate.springs.dynamics.integrators import INTEGRATORS
+from msvalidate.springs.dynamics.scheme import MotionState
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.dynamics.step_limits import one_step_matrix
+from msvalidate.springs.network import tangent
 from msvalidate.studies import stability
 from tests.table import table
 
@@ -290,24 +290,24 @@ def test_no_number_is_missing_where_schemes_leave():
 # --- controls -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", controls.FAULTS)
+@pytest.mark.parametrize("name", stability_controls.FAULTS)
 def test_stated_resolution_is_the_real_one(name):
     """On the questions themselves, of which two run a network, whose rounding is half a limit."""
-    noticed = controls.smallest(name)["smallest_noticed"]
+    noticed = stability_controls.smallest(name)["smallest_noticed"]
     question, apart = (cost, 0.1) if "kick" in name else (order, 0.5)
     for part, passes in ((1 + apart, False), (1 - apart, True)):
-        scheme = controls.FAULTS[name][0](part * noticed)
+        scheme = stability_controls.FAULTS[name][0](part * noticed)
         found = question.run(INTEGRATORS | {scheme.name: scheme}, QUICK)
         assert all_passed(judge(found)) == passes
 
 
 def test_no_fault_is_the_scheme_itself():
     for name in ("euler_cromer", "leapfrog"):
-        same = controls.with_weak_damping(name, 0.0)
+        same = stability_controls.with_weak_damping(name, 0.0)
         assert oscillator.swing(same, 50, 2.0, 0.3) == oscillator.swing(
             INTEGRATORS[name], 50, 2.0, 0.3
         )
-    same = controls.with_weak_kick(0.0)
+    same = stability_controls.with_weak_kick(0.0)
     assert oscillator.swing(same, 50, 2.0, 0.3) == oscillator.swing(
         INTEGRATORS["velocity_verlet"], 50, 2.0, 0.3
     )

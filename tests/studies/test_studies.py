@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.columns import common_columns
+from msvalidate.bench.judging.evidence import UNGATED, all_passed, judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.cli.program import main
-from msvalidate.judging import catalogue
-from msvalidate.judging.columns import common_columns
-from msvalidate.judging.evidence import UNGATED, all_passed, judge
-from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 
 QUICK = Setting(quick=True)
@@ -96,8 +96,10 @@ def test_figures_are_functions_of_the_tables(name, evidence):
             assert axis.get_ylabel() or not place.is_first_col()
 
 
-def test_says_what_it_asks(study):
-    assert study.__doc__.splitlines()[0].endswith("?")
+def test_names_its_topic(study):
+    title = study.__doc__.splitlines()[0]
+    assert 2 <= len(title.split()) <= 8
+    assert title[-1] not in ".?"
     assert study.FAULTS, "a study without a negative control proves nothing"
 
 
@@ -132,7 +134,7 @@ def test_a_new_study_is_one_of_all_these(tmp_path):
     spec = importlib.util.spec_from_file_location("plate", place)
     study = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(study)
-    test_says_what_it_asks(study)
+    test_names_its_topic(study)
     test_a_candidate_that_is_none_is_refused_in_one_line(study)
     test_each_study_answers_some_of_its_questions(study)
     evidence = study.run(setting=QUICK)

@@ -13,15 +13,15 @@ import pytest
 
 import reference_fem.body
 import reference_fem.elasticity
-from msvalidate.bodies import lattice_network, mesh_file
-from msvalidate.constants import stiffness
+from msvalidate.bench.judging import catalogue
+from msvalidate.bench.judging.evidence import judge
+from msvalidate.bench.judging.sweep import Setting
 from msvalidate.dielectric.actuator import Actuator
-from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import judge
-from msvalidate.judging.sweep import Setting
-from msvalidate.lattice import filled
-from msvalidate.network import configuration
 from msvalidate.problem import Isotropic
+from msvalidate.springs.bodies import lattice_network, mesh_file
+from msvalidate.springs.constants import stiffness
+from msvalidate.springs.lattice import filled
+from msvalidate.springs.network import configuration
 
 OURS = ("msvalidate", "reference_fem", "studies")
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import Delaunay
 
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.network import Network, spring_network
-from msvalidate.network.laws.volumes import Volumes
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.network import Network, spring_network
+from msvalidate.springs.network.laws.volumes import Volumes
 from tests.truth import exact
 
 FEW_DECADES = 3.0

@@ -17,7 +17,7 @@ from flint import arb, ctx
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from msvalidate.network import Network
+from msvalidate.springs.network import Network
 
 ctx.prec = 420
 ZERO, HALF = arb(0), arb(1) / 2

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm import tqdm
 
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.relaxations import RELAXATIONS
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.statics.equilibrium import equilibrium
 from tests.truth import exact
 from tests.truth.bodies import Body, body
 

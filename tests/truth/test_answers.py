@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.network import spring_network
+from msvalidate.springs.network import spring_network
 from tests.truth import exact
 from tests.truth.judge import tally
 

@@ -11,10 +11,10 @@ from scipy.sparse import coo_array, csr_array
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric
 from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
-from msvalidate.network import Configuration, tangent
-from msvalidate.network.residual import force_scale, out_of_balance_force
 from msvalidate.problem import Array
-from msvalidate.statics.tangents import LARGEST_TURN
+from msvalidate.springs.network import Configuration, tangent
+from msvalidate.springs.network.residual import force_scale, out_of_balance_force
+from msvalidate.springs.statics.tangents import LARGEST_TURN
 
 ITERATIONS = 25
 """Newton steps to one voltage: several times what quadratic convergence needs."""
@@ -67,7 +67,7 @@ def positive_factor(K: csr_array) -> Factor | None:
 def is_balanced(
     actuator: Actuator, displacement: Array, electric: Electric, tolerance: float
 ) -> bool:
-    """Whether what is out of balance is small beside the forces that meet and the free loads.
+    """Return True if the residual is small relative to forces and free loads.
 
     Or rounding: an eps of the displacement, whatever the coordinates are.
     """

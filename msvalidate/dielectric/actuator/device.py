@@ -1,4 +1,4 @@
-"""What an actuator is: a plane network, two electrodes along its surface, and what lies between."""
+"""Actuator: a 2D network with two electrodes and the dielectric between them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 
 from msvalidate.dielectric.charges import Electrodes, electrodes_of_chains, faces_of
-from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
 from msvalidate.problem.checks import (
     format_value,
@@ -20,6 +19,7 @@ from msvalidate.problem.checks import (
     shaped,
 )
 from msvalidate.problem.records import dataclass, field
+from msvalidate.springs.network import Network
 
 SAME_PLACE = 1e-9
 """Distance over the body's size below which two places are one: rounding of coordinates is 1e-16,

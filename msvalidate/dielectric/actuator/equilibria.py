@@ -19,7 +19,7 @@ from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite, finite_number, format_value, require_type
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 TOLERANCE = 1e-10
 """Residual at which an equilibrium is found, over the forces that meet at a point. Newton's last
@@ -191,7 +191,7 @@ def _step_to_voltage(
 def make_equilibrium(
     actuator: Actuator, voltage: float, found: BalancedState
 ) -> ActuatorEquilibrium:
-    """What is held at a voltage where a search came to rest."""
+    """Build the equilibrium at a voltage from the result of a search."""
     displacement, electric, solves = found
     balance = residual_force(actuator, displacement, electric)[~actuator.network.held]
     displacement.setflags(write=False)

@@ -8,8 +8,6 @@ import numpy as np
 
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
-from msvalidate.lattice import boundary_weights, square
-from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError
 from msvalidate.problem.checks import (
     finite_number,
@@ -20,10 +18,12 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.springs.lattice import boundary_weights, square
+from msvalidate.springs.network import spring_network
 
 SIDES = ("free", "sliding")
 WHOLE = 1e-6
-"""Part of a cell by which a count may miss a whole number."""
+"""Deviation from a whole number of cells that is rounding."""
 
 
 def slab(

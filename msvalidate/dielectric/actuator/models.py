@@ -1,4 +1,4 @@
-"""What charges do to a network: forces on its points at a voltage, and how they change.
+"""Electrostatic forces on a network's points at a voltage, and their derivatives.
 
 With one more model, write a function of an actuator, positions and a voltage that returns an
 `Electric`, add it to `CHARGES`, and its name to `device.MODELS`: actuators take it by that name.

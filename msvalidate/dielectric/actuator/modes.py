@@ -10,10 +10,10 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from msvalidate.dielectric.actuator.balance import positive_factor, stiffness
 from msvalidate.dielectric.actuator.equilibria import ActuatorEquilibrium
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.lattice.ties import TIE
 from msvalidate.linear_algebra.factor import Factor
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import require_type, whole_number
+from msvalidate.springs.lattice.ties import TIE
 
 DENSE = 400
 """Free components up to which a dense solver is the faster one."""

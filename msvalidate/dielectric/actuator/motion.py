@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from msvalidate import kernels
 from msvalidate.dielectric.actuator.balance import (
     BalancedState,
     is_balanced,
@@ -20,14 +19,15 @@ from msvalidate.dielectric.actuator.equilibria import (
     refuse_other_network,
 )
 from msvalidate.dielectric.actuator.models import Electric, charge_actuator
-from msvalidate.dynamics.divergence import SPECTRUM_ERROR
-from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
-from msvalidate.dynamics.relax import LOOSEST
-from msvalidate.dynamics.run import DIVERGED, LOOK_EVERY, step_limit
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, require_type, whole_number
+from msvalidate.springs import kernels
+from msvalidate.springs.dynamics.divergence import SPECTRUM_ERROR
+from msvalidate.springs.dynamics.integrators import EULER_CROMER, step_factors
+from msvalidate.springs.dynamics.relax import LOOSEST
+from msvalidate.springs.dynamics.run import DIVERGED, LOOK_EVERY, step_limit
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.dynamics.step_limits import SAFETY, stability_limit
 
 
 def relax_actuator(

@@ -29,7 +29,7 @@ THINNEST = 1e-9
 
 
 class PullIn(NamedTuple):
-    """Where a film is pulled in: thickness ratio, and voltage (V)."""
+    """Pull-in of a film: thickness ratio and voltage (V)."""
 
     thickness: float
     voltage: float

@@ -1,4 +1,4 @@
-"""What electrodes, faces and patches alike ask of what they are given, and of their answers."""
+"""Checks of arguments and results of electrodes, faces and patches."""
 
 from __future__ import annotations
 

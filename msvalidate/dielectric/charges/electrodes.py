@@ -10,7 +10,6 @@ import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import check_plane_points, freeze
-from msvalidate.kernels.values import Complex
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
@@ -24,6 +23,7 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.kernels.values import Complex
 
 GRADINGS = ("uniform", "cosine")
 Moved = TypeVar("Moved", bound="Segments")
@@ -156,7 +156,7 @@ def _refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
 
 
 def _lie_on_each_other(points: Array, one: Index, other: Index) -> Array:
-    """Whether two segments with a shared point lie on each other."""
+    """Return True if two segments with a common point overlap."""
     u, v = (points[pair[:, 1]] - points[pair[:, 0]] for pair in (one, other))
     swap = (one[:, 0] == other[:, 0]) | (one[:, 1] == other[:, 1])
     v = np.where(swap[:, None], v, -v)

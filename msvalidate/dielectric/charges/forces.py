@@ -26,9 +26,9 @@ from msvalidate.dielectric.charges.dielectric import ChargesInAir
 from msvalidate.dielectric.charges.moments import Charges
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
-from msvalidate.kernels.values import Complex
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_type
+from msvalidate.springs.kernels.values import Complex
 
 
 def forces(charges: Charges) -> Array:

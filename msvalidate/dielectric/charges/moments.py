@@ -34,10 +34,10 @@ from msvalidate.dielectric.charges.checks import (
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes, to_complex
 from msvalidate.dielectric.kernels import charges as integrals
-from msvalidate.kernels.values import Complex
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import ReadOnly, dataclass
+from msvalidate.springs.kernels.values import Complex
 
 Weighting = Literal["galerkin", "collocation"]
 WEIGHTINGS: tuple[Weighting, ...] = ("galerkin", "collocation")

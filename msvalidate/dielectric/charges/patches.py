@@ -41,7 +41,10 @@ GRADING, SECTORS = 4.0, 4
 """The n-th line from an edge is n to this power away; patches in each ring of a disc, few, as the
 charge of a disc alone is the same all around."""
 OVERLAP = 1e-6
-"""Of the smaller patch, what two may share: corners are rounded where they meet along edges."""
+"""Largest overlap of two patches, relative to the smaller one.
+
+Corners are rounded where patches meet along edges.
+"""
 
 
 @dataclass(frozen=True, eq=False)

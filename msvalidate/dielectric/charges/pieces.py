@@ -1,4 +1,4 @@
-"""What a charge is spread over, and how points see it.
+"""Geometry of charged pieces, and their potential integrals at points.
 
 Charges are spread evenly over straight pieces: a spring, or the halves of the springs that meet at
 a node. With u along a piece from its middle, z across it and l its length, the potential of a unit

@@ -16,9 +16,9 @@ from msvalidate.dielectric.kernels.segments import (
     square_of,
     terms_of,
 )
-from msvalidate.kernels.compiling import compiled
-from msvalidate.kernels.values import Complex
 from msvalidate.problem import Array, Index
+from msvalidate.springs.kernels.compiling import compiled
+from msvalidate.springs.kernels.values import Complex
 
 ON_IT = 1e-12
 """Distance from a segment over its length below which a point lies on it."""

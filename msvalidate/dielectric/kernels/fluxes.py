@@ -14,9 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.dielectric.kernels.segments import jet
-from msvalidate.kernels.compiling import compiled
-from msvalidate.kernels.values import Complex
 from msvalidate.problem import Array, Index
+from msvalidate.springs.kernels.compiling import compiled
+from msvalidate.springs.kernels.values import Complex
 
 TOUCHING = 1e-9
 """Distance of two corners over the lengths of their segments below which they are one corner."""

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.kernels.compiling import compiled
 from msvalidate.problem import Array
+from msvalidate.springs.kernels.compiling import compiled
 
 
 @compiled(inner=True)

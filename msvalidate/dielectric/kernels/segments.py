@@ -26,7 +26,7 @@ import math
 
 import numpy as np
 
-from msvalidate.kernels.compiling import compiled
+from msvalidate.springs.kernels.compiling import compiled
 
 FAR = 6.0
 """Distance of middles over the lengths' root mean square beyond which segments are far apart."""

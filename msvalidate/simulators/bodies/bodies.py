@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.case.mistake_fields import mistakes_on_mesh
+from msvalidate.case.judge.mistakes import mistakes_on_mesh
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
@@ -183,6 +183,10 @@ class BodyRow:
         that was not asked.
     far_away
         The same, moved by `AWAY`, where positions in floats are coarser.
+    driven
+        Cause of the motion, as of the frozen case: "loads", "weight" or "supports".
+    move
+        (n, 3) m of the nodes, for figures.
     """
 
     body: str
@@ -197,6 +201,8 @@ class BodyRow:
     finer: bool = False
     loaded_more: float = math.nan
     far_away: float = math.nan
+    driven: str = ""
+    move: Array | None = None
 
     @property
     def is_explained(self) -> bool:
@@ -294,7 +300,18 @@ def body_row(
     error = max_length(found.move[case.named] - wanted) / max_length(wanted)
     rest = stated_residual_motion(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
-    row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
+    row = BodyRow(
+        body,
+        case.name,
+        case.mesh,
+        error,
+        on_mesh,
+        rest,
+        None,
+        even=found.even,
+        driven=case.driven,
+        move=found.move,
+    )
     if law is None:
         asked = request.material.E, request.material.nu
         return replace(row, shapes=_shapes(found, asked, request.mass))

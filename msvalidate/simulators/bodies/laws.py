@@ -13,11 +13,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from msvalidate.constants import stiffness
 from msvalidate.problem import VOIGT, Array, ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, require_one_of
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.probe.reading import BAND, Elastic, elastic
+from msvalidate.springs.constants import stiffness
 
 Stress = Callable[[Array, float, float], Array]
 """F (..., 3, 3), real or complex, mu, lam (Pa) -> P (..., 3, 3) in Pa; analytic in F near I."""

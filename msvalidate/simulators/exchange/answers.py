@@ -13,8 +13,7 @@ import msgspec
 import numpy as np
 import pandas as pd
 
-from msvalidate.bodies.mesh_file import read_points
-from msvalidate.case.results import refuse_wide
+from msvalidate.case.judge.results import refuse_wide
 from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.problem.checks import format_value, numbers
 from msvalidate.simulators.exchange.protocol import (
@@ -27,6 +26,7 @@ from msvalidate.simulators.exchange.protocol import (
     SimulatorError,
     ask,
 )
+from msvalidate.springs.bodies.mesh_file import read_points
 
 
 def read_table(path: Path, columns: Sequence[str]) -> Array:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
+from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, field
 from msvalidate.simulators.exchange.protocol import (
     Answer,
@@ -50,8 +51,8 @@ class Asked:
 
     Parameters
     ----------
-    simulator, show, done
-        Asked; told what is asked now, and what was asked with the time that is left.
+    simulator
+        Answers requests.
     parts
         Of a judgement, that the questions are of.
     count, answers
@@ -65,8 +66,6 @@ class Asked:
     """
 
     simulator: Simulator
-    show: Callable[[str], None] = lambda _: None
-    done: Callable[[str], None] = lambda _: None
     parts: Collection[str] = tuple(USUAL)
     count: int = 0
     answers: int = 0
@@ -102,8 +101,7 @@ class Asked:
         self.count += 1
         asked = f"question {self.count}, {request.task}"
         before = f"; {self.left}" if self.count > 1 else ""
-        self.show(f"{asked} of {request.name or 'a block'}{before}")
-        began = time.perf_counter()
+        report_step("%s of %s%s", asked, request.name or "a block", before)
         try:
             answer = self.simulator(request)
         except CannotRepresent as error:
@@ -115,8 +113,6 @@ class Asked:
         self.answers += 1
         self.about = answer.about
         self.tells_forces = self.tells_forces or answer.force is not None
-        taken = time.perf_counter() - began
-        self.done(f"{asked} of {request.name or 'a block'}: {taken:.2g} s; {self.left}")
         return answer
 
     def _fail(self, asked: str, error: SimulatorError) -> None:

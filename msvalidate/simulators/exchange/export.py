@@ -16,15 +16,10 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.case.case import Case, spacing_of
-from msvalidate.case.nearest_ratio import change_by_ratio
-from msvalidate.case.network_files import SHAPE_OF
-from msvalidate.case.springs import SpringAnswer, make_network, solve_springs
-from msvalidate.constants.homogenise import deforms_affinely
-from msvalidate.constants.stiffness import ALIKE, springs_ratio
-from msvalidate.lattice import Lattice
-from msvalidate.lattice.patterns import all_patterns
-from msvalidate.network import Network
+from msvalidate.case.advise.nearest_ratio import change_by_ratio
+from msvalidate.case.file.case import Case, spacing_of
+from msvalidate.case.springs.lattice_springs import SpringAnswer, make_network, solve_springs
+from msvalidate.case.springs.network_files import SHAPE_OF
 from msvalidate.problem import (
     SHAPES,
     Array,
@@ -41,6 +36,11 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import format_value, require_one_of, whole_number
 from msvalidate.simulators.exchange.lammps import lammps_files
 from msvalidate.simulators.exchange.protocol import Request, Springs
+from msvalidate.springs.constants.homogenise import deforms_affinely
+from msvalidate.springs.constants.stiffness import ALIKE, springs_ratio
+from msvalidate.springs.lattice import Lattice
+from msvalidate.springs.lattice.patterns import all_patterns
+from msvalidate.springs.network import Network
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import solve_on
 from reference_fem.first_mesh import first_mesh, grid_lines, kept_places

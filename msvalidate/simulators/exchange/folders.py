@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from msvalidate.output.vtu import mesh_bytes, vtu_bytes
+from msvalidate.bench.output.vtu import mesh_bytes, vtu_bytes
 from msvalidate.problem import AXES, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.exchange.protocol import FORMAT, Request

@@ -11,14 +11,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from msvalidate.case.network_files import tension
-from msvalidate.dynamics.damping import quickest_damping
+from msvalidate.case.springs.network_files import tension
 from msvalidate.linear_algebra.norms import max_abs
-from msvalidate.network import Network
-from msvalidate.network.configuration import frequency_bound, tangent
-from msvalidate.network.laws.linear import LINEAR
 from msvalidate.problem import AXES, Array, ProblemError
-from msvalidate.statics.equilibrium import Equilibrium
+from msvalidate.springs.dynamics.damping import quickest_damping
+from msvalidate.springs.network import Network
+from msvalidate.springs.network.configuration import frequency_bound, tangent
+from msvalidate.springs.network.laws.linear import LINEAR
+from msvalidate.springs.statics.equilibrium import Equilibrium
 
 PART_OF_LIMIT = 0.9
 """Of the largest stable step, by Gershgorin's bound of the highest frequency."""

@@ -11,7 +11,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-from msvalidate.bodies.process import LIMIT, run_limited
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
 from msvalidate.problem.records import dataclass
@@ -25,6 +24,7 @@ from msvalidate.simulators.exchange.protocol import (
     Request,
     SimulatorError,
 )
+from msvalidate.springs.bodies.process import LIMIT, run_limited
 from msvalidate_check import exchange
 
 CASE, OUT, LOG = "case", "out", "log.txt"

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from msvalidate.case.case import Case
+from msvalidate.case.file.case import Case
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Array,
@@ -64,6 +64,7 @@ from msvalidate.simulators.gate.rows import (
 )
 from msvalidate.simulators.probe.block import wave_speed
 from msvalidate.simulators.probe.reading import BAND
+from msvalidate.springs.constants.stiffness import axes_moduli, lame
 from msvalidate_check.beside import best_scale
 from msvalidate_check.causes import Phrase, phrase
 
@@ -166,12 +167,13 @@ def gate(
     require_type("gate: material", material, Isotropic)
     own = dict(settings or {})
     block = stretched_block(material, own)
+    stiffness = cache(partial(_stretched_step, simulator, block))
     rows = _tried({
         "rest stays at rest": partial(_at_rest, simulator, block),
         FREE_FALL: partial(_free_fall, simulator, block),
-        "small turn": partial(_small_turn, simulator, block),
+        "small turn": partial(_small_turn, simulator, block, stiffness),
         "turn by 30°": partial(_large_turn, simulator, block),
-        "stretched step": partial(_stretched_step, simulator, block),
+        "stretched step": lambda: size_rows("step", _out_of_range(block.material, stiffness())),
     })  # fmt: skip
     tested = Gate(())
     hanging = stretched_block(material, own, hanging=True)
@@ -273,11 +275,20 @@ def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
     return [*_judged(off, "of g t", limit, because), integrator, *size_rows("fall", mean)]
 
 
-def _stretched_step(simulator: Simulator, block: Request) -> list[GateRow]:
-    """Forces of a uniform strain in one step, relative to those of the modulus."""
+def _stretched_step(simulator: Simulator, block: Request) -> float:
+    """Stiffness in one step of a uniform strain, relative to the requested modulus E."""
     stretched = motion(block, block.mesh.points * [1 + STRAIN, *[1] * (block.mesh.dim - 1)])
-    force = forces(stretched, ask(simulator, stretched))
-    return size_rows("step", _as_strain(block, force) / STRAIN)
+    return _as_strain(block, forces(stretched, ask(simulator, stretched))) / STRAIN
+
+
+def _out_of_range(law: Isotropic, stiffness: float) -> float:
+    """Factor by which a relative stiffness lies outside the range of E to the wave modulus M.
+
+    Elements resist a uniform strain with M = λ + 2μ, and springs with about E whatever the ratio.
+    """
+    second, mu = lame(law.dim, *axes_moduli(law, law.dim, "gate"))
+    most = (second + 2 * mu) / (law.E * law.thickness)
+    return stiffness / min(max(stiffness, 1.0), most)
 
 
 def _integrator(fallen: float, stated: float) -> str:
@@ -291,14 +302,19 @@ def _integrator(fallen: float, stated: float) -> str:
     return known[near] if abs(near - fallen) < 0.1 + stated * near else "no known integrator"
 
 
-def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
-    """Forces' odd part: what a turn forwards and one back put differently, without its square."""
+def _small_turn(
+    simulator: Simulator, block: Request, stiffness: Callable[[], float]
+) -> list[GateRow]:
+    """Forces' odd part: what a turn forwards and one back put differently, without its square.
+
+    Rounding of positions is a force in proportion to the program's own stiffness.
+    """
     found, answers = [], []
     for sign in (1, -1):
         asked = motion(block, turned(block.mesh.points, sign * SMALL_TURN))
         answers.append(ask(simulator, asked))
         found.append(forces(asked, answers[-1]))
-    strain = _as_strain(block, (found[0] - found[1]) / 2) / SMALL_TURN
+    strain = _as_strain(block, (found[0] - found[1]) / 2) / SMALL_TURN / max(1.0, stiffness())
     # Of a coordinate over a cell. Where velocities are differences of positions, rounding of these
     # over a step is up to 250 of them, at a ratio of 0.45.
     limit = ROUNDINGS * ACROSS * epsilon(answers[0]) / SMALL_TURN

@@ -8,10 +8,10 @@ from itertools import permutations
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.constants.stiffness import lame
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
+from msvalidate.springs.constants.stiffness import lame
 
 SIZE = (0.25, 0.125, 0.125)
 """Sides (m)."""

@@ -12,7 +12,7 @@ from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.protocol import ROUNDING
 from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, voigt
 from msvalidate.simulators.probe.masses import Masses
-from msvalidate.simulators.probe.reading import BAND, INNER, Flag
+from msvalidate.simulators.probe.reading import BAND, DAMPING, INNER, Flag
 from msvalidate_check.causes import Phrase, phrase
 
 EXACT = 1e-3
@@ -33,6 +33,8 @@ crosses this part of the smallest cell: by its square it reaches them from the s
 where the mass matrix is not diagonal. In single precision shorter steps are lost in rounding."""
 AXIS = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
 """Of a small turn: none of the block's own."""
+ACROSS = 0.1
+"""Part of a loss of velocity that may be across the weight if the loss is damping."""
 PLACED = 3.0
 """Standard deviations of sums over rounded positions, within which they are taken to be."""
 
@@ -96,8 +98,8 @@ def raise_flags(
     value, noise = _other_step(bench, C, strain)
     flags.append(_flag("half the step, another strain", value, exact + noise))
     if masses is not None:
-        value, noise = _free_fall(bench, rest, strain)
-        flags.append(_flag("free fall", value, exact + noise))
+        name, value, noise = _free_fall(bench, rest, strain)
+        flags.append(_flag(name, value, exact + noise))
         matrix = "mass matrix" if bench.consistent else "measured masses"
         because = phrase(matrix, pattern=masses.words)
         limit = BAND + masses.error + bench.solves_to
@@ -152,15 +154,19 @@ def _other_step(bench: Bench, C: Array, strain: float) -> tuple[float, float]:
     return max_abs(voigt(odd.stress) - expected) / (strain * max_abs(C)), noise
 
 
-def _free_fall(bench: Bench, rest: Push, strain: float) -> tuple[float, float]:
+def _free_fall(bench: Bench, rest: Push, strain: float) -> tuple[str, float, float]:
     """Acceleration at rest under a weight that moves it as far as strains do, less the weight.
 
-    Over the weight; and what rounding may make of that.
+    The flag's name; the difference over the weight; and what rounding may make of that. An
+    acceleration along the weight that is too small is damping.
     """
     size = strain * bench.block.height / bench.dt**2
     weight = np.array([1.0, 2.0, -3.0]) / np.sqrt(14.0) * size
     force = bench.push(np.zeros((3, 3)), gravity=tuple(weight.tolist())).force - rest.force
     mass = bench.inertia(np.ones(force.shape)).sum(axis=0)
-    value = max_abs(force.sum(axis=0) / mass - weight) / size
+    off = (force.sum(axis=0) / mass - weight) / size
+    lost = -float(off @ weight) / size
+    along = max_abs(off + lost * weight / size) <= ACROSS * lost < ACROSS
     reach = max_abs(bench.block.mesh.points) / bench.block.height
-    return value, PLACED * ROUNDING[bench.precision] * (1 + reach) / strain
+    noise = PLACED * ROUNDING[bench.precision] * (1 + reach) / strain
+    return (DAMPING, lost, noise) if along else ("free fall", max_abs(off), noise)

@@ -253,3 +253,5 @@ SOLVED = "solves_to"
 OF_PARTS = (STRAINS, SOLVED)
 INNER = "force on inner nodes"
 """Name of the flag by which a lattice is known."""
+DAMPING = "damping"
+"""Name of the flag of a step that keeps only a part of the velocity that a weight gives."""

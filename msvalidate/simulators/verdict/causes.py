@@ -10,7 +10,7 @@ from msvalidate.simulators.bodies.bodies import EVEN, MORE, BodyRow
 from msvalidate.simulators.bodies.large_strain import AtLargeStrain
 from msvalidate.simulators.bodies.laws import LAWS, nearest_law
 from msvalidate.simulators.gate.rows import TIMES, UNSTATED, Gate, GateRow, size_rows
-from msvalidate.simulators.probe.reading import BAND, SHOWN, Reading
+from msvalidate.simulators.probe.reading import BAND, DAMPING, SHOWN, Reading
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
 from msvalidate_check.verdict import AGREES, NOT_AT_REST, Verdict
@@ -47,7 +47,7 @@ def rows_verdict(
     total = law[0] / reading.E if law and reading and reading.E else 1.0
     causes = [
         *still,
-        *_law_causes(material, reading, law),
+        *_law_causes(material, reading, law, rows),
         *_gate_causes(gate.units or size_rows("body", pulled / material.E)),
         *_factor_causes(rows, total, linear=linear),
         *(_rounded(row) for row in rows if row.is_rounded),
@@ -134,16 +134,25 @@ def is_over_density(part: float, density: float) -> bool:
 
 
 def _law_causes(
-    material: Isotropic, reading: Reading | None, law: tuple[float, float] | None
+    material: Isotropic,
+    reading: Reading | None,
+    law: tuple[float, float] | None,
+    rows: tuple[BodyRow, ...],
 ) -> list[Cause]:
     found, shown = [], SHOWN if reading is None else reading.shown
-    if reading is not None and not reading.is_valid:
+    flags = () if reading is None else [flag for flag in reading.flags if not flag.holds]
+    lost = [flag.value for flag in flags if flag.name == DAMPING]
+    found += [Cause(DAMPING, part, phrase("damped", lost=part)) for part in lost]
+    if reading is not None and not reading.is_valid and len(reading.refusals()) > len(lost):
         found.append(Cause("reading", of=phrase("refused", refusals=reading.refusals())))
-    elif reading is not None and reading.E is None:
+    elif reading is not None and reading.is_valid and reading.E is None:
         found.append(Cause("no solid", of=phrase("no solid", because=reading.elastic.because)))
     if reading is not None and reading.is_bound:
         found.append(Cause("bound", of=phrase("bound")))
     if law is not None and not _alike(law, (material.E, material.nu), shown):
+        rival = "or loads" if reading is None else "or masses"
+        pulled = [row.body == "pulled" and row.driven == "loads" for row in rows]
+        known = reading is not None and (reading.masses is None or any(pulled))
         near, times = nearest_law(*law, material.E, material.nu), law[0] / material.E
         of = phrase(
             "law",
@@ -152,7 +161,7 @@ def _law_causes(
             given=material.nu,
             near=phrase("near law", name=near, key=LAWS[near].key) if near else NOTHING,
             over=OVER_DENSITY if is_over_density(times, material.density) else NOTHING,
-            rival=phrase("or loads", times=1 / times) if reading is None else NOTHING,
+            rival=NOTHING if known else phrase(rival, times=1 / times),
         )
         found.append(Cause("law", times, of))
     masses = reading.masses if reading is not None else None

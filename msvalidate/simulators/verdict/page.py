@@ -5,21 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.case.files import picture_files
-from msvalidate.case.page import shown_pictures
-from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
-from msvalidate.output.rendering import render_template
+from msvalidate.bench.output.body_drawing import SHOWN
+from msvalidate.bench.output.figures import draw_solid, solid_axes
+from msvalidate.bench.output.screen import FirstScreen, Summary, render_screen
+from msvalidate.case.report.figures import Drawn
+from msvalidate.case.report.files import picture_files
+from msvalidate.case.report.page import shown_pictures
+from msvalidate.simulators.bodies.blocks import frozen_case
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.verdict.judgement import Judgement
-from msvalidate.simulators.verdict.sheet import Sheet
+from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
 
 PAGE = "check.html"
-CAUSES = {name: name for name in ("law", "resolution", "mass", "solver")} | {
-    "not explained": "left"
+CAPTIONS = {
+    "gate": "Each question was passed, failed, or could not be answered.",
+    "bodies at rest": "Error, and factor of the displacement by each cause; an empty cell is 1.",
+    "law at small strain": "Modulus and ratio as requested, as documented, and as measured.",
 }
-"""What a bar is called -> the factor that it is."""
+"""Beginning of a table's title -> its caption."""
 
 
 def sheet_files(
@@ -44,37 +50,55 @@ def sheet_files(
     plots
         Whether the picture is drawn; there is none without bodies.
     """
-    rows = [row for row in found.bodies if row.factors is not None]
-    caption = "What each cause changes of the displacement of bodies at rest"
-    drawn = {"causes": (caption, lambda: draw_causes(rows))} if plots and rows else {}
+    moved = {row.body: row for row in found.bodies if row.move is not None}
+    drawn: Drawn = {}
+    if plots and moved:
+        caption = "Bodies are deformed as the simulator has them on its finest mesh, enlarged."
+        drawn["bodies"] = (caption, lambda: draw_bodies([*moved.values()], found.asked.nu))
     content, pictures = picture_files(drawn)
     material = found.asked
-    asked = {
+    request = {
         "material": f"E = {material.E:g} Pa, nu = {material.nu:g}, {material.density:g} kg/m³",
         **{f"setting {key}": value for key, value in settings.items()},
     }
-    page = render_template(
+    titles = [table.title.partition(":")[0] for table in sheet.tables]
+    tables = list(map(_summary_of, titles, sheet.tables))
+    screen = FirstScreen(
+        f"msvalidate simulator: {sheet.who}",
+        name,
+        found.word,
+        f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
+        f"{sheet.next.removesuffix('.')}.",
+        tables[-1] if tables else None,
+        next(iter(shown_pictures(pictures)), None),
+        (*sheet.causes, *(sheet.tables[-1].below if tables else ())),
+    )
+    page = render_screen(
         "simulator.html",
-        title=name,
-        sheet=sheet,
-        pictures=shown_pictures(pictures),
-        asked=asked,
+        screen,
+        {title: title for title in titles[:-1]},
+        tables=[*zip(titles, tables, (table.below for table in sheet.tables), strict=True)][:-1],
+        notes=sheet.notes,
+        request=request,
         origin=origin,
     )
     return content | {PAGE: page.encode()}
 
 
-def draw_causes(rows: list[BodyRow]) -> Figure:
-    """Bars: by how many percent each cause makes the displacement of each body larger."""
-    figure, (axis,) = new_figure(size=(6.2, 1.2 + 0.55 * len(rows)))
-    place = np.arange(len(rows))[::-1]
-    high = 0.8 / len(CAUSES)
-    for number, (label, factor) in enumerate(CAUSES.items()):
-        part = [100 * (getattr(row.factors, factor) - 1) for row in rows]
-        at = place + 0.4 - high * (number + 0.5)
-        axis.barh(at, part, height=high, color=COLOURS[number], label=label)
-    axis.set_yticks(place, [f"{row.body}, {row.mesh}" for row in rows])
-    axis.axvline(0, color="black", lw=0.8)
-    axis.set_xlabel("change of the displacement (%)")
-    add_shared_legend(figure, [axis], len(CAUSES))
+def _summary_of(title: str, table: SheetTable) -> Summary:
+    """Table of a page; the name of a frozen case is left to the record."""
+    shown = [place for place, head in enumerate(table.columns) if head != "case"]
+    heads, *rows = ([row[place] for place in shown] for row in (table.columns, *table.rows))
+    return Summary(CAPTIONS[title], heads, rows, [False] * len(shown))
+
+
+def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
+    """Deformed surfaces as the simulator has them, coloured by displacement, over the bodies."""
+    figure, axes = solid_axes(len(rows), (4.4, 2.4), rows=len(rows))
+    for axis, row in zip(axes, rows, strict=True):
+        x, move = frozen_case(row.case, row.mesh, nu).points, np.asarray(row.move)
+        size = np.linalg.norm(move, axis=1)
+        times = SHOWN * float(np.ptp(x, axis=0).max() / (size.max() or 1.0))
+        draw_solid(axis, x, x + times * move, size, Normalize(0.0, size.max()))
+        axis.set_title(f"{row.body}, enlarged {times:.3g} times")
     return figure

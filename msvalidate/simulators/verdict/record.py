@@ -66,7 +66,7 @@ def probe_record(reading: Reading) -> dict[str, Any]:
 
 
 def _body(row: BodyRow) -> dict[str, Any]:
-    own = {name: value for name, value in vars(row).items() if name != "on_mesh"}
+    own = {name: value for name, value in vars(row).items() if name not in {"on_mesh", "move"}}
     shapes = [each.said for each in row.shapes]
     return dict(_plain(own | vars(row.on_mesh) | {"shapes": shapes}))
 

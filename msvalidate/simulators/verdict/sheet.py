@@ -15,6 +15,7 @@ from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate_check.causes import Phrase, phrase
+from msvalidate_check.text import align_table, percent
 from msvalidate_check.verdict import AGREES
 
 FIRST = (LENGTH, STEP, "units")
@@ -34,15 +35,8 @@ class SheetTable:
 
     def lines(self) -> list[str]:
         """As aligned text; the last column is as wide as it is."""
-        every = [self.columns, *self.rows]
-        widths = [max(len(row[k]) for row in every) for k in range(len(self.columns))]
-        text = [
-            "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-            for row in every
-        ]
-        if not any(self.columns):
-            text = text[1:]
-        return [self.title, *(line.rstrip() for line in text), *(f"  {b}" for b in self.below)]
+        lines = align_table(self.columns, self.rows)[not any(self.columns) :]
+        return [self.title, *(f"  {each}" for each in (*lines, *self.below))]
 
 
 @dataclass(frozen=True)
@@ -228,8 +222,8 @@ def _bodies_table(found: Judgement) -> SheetTable:
     below = []
     if found.large is not None:
         large = found.large
-        said = {"case": large.case, "strain": large.strain, "apart": large.apart}
-        below.append(text_of(phrase("large line", **said, linear=large.from_linear)))
+        said = {"case": large.case, "strain": large.strain, "apart": percent(large.apart)}
+        below.append(text_of(phrase("large line", **said, linear=percent(large.from_linear))))
     columns = (
         "body", "case", "mesh", "error", "law", "resolution", "mass", "solver", "not explained",
     )  # fmt: skip
@@ -240,14 +234,14 @@ def _bodies_table(found: Judgement) -> SheetTable:
 
 
 def _body_row(row: BodyRow) -> tuple[str, ...]:
-    head = (row.body, row.case, row.mesh, f"{row.error:.2%}")
+    head = (row.body, row.case, row.mesh, percent(row.error))
     f = row.factors
     if f is None:
         return (*head, "", "", "", "", "no law to hold it against")
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
     if not parts[-1] and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
-    return (*head, *parts, f"{f.apart:.2%}")
+    return (*head, *parts, percent(f.apart))
 
 
 def _factor(part: float) -> str:

@@ -10,12 +10,12 @@ import numpy as np
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import fill, patterns
-from msvalidate.network import Network
-from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem.material import State
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import fill, patterns
+from msvalidate.springs.network import Network
+from msvalidate.springs.network.laws.volumes import Volumes
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
 

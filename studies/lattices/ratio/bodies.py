@@ -18,10 +18,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.lattice import Lattice
+from msvalidate.springs.bodies.calibrate import calibrate
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.stiffness import CAUCHY
+from msvalidate.springs.lattice import Lattice
 
 from .. import cases, loading
 from ..cases import Case

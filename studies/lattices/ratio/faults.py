@@ -19,8 +19,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.network.faults import stiffen_all
-from msvalidate.network.laws.volumes import Volumes
+from msvalidate.springs.network.faults import stiffen_all
+from msvalidate.springs.network.laws.volumes import Volumes
 
 from . import bent, stretch
 from .stretch import Block

@@ -25,14 +25,14 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.fit import fitted_constants
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import Moduli, isotropic_moduli
-from msvalidate.lattice import Lattice, voronoi_box
-from msvalidate.lattice.voronoi import pattern_of_tessellation
-from msvalidate.network import Network
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.bodies.fit import fitted_constants
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import Moduli, isotropic_moduli
+from msvalidate.springs.lattice import Lattice, voronoi_box
+from msvalidate.springs.lattice.voronoi import pattern_of_tessellation
+from msvalidate.springs.network import Network
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from .. import loading
 from ..voronoi.networks import draw_network, seeds

@@ -22,11 +22,11 @@ from scipy.linalg import eigh
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import fill, patterns
-from msvalidate.network import Network, tangent
-from msvalidate.network.laws.volumes import Volumes, cell_volumes
+from msvalidate.springs.bodies.calibrate import calibrate
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import fill, patterns
+from msvalidate.springs.network import Network, tangent
+from msvalidate.springs.network.laws.volumes import Volumes, cell_volumes
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
 

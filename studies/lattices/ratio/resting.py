@@ -20,11 +20,11 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.relaxations import RELAXATIONS
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.counting import predict_steps
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.bench.judging.counting import predict_steps
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.relaxations import RELAXATIONS
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from .. import cost, loading
 from .bent import BOX, counts, springs_of

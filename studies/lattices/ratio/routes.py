@@ -24,13 +24,13 @@ from scipy.linalg import eigh, eigvalsh
 from scipy.sparse import csr_array
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.constants.waves import least_stable_volume
-from msvalidate.lattice import Lattice, Pattern, fill, patterns
-from msvalidate.network import tangent
+from msvalidate.springs.bodies.calibrate import calibrate
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.calibration import Calibration
+from msvalidate.springs.constants.stiffness import CAUCHY
+from msvalidate.springs.constants.waves import least_stable_volume
+from msvalidate.springs.lattice import Lattice, Pattern, fill, patterns
+from msvalidate.springs.network import tangent
 
 from .. import cases, loading
 from . import waves

@@ -24,11 +24,11 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate_material
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.network import tangent
+from msvalidate.bench.judging.singularity import clamped_free_exponent
 from msvalidate.problem.material import State
+from msvalidate.springs.bodies.calibrate import calibrate_material
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.network import tangent
 from reference_fem.elasticity import elastic_tensor, stiffness
 
 from . import stretch

@@ -19,10 +19,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import kit
-from msvalidate.bodies.calibrate import calibrate
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import Lattice, fill, patterns, triangular
 from msvalidate.problem.material import State
+from msvalidate.springs.bodies.calibrate import calibrate
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import Lattice, fill, patterns, triangular
 
 from .. import loading
 

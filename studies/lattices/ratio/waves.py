@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from msvalidate import kit
-from msvalidate.lattice import Lattice, Pattern, fill
+from msvalidate.springs.lattice import Lattice, Pattern, fill
 
 REACH = 3
 """Cells from the middle one to the side: more than springs and cells reach."""

@@ -22,11 +22,11 @@ import pandas as pd
 
 import reference_fem
 from msvalidate import kit
-from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import AXES_OF, cubic_part, isotropic_part
-from msvalidate.lattice import STIFFNESS_RULES, voronoi_box
-from msvalidate.lattice.point_sets import POINT_SETS
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import AXES_OF, cubic_part, isotropic_part
+from msvalidate.springs.lattice import STIFFNESS_RULES, voronoi_box
+from msvalidate.springs.lattice.point_sets import POINT_SETS
 
 from ..cases import Solid
 from . import drawing, networks, surfaces

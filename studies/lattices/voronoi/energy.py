@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.lattice import STIFFNESS_RULES
-from msvalidate.lattice.tessellation import Tessellation
-from msvalidate.lattice.voronoi import pattern_of_tessellation
+from msvalidate.springs.lattice import STIFFNESS_RULES
+from msvalidate.springs.lattice.tessellation import Tessellation
+from msvalidate.springs.lattice.voronoi import pattern_of_tessellation
 
 from ..cases import Solid
 from .networks import draw_network

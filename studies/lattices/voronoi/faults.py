@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.constants.homogenise import Homogenised, homogenise
-from msvalidate.constants.stiffness import pattern_tensor
-from msvalidate.lattice import Constants, Pattern
+from msvalidate.springs.constants.homogenise import Homogenised, homogenise
+from msvalidate.springs.constants.stiffness import pattern_tensor
+from msvalidate.springs.lattice import Constants, Pattern
 
 
 def unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.constants.stiffness import AXES_OF, CAUCHY, isotropic_moduli, isotropic_part
-from msvalidate.lattice import STIFFNESS_RULES, Pattern
-from msvalidate.lattice.point_sets import periodic_points
-from msvalidate.lattice.tessellation import Tessellation, periodic_tessellation
-from msvalidate.lattice.voronoi import pattern_of_tessellation
+from msvalidate.springs.constants.stiffness import AXES_OF, CAUCHY, isotropic_moduli, isotropic_part
+from msvalidate.springs.lattice import STIFFNESS_RULES, Pattern
+from msvalidate.springs.lattice.point_sets import periodic_points
+from msvalidate.springs.lattice.tessellation import Tessellation, periodic_tessellation
+from msvalidate.springs.lattice.voronoi import pattern_of_tessellation
 
 from ..cases import Solid
 

@@ -28,11 +28,11 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import homogenise
-from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.judging.compare import CONFIDENCE
-from msvalidate.lattice import STIFFNESS_RULES
-from msvalidate.lattice.point_sets import POINT_SETS
+from msvalidate.bench.judging.compare import CONFIDENCE
+from msvalidate.springs.constants.homogenise import homogenise
+from msvalidate.springs.constants.stiffness import isotropic_moduli
+from msvalidate.springs.lattice import STIFFNESS_RULES
+from msvalidate.springs.lattice.point_sets import POINT_SETS
 
 from ..cases import Solid
 from . import drawing, energy

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.constants.stiffness import square_tensor
-from msvalidate.lattice.point_sets import periodic_points
-from msvalidate.lattice.tessellation import BoundedTessellation, bounded_tessellation
-from msvalidate.lattice.voronoi import relative_stiffness
-from msvalidate.network import spring_network
+from msvalidate.springs.constants.stiffness import square_tensor
+from msvalidate.springs.lattice.point_sets import periodic_points
+from msvalidate.springs.lattice.tessellation import BoundedTessellation, bounded_tessellation
+from msvalidate.springs.lattice.voronoi import relative_stiffness
+from msvalidate.springs.network import spring_network
 
 STRAIN = 1e-3
 """Of a stretched body; a linear answer is in proportion to it."""

@@ -21,8 +21,8 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from msvalidate import kit
-from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
-from msvalidate.lattice.tessellation import bounded_tessellation
+from msvalidate.springs.lattice.point_sets import POINT_SETS, periodic_points
+from msvalidate.springs.lattice.tessellation import bounded_tessellation
 
 from . import drawing
 from .networks import seeds

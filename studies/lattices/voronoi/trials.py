@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from msvalidate import kit
-from msvalidate.constants.stiffness import cubic_part, moduli
-from msvalidate.dynamics.integrators import EULER_CROMER
-from msvalidate.dynamics.relax import relax
-from msvalidate.dynamics.run import Run
-from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.dynamics.viscous import viscous
-from msvalidate.judging.candidate import AT_REST
-from msvalidate.lattice import STIFFNESS_RULES
-from msvalidate.lattice.tessellation import periodic_tessellation
-from msvalidate.lattice.voronoi import pattern_of_tessellation
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.bench.judging.candidate import AT_REST
+from msvalidate.springs.constants.stiffness import cubic_part, moduli
+from msvalidate.springs.dynamics.integrators import EULER_CROMER
+from msvalidate.springs.dynamics.relax import relax
+from msvalidate.springs.dynamics.run import Run
+from msvalidate.springs.dynamics.spectrum import extreme_frequencies
+from msvalidate.springs.dynamics.viscous import viscous
+from msvalidate.springs.lattice import STIFFNESS_RULES
+from msvalidate.springs.lattice.tessellation import periodic_tessellation
+from msvalidate.springs.lattice.voronoi import pattern_of_tessellation
+from msvalidate.springs.statics.equilibrium import equilibrium
 
 from ..cases import Solid
 from .strewn import STRAIN, from_points, gauge, ratio, stretch_body, strewn

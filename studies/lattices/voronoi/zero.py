@@ -24,7 +24,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import kit
-from msvalidate.constants.homogenise import homogenise
+from msvalidate.springs.constants.homogenise import homogenise
 
 from ..cases import Solid
 from . import trials

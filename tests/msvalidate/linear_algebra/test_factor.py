@@ -15,8 +15,8 @@ from msvalidate.linear_algebra.factor import (
     silence_library,
     softest_mode,
 )
-from msvalidate.network import spring_network, tangent
 from msvalidate.problem import Box, Isotropic, SolverError
+from msvalidate.springs.network import spring_network, tangent
 from reference_fem import box_discretisation
 from reference_fem.elasticity import stiffness
 

@@ -7,11 +7,11 @@ import pytest
 from scipy.sparse import csr_array, diags_array
 from scipy.spatial import Delaunay
 
-from msvalidate.lattice import fill, patterns
 from msvalidate.linear_algebra.choice import choose
 from msvalidate.linear_algebra.factor import factorise
 from msvalidate.linear_algebra.order import free_unknowns, nested_dissection, pairs_in
 from msvalidate.problem import Box, Isotropic
+from msvalidate.springs.lattice import fill, patterns
 from reference_fem import box_discretisation
 from reference_fem.elasticity import stiffness
 from reference_fem.systems.direct import elimination_order, factor_entries

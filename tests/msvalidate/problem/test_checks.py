@@ -8,10 +8,10 @@ import warnings
 import numpy as np
 import pytest
 
-from msvalidate.network import energy, internal_force, spring_network
-from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Mesh, ProblemError
 from msvalidate.problem.checks import finite, finite_number, indices, shaped
+from msvalidate.springs.network import energy, internal_force, spring_network
+from msvalidate.springs.network.laws.volumes import Volumes
 from reference_fem.mesh.discretisation import make_discretisation
 from tests.table import table
 

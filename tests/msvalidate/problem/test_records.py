@@ -8,10 +8,13 @@ import pytest
 
 import msvalidate as ms
 import reference_fem
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.problem.records import LONGEST_REPR, short_repr
 
-ELSEWHERE = {"msvalidate.output.front", "msvalidate.output.page"}  # rows of pages: texts alone
+ELSEWHERE = {
+    "msvalidate.bench.output.front",
+    "msvalidate.bench.output.page",
+}  # rows of pages: texts alone
 BOX = ms.Box((1.0, 1.0))
 PULL = ms.Traction(BOX.side("right"), (10.0, 0.0))
 HELD = ms.Support(BOX.side("left"), (0.0, 0.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -16,6 +17,11 @@ from tests.table import stored_rows, table
 from tests.test_command_line import PROGRAM, run
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+def messages(said):
+    """Lines of standard error, except progress."""
+    return [line for line in said.splitlines() if not re.search(": (step|simul|quest|still)", line)]
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +44,7 @@ def test_the_template_is_judged_at_once(place):
     words = ("simulate", "box.toml", "--with", "toy.py", "--cells", "16", "--no-plots")
     done = run(*words, cwd=place)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("toy: agrees\n")
+    assert done.stdout.startswith("toy: The field agrees with elasticity to within ")
     folder = place / "reports" / "simulators"
     verdict = json.loads((folder / "box-toy" / "verdict.json").read_text(encoding="utf-8"))
     assert verdict["verdict"] == "agrees"
@@ -84,7 +90,7 @@ def test_what_goes_wrong_is_one_line_and_a_code(place, words, code, told):
     assert (done.returncode, told in said) == (code, True), said
     assert "Traceback" not in said
     if code > 1:
-        assert done.stderr.count("\n") == 1
+        assert len(messages(done.stderr)) == 1
 
 
 # Check --------------------------------------------------------------------------------------------
@@ -119,10 +125,9 @@ def test_the_template_has_what_its_variants_change(place):
 @table("name, words, code, said", stored_rows("adapter_checks"))
 def test_what_is_said_of_adapters(adapters, name, words, code, said):
     done = run("adapter", "check", f"{name}.py", *words, cwd=adapters)
-    assert (done.returncode, said in done.stdout) == (code, True), done.stdout
-    steps = done.stderr.splitlines()
-    assert steps[0].startswith(f"{name}: question ")
-    assert all(" left, " in each or each.endswith("the last ones") for each in steps)
+    told = " ".join(done.stdout.split())
+    assert (done.returncode, " ".join(said.split()) in told) == (code, True), done.stdout
+    assert all(": question " in each for each in done.stderr.splitlines())
     assert "\nnext: " in done.stdout
 
 
@@ -134,7 +139,8 @@ def test_an_adapter_is_checked_and_leaves_a_page(adapters):
     head = "toy: the law agrees; 49 % of the bent beam is its mesh\n  toy 0, linear elasticity, toy"
     assert done.stdout.startswith(head)
     log = (adapters / "checked" / "toy-check.log").read_text(encoding="utf-8")
-    assert log.splitlines() == done.stderr.splitlines()[:-1]
+    assert log.count(": question ") >= 90
+    assert " left, " in log
     found = json.loads((adapters / "toy.json").read_text(encoding="utf-8"))
     assert found["large"]["apart"] < 1e-8
     assert found["probe"]["E"] == pytest.approx(2e5, rel=1e-6)
@@ -155,7 +161,7 @@ def test_adapters_that_cannot_be_checked(place, text, words, code, said):
     done = run("adapter", "check", "bad.py", *words, cwd=place)
     assert (done.returncode, done.stdout) == (code, "")
     assert said in done.stderr
-    assert done.stderr.count("\n") == 1
+    assert len(messages(done.stderr)) == 1
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the system for processes")
@@ -172,7 +178,7 @@ def test_an_interrupt_ends_a_check_in_one_line(place):
         ours.send_signal(signal.SIGINT)
         _, said = ours.communicate(timeout=20)
     assert ours.returncode == 130
-    assert said.count("\n") == 1
+    assert len(messages(said)) == 1
     assert said.endswith("interrupted; results are as they were\n")
     assert ended(told.read_text(encoding="utf-8").strip())
 

@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.case.building import read_case
-from msvalidate.case.case import Case, spacing_of
-from msvalidate.case.springs import solve_springs
-from msvalidate.network import spring_network
+from msvalidate.case.file.building import read_case
+from msvalidate.case.file.case import Case, spacing_of
+from msvalidate.case.springs.lattice_springs import solve_springs
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -31,7 +30,8 @@ from msvalidate.problem import (
 from msvalidate.simulators.exchange.export import export_case, lumped_mass
 from msvalidate.simulators.exchange.folders import write_request
 from msvalidate.simulators.exchange.lammps import lammps_files
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.network import spring_network
+from msvalidate.springs.statics.equilibrium import equilibrium
 from tests.table import table
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

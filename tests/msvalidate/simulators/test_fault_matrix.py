@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.constants.stiffness import CAUCHY, central_modulus
-from msvalidate.lattice import mesh_lattice
-from msvalidate.network import spring_network
 from msvalidate.problem import Isotropic
 from msvalidate.simulators.bodies.tetrahedra import of_law
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent
 from msvalidate.simulators.verdict.judgement import judge_simulator
 from msvalidate.simulators.verdict.sheet import sheet_of
-from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.springs.constants.stiffness import CAUCHY, central_modulus
+from msvalidate.springs.lattice import mesh_lattice
+from msvalidate.springs.network import spring_network
+from msvalidate.springs.statics.equilibrium import equilibrium
 from studies.simulators.synthetic import synthetic_faults
 from tests.test_command_line import run
 

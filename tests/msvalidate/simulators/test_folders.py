@@ -11,7 +11,7 @@ import meshio
 import numpy as np
 import pytest
 
-from msvalidate.case.case import Case
+from msvalidate.case.file.case import Case
 from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError, Support, Traction
 from msvalidate.simulators.exchange.answers import read_answer
 from msvalidate.simulators.exchange.export import export_case

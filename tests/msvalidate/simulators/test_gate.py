@@ -21,7 +21,7 @@ SOFT = Isotropic(1e5, 0.3, "plane_strain", 1200.0, 0.5)
 class Linear:
     """Linear elements, explicit in time; a fault is a method or number that is another."""
 
-    grip, fall, drift, solves_to = 0.0, 1.0, 0.0, 0.0
+    grip, fall, drift, solves_to, stiff = 0.0, 1.0, 0.0, 0.0, 1.0
     precision, at_rest = "float64", {"change_when_twice_as_long": 0.0}
 
     def __init__(self, **faults):
@@ -33,7 +33,7 @@ class Linear:
         return 0.0
 
     def matrix(self, request):
-        K = stiffness(mesh_discretisation(request.mesh), request.material).toarray()
+        K = stiffness(mesh_discretisation(request.mesh), request.material).toarray() * self.stiff
         d, n = request.mesh.dim, len(request.mesh.points)
         return K.reshape(d, n, d, n).transpose(1, 0, 3, 2).reshape(n * d, n * d)
 
@@ -103,6 +103,18 @@ def test_a_clean_simulator_passes(simulator):
     by = {row.name: row for row in found.rows}
     assert by["free fall: integrator"].because == Phrase("semi-implicit")
     assert by["turn by 30°"].value > 0.1
+
+
+@pytest.mark.parametrize("stiff", [1e5, 1e-3])
+@np.errstate(over="ignore", invalid="ignore")  # its steps are too long for it
+def test_rounding_at_a_turn_is_judged_by_the_stiffness_that_is_measured(stiff):
+    assert verdicts(gate(Linear(precision="float32", stiff=stiff), SOFT))["small turn"] == PASSED
+    assert verdicts(gate(Linear(stiff=stiff, grip=10 * stiff), SOFT))["small turn"] == STOPPED
+
+
+def test_elements_near_incompressibility_are_of_no_other_unit():
+    """Their wave modulus is 34 times E."""
+    assert gate(Linear(), Isotropic(1e5, 0.495, "solid", 1200.0)).units == ()
 
 
 def test_a_static_program_passes_without_falling():

@@ -18,6 +18,7 @@ from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent, Request
 from msvalidate.simulators.verdict.judgement import judge_simulator
 from msvalidate.simulators.verdict.sheet import sheet_of
+from tests.table import table
 
 SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
 ASKED = Isotropic(1e7, 0.3, "solid")
@@ -286,6 +287,20 @@ def test_what_steps_are_solved_to_is_in_all_that_is_read_of_them(law, off, state
         true, each = predicted(law, ASKED.E, ASKED.nu), found.reading.elastic
         assert abs(each.E - true.E) <= each.E_error <= 1.2 * stated * true.E
         assert abs(each.nu - true.nu) <= each.nu_error <= 1.2 * stated
+
+
+@table(("mass", "kept", "kinds", "said"), [
+    (1, 0.9, ["damping"], "damping: a step from rest loses 0.1 of the velocity"),
+    (2, 1.0, ["law"], "law: E 0.5 times the asked, nu 0.3 for 0.3; or masses 2 times as large"),
+])  # fmt: skip
+def test_steps_alone_show_damping_and_e_over_the_mass(mass, kept, kinds, said):
+    def simulate(request: Request) -> Answer:
+        found = simulator_of("linear", mass)(request)
+        return replace(found, velocity=kept * found.velocity)
+
+    found = judge_simulator(simulate, ASKED, parts=("probe",))
+    assert [each.kind for each in found.causes] == kinds
+    assert found.causes[0].said.startswith(said), found.causes
 
 
 def test_e_and_masses_over_the_density_are_told_as_that_and_not_as_units():

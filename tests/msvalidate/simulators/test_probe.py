@@ -181,7 +181,7 @@ FAULTS = {
     "second-order part": (kinked, {}),
     "stress at rest": (neo_hookean(MU, LAM, rest=0.01 * MU), {}),
     "forces at rest": (linear(isotropic(MU, LAM)), {"outside": squeeze}),
-    "free fall": (linear(isotropic(MU, LAM)), {"keep": 0.99}),
+    "damping": (linear(isotropic(MU, LAM)), {"keep": 0.99}),
     "half the step, another strain": (
         linear(isotropic(MU, LAM)),
         {"implicit": True, "viscous": 1e-5},

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.bodies.process import KEPT
-from msvalidate.case.case import Case
+from msvalidate.case.file.case import Case
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.simulators.exchange.export import export_case
 from msvalidate.simulators.exchange.program import Program, label_of, words_of
 from msvalidate.simulators.exchange.protocol import CannotRepresent, SimulatorError
 from msvalidate.simulators.exchange.template import adapter_template
+from msvalidate.springs.bodies.process import KEPT
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 

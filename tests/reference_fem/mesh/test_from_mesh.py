@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -16,9 +15,10 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.springs.bodies.mesh_file import read_mesh
 from reference_fem import box_discretisation, mesh_discretisation, solve_problem
 from reference_fem.mesh import ELEMENTS
-from tests.msvalidate.bodies.test_mesh_file import written
+from tests.msvalidate.springs.bodies.test_mesh_file import written
 from tests.table import refused
 
 ROUNDING = 1e-11

@@ -7,7 +7,6 @@ import pytest
 import skfem
 
 import reference_fem
-from msvalidate.lattice import trapezium, triangular, zigzag_block
 from msvalidate.problem import (
     Anisotropic,
     Box,
@@ -20,6 +19,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.springs.lattice import trapezium, triangular, zigzag_block
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from tests.reference_fem.by_hand import SKEW
 from tests.table import refused, table

@@ -9,8 +9,8 @@ import pytest
 
 from msvalidate.dielectric.actuator import Actuator, fix_near_tips, slab
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
-from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import ProblemError
+from msvalidate.springs.network import internal_force, spring_network
 from tests.table import table
 
 

@@ -10,7 +10,7 @@ import pytest
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, lowest_modes, relax_actuator, slab
 from msvalidate.dielectric.actuator.balance import residual_force, stiffness
 from msvalidate.dielectric.actuator.models import charge_actuator
-from msvalidate.network import energy
+from msvalidate.springs.network import energy
 
 
 def disturbed(body, size=0.03):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from msvalidate.dielectric.actuator.device import outline
-from msvalidate.lattice import square
-from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError
+from msvalidate.springs.lattice import square
+from msvalidate.springs.network import spring_network
 
 
 def filled(columns, rows):

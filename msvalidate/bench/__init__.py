@@ -1,0 +1,1 @@
+"""Candidates, evidence and its rules, and results as files: the base of every study."""

@@ -1,0 +1,1 @@
+"""Observed values, tolerances and verdicts, and the execution of studies."""

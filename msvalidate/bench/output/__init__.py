@@ -1,0 +1,1 @@
+"""Results of a run: files, baseline, pages and figures."""

@@ -1,0 +1,83 @@
+"""Table `summary` of a study as text, for the terminal, the page and documents."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from msvalidate.bench.judging.columns import column_key
+from msvalidate.bench.judging.evidence import Evidence
+from msvalidate.bench.judging.summary import NAME, RELATIVE
+from msvalidate_check.text import align_table, percent
+from msvalidate_check.verdict import AGREES
+
+
+def summary_texts(
+    table: pd.DataFrame, labels: Mapping[str, str]
+) -> tuple[list[str], list[list[str]], list[bool]]:
+    """Heads, rows of text, and columns of numbers of a summary.
+
+    Parameters
+    ----------
+    table
+        The summary, its numbers as numbers or as text.
+    labels
+        Column, or "summary.column" -> head of the column.
+    """
+    names = list(map(str, table))
+    keys = [column_key(NAME, name, labels) for name in names]
+    heads = [labels.get(key, name) for key, name in zip(keys, names, strict=True)]
+    columns = [[_text(name, value) for value in table[name]] for name in names]
+    numeric = [any(_is_number(value) for value in table[name]) for name in names]
+    return heads, [list(row) for row in zip(*columns, strict=True)], numeric
+
+
+def summary_lines(table: pd.DataFrame, evidence: Evidence) -> list[str]:
+    """Lines of a summary for a terminal: its quantity, then the table."""
+    quantity = str(evidence.columns[column_key(NAME, "springs", evidence.columns)])
+    return [
+        f"{quantity[:1].upper()}{quantity[1:]}:",
+        *align_table(*summary_texts(table, evidence.labels)),
+    ]
+
+
+def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
+    """Sentence with the number of rows that agree, and the largest difference.
+
+    It is empty without a verdict.
+
+    Parameters
+    ----------
+    table, labels
+        As for `summary_texts`.
+    """
+    judged = table[table["difference"].map(_is_number)]
+    if judged.empty:
+        return ""
+    size = judged["difference"].astype(float).abs()
+    farthest = judged.iloc[int(size.argmax())]
+    reference = labels.get(column_key(NAME, "reference", labels), "the reference")
+    agreeing = int((judged["verdict"] == AGREES).sum())
+    off = percent(float(size.max()))
+    return (
+        f"{agreeing} of {len(judged)} rows agree with {reference} within their tolerance. "
+        f"The largest difference is {off} ({farthest['case']})."
+    )
+
+
+def _text(name: str, value: object) -> str:
+    if not _is_number(value):
+        return str(value)
+    number = float(str(value))
+    if name in RELATIVE:
+        return percent(number)
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.4g}"
+
+
+def _is_number(value: object) -> bool:
+    try:
+        float(str(value))
+    except ValueError:
+        return False
+    return True

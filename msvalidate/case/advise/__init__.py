@@ -1,0 +1,1 @@
+"""Lattices and constants for a material, and materials identified from springs."""

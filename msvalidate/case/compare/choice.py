@@ -1,0 +1,310 @@
+"""Which spacing and which mesh 5 % and 1 % take, and where elements do better at the same cost.
+
+Near a target the difference of springs from elasticity is a power of their spacing: a straight line
+through the logarithms of what was solved, and of coarser lattices where all of that is better than
+the target; the nearer to the target, the more a lattice counts. What is advised is a number of
+cells that a case takes, of lattices like those solved: filled or cut to the body, which err
+differently. Cost is the number of unknowns, components of all points or nodes: the same on every
+machine.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import shapely
+from scipy.spatial import KDTree
+
+from msvalidate.case.compare.budget import lattice_row, mesh_rows
+from msvalidate.case.compare.comparison import Comparison
+from msvalidate.case.compare.quantities import POINT_STRESS
+from msvalidate.case.file.case import MAX_REQUESTED, MESH_EDGES, Case, is_filled, spacing_of
+from msvalidate.case.file.units import user_unit
+from msvalidate.case.springs.lattice_springs import (
+    HIGHEST_ORDER,
+    LOWEST_ORDER,
+    ROUNDING,
+    SpringAnswer,
+    at_other_cells,
+    compared_points,
+    solve_springs,
+)
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.problem import Array, Box, ProblemError, SolverError
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.lattice import PatternLattice
+from msvalidate.springs.lattice.cut import joins_corners
+from msvalidate.springs.lattice.outline import outline
+from msvalidate.springs.lattice.patterns import all_patterns
+from msvalidate_check.verdict import DIFFERS
+
+TARGETS = (0.05, 0.01)
+"""Differences, over the largest displacement, for which spacing and mesh are sought."""
+NEAR = math.log(4)
+"""Of the logarithm of a difference over its target: where a lattice counts less by e, as the
+straight line holds near the target alone."""
+ORDER_DOUBT = 0.3
+"""What an order of the spacing may be off beyond what was solved: there it is still on its way."""
+UNCERTAIN = 4.0
+"""Factor that a spacing may be off from which it is called uncertain."""
+ALIKE = math.log(1.5)
+"""Of the logarithm of a spacing: how near to one that is wanted a lattice must be, so that one cut
+to a box is taken before one that fills it, but far off."""
+GROWTH = 1.2
+"""Exponent of the springs that seconds grow with: factors and multigrid, at most."""
+BETTER, MAIN, THIN = 3.0, 0.5, 5.0
+"""Times by which elements are nearer from which they are advised, part of the difference that is
+most of it, and cells across a wall that is thin."""
+BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
+"""Where what a target takes lies: between what was solved; beyond the finest; the coarsest meets
+it; or no spacing does."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """What a target takes, of springs or of elements.
+
+    Parameters
+    ----------
+    target, where
+        Difference over the largest displacement, and where what it takes lies.
+    count, seconds
+        Springs or nodes, and what solving them takes; 0 where they are not known.
+    cells, spacing, least, most
+        Of springs: for a case's `cells`, 0 if none can be laid, the spacing (m) that comes of it,
+        and between which the target's may lie.
+    """
+
+    target: float
+    where: str
+    count: int = 0
+    seconds: float = math.nan
+    cells: int = 0
+    spacing: float = math.nan
+    least: float = math.nan
+    most: float = math.nan
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What to take for each target.
+
+    Parameters
+    ----------
+    springs, elements
+        One need a target; none of springs on a mesh's edges, and none of either where elasticity's
+        own error is not known.
+    unknowns, times
+        At how many unknowns elements are how many times nearer than springs; NaN if not known.
+    reasons
+        Why they are, as far as the case shows it.
+    no_coarser
+        Reason why a coarser lattice has no answer; empty if none is missing.
+    """
+
+    springs: tuple[Need, ...] = ()
+    elements: tuple[Need, ...] = ()
+    unknowns: int = 0
+    times: float = math.nan
+    reasons: tuple[str, ...] = ()
+    no_coarser: str = ""
+
+
+def choose(found: Comparison) -> Choice:
+    """What targets take in a case, from what was solved and lattices that are coarser."""
+    if not math.isfinite(found.reference.error):
+        return Choice()
+    (rows, no_coarser), meshes = _lattices(found), mesh_rows(found)
+    return Choice(
+        tuple(_springs(found, rows, t) for t in TARGETS if found.case.lattice != MESH_EDGES),
+        tuple(_elements(meshes, found.reference.error, t) for t in TARGETS),
+        *_equal_cost(found, rows, meshes),
+        _reasons(found),
+        no_coarser,
+    )
+
+
+def _lattices(found: Comparison) -> tuple[list[dict[str, Any]], str]:
+    """Lattices from coarse to fine, two at least, with coarser ones beyond the largest target.
+
+    The text is the reason why a coarser one has no answer; empty if none is missing.
+    """
+    wanted, at = found.reference.displacement.value, found.reference.finest.at
+    rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
+    try:
+        while found.case.lattice != MESH_EDGES and (
+            len(rows) < 2 or _column(rows, "difference").max() < max(TARGETS)
+        ):
+            laid = _laid(found, 2 * rows[0]["spacing"])
+            if laid is None or spacing_of(laid) <= rows[0]["spacing"]:
+                break
+            answer = solve_springs(laid, spacing_of(laid))
+            points = compared_points(laid, answer.lattice)
+            rows.insert(0, lattice_row(found, answer, points, at(points)))
+    except (ProblemError, SolverError) as error:  # coarser ones are then fewer
+        return rows, str(error)
+    return rows, ""
+
+
+def _column(rows: list[dict[str, Any]], name: str) -> Array:
+    return np.array([max(row[name], ROUNDING) for row in rows])
+
+
+def _laid(found: Comparison, wanted: float) -> Case | None:
+    """The case at the number of cells nearest to a spacing (m), laid as it was if it can be."""
+    case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
+    cuttable = joins_corners(all_patterns()[str(case.lattice)]())
+    other = None
+    for laid in at_other_cells(case, wanted):
+        spacing = spacing_of(laid)
+        fills = is_filled(laid, spacing)
+        if abs(math.log(spacing / wanted)) <= ALIKE and (cuttable or fills):
+            if fills == filled:
+                return laid
+            other = other or laid
+    return other
+
+
+def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Need:
+    """The spacing that a target takes."""
+    wanted, size = found.reference.displacement.value, found.size
+    left = max_length(found.limit.displacement - wanted) - found.limit.uncertainty
+    if found.homogenised:
+        left = max(left, max_length(found.own_material - wanted))
+    if left / size - found.reference.error > target:
+        return Need(target, NONE)
+    s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "difference"))
+    t = math.log(target)
+    if (e <= t).all():
+        return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]))
+    if len(rows) < 2:
+        return Need(target, BEYOND)
+    weight = np.exp(-(((e - t) / NEAR) ** 2))
+    middle_s, middle_e = np.average([s, e], axis=1, weights=weight)
+    order = (weight * (s - middle_s) * (e - middle_e)).sum()
+    believed = LOWEST_ORDER, HIGHEST_ORDER
+    order = np.clip(order / (weight * (s - middle_s) ** 2).sum(), *believed)
+    best = middle_s + (t - middle_e) / order
+    if (e > t).all():
+        slow_fast = np.clip([order - ORDER_DOUBT, order + ORDER_DOUBT], *believed)
+        ends, where = [best, *(s[-1] + (t - e[-1]) / slow_fast)], BEYOND
+    else:
+        ends, where = [best, s[e > t].min(), s[e <= t].max()], BETWEEN
+    uncertainty = math.log1p(found.reference.error / target) / order
+    best, least, most = np.exp([best, min(ends) - uncertainty, max(ends) + uncertainty]).tolist()
+    return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most))
+
+
+def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need:
+    """What can be laid near a wanted spacing, and what it costs."""
+    laid, dim = _laid(found, wanted.spacing), found.case.problem.domain.dim
+    if (
+        laid is None
+        or found.case.problem.domain.volume / spacing_of(laid) ** dim > MAX_REQUESTED[dim]
+    ):
+        return wanted
+    h, cells = spacing_of(laid), laid.cells or 0
+    near = min(rows, key=lambda row: abs(math.log(row["spacing"] / h)))
+    count = round(near["springs"] * (near["spacing"] / h) ** dim)
+    # The finest takes the least part of its time for loading and compiling, which all have.
+    scaled = rows[-1]["seconds"] * (count / rows[-1]["springs"]) ** GROWTH
+    seconds = max(scaled, min(row["seconds"] for row in rows))
+    return replace(wanted, count=count, seconds=seconds, cells=cells, spacing=h)
+
+
+def _elements(meshes: list[dict[str, Any]], error: float, target: float) -> Need:
+    """The first mesh that met a target."""
+    for number, mesh in enumerate(meshes):
+        if mesh["difference"] + error <= target:
+            where = BETWEEN if number else COARSEST
+            return Need(target, where, mesh["nodes"], mesh["seconds"])
+    return Need(target, BEYOND)
+
+
+def _equal_cost(
+    found: Comparison, rows: list[dict[str, Any]], meshes: list[dict[str, Any]]
+) -> tuple[int, float]:
+    """Unknowns of the mesh nearest in cost to the springs asked for, and how much nearer it is."""
+    points, differences = np.log(_column(rows, "points")), np.log(_column(rows, "difference"))
+    asked, error = len(found.springs[0].lattice.points), found.reference.error
+    mesh = min(meshes, key=lambda each: abs(math.log(each["nodes"] / asked)))
+    if math.log(mesh["nodes"]) > points[-1]:
+        return 0, math.nan
+    springs = math.exp(float(np.interp(math.log(mesh["nodes"]), points, differences)))
+    times = (springs - error) / (mesh["difference"] + error)
+    return mesh["nodes"] * found.points.shape[1], times
+
+
+def _reasons(found: Comparison) -> tuple[str, ...]:
+    """What in a case elements do better than springs."""
+    domain, away = found.case.problem.domain, found.displacement
+    away = away - found.reference.displacement.value
+    worst = int(np.linalg.norm(away, axis=1).argmax())
+    own, total = away[worst] @ found.support[worst], away[worst] @ away[worst]
+    walls = _thickest(found.springs[0])
+    fits = {
+        "a support that no line of the lattice runs along": own >= MAIN * total,
+        f"{walls:.2g} cells across where the body is thickest": walls <= THIN,
+        "a corner that points inwards": len(getattr(domain, "reentrant", ())) > 0,
+        "stress at points differs": any(
+            row.word == DIFFERS and row.of == POINT_STRESS for row in found.rows
+        ),
+    }
+    return tuple(why for why, fit in fits.items() if fit)
+
+
+def _thickest(answer: SpringAnswer) -> float:
+    """Cells across a body where it is thickest; of a mesh in space to about a cell."""
+    lattice, domain, h = answer.lattice, answer.lattice.domain, answer.spacing
+    if isinstance(domain, Box):
+        return min(domain.size) / h
+    if domain.dim == 2:
+        return 2 * float(shapely.maximum_inscribed_circle(outline(domain)).length) / h
+    if not isinstance(lattice, PatternLattice):
+        return math.inf
+    inner = answer.surrounded
+    if not inner.any():
+        return 1.0
+    depth = KDTree(lattice.points[~inner]).query(lattice.points[inner])[0].max()
+    return 2 * float(depth) / h + 1
+
+
+def choice_sentences(chosen: Choice, length: str = "m") -> tuple[str, ...]:
+    """What to take, in words."""
+    said = []
+    for kind, needs in {"Springs": chosen.springs, "Elements": chosen.elements}.items():
+        each = [
+            f"for about {100 * need.target:g} % in displacement: {_need_words(need, length)}"
+            for need in needs
+        ]
+        said += [f"{kind} {'; '.join(each)}."] if each else []
+    if chosen.no_coarser:
+        said.append(f"Coarser lattices are left out of this choice: {chosen.no_coarser}.")
+    return tuple(said)
+
+
+def _need_words(need: Need, length: str) -> str:
+    unit, size = user_unit("m", length)
+    if need.where == NONE:
+        return "no spacing does"
+    if not need.count:
+        near = "" if math.isnan(need.spacing) else f", some {need.spacing / size:.2g} {unit}"
+        return f"finer than was tried{near}"
+    if not need.cells:
+        at_most = "at most " if need.where == COARSEST else ""
+        return f"{at_most}{need.count:,} nodes, {need.seconds:.2g} s"
+    between = (
+        ""
+        if math.isnan(need.least)
+        else f", from {need.least / size:.2g} to {need.most / size:.2g} {unit}"
+    )
+    coarser = {COARSEST: ", or coarser" * (need.cells > 1), BEYOND: ", finer than was solved"}.get(
+        need.where, ""
+    )
+    said = (
+        f"cells = {need.cells} ({need.spacing / size:.3g} {unit}{between}), {need.count:,} springs"
+    )
+    off = max(need.most / need.spacing, need.spacing / need.least)
+    return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {need.seconds:.2g} s{coarser}"

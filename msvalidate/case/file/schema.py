@@ -1,0 +1,168 @@
+"""What a case file may hold: its tables and keys, their types, units and defaults.
+
+A case is one TOML file. All lengths in it, and in the mesh that it names, are multiples of
+`Body.unit`; all else is in SI units. The classes are data alone: what the values mean is in
+`msvalidate.case.file.building`.
+"""
+
+from __future__ import annotations
+
+import msgspec
+from msgspec import Struct
+
+SCHEMA = 1
+"""Version of the format. Files of older versions are read for ever, but for what is gone: route
+"shear springs" is refused, and the message says what to take instead."""
+QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "point stress")
+"""What springs and elements are compared by."""
+
+Numbers = list[float]
+Interval = float | tuple[float, float]
+
+
+class Place(Struct, forbid_unknown_fields=True):
+    """Coordinates of a part of the body: a number, an interval, or nothing for any."""
+
+    x: Interval | None = None
+    y: Interval | None = None
+    z: Interval | None = None
+
+
+class Ball(Struct, forbid_unknown_fields=True):
+    """A disc in the plane, a ball in space."""
+
+    centre: Numbers
+    radius: float
+
+
+class Body(Struct, forbid_unknown_fields=True):
+    """The body: a box with a corner at the origin, an outline, or a file of a mesh or geometry."""
+
+    box: Numbers | None = None
+    polygon: list[Numbers] | None = None
+    mesh: str | None = None
+    cell: float | None = None
+    unit: str | float = "m"
+
+
+class Material(Struct, forbid_unknown_fields=True):
+    """Isotropic: E in Pa, density in kg/m³, thickness in units of length; law at large strain."""
+
+    E: float
+    nu: float
+    state: str | None = None
+    density: float = 1000.0
+    thickness: float | None = None
+    law: str = "st-venant-kirchhoff"
+
+
+class PartOfBody(Struct, forbid_unknown_fields=True):
+    """A part of the body of another material: cells of a mesh by name, a box or a ball."""
+
+    E: float
+    nu: float
+    density: float | None = None
+    cells: str | None = None
+    box: Place | None = None
+    ball: Ball | None = None
+
+
+class Support(Struct, forbid_unknown_fields=True):
+    """Components held on a named side, at a place, or at nodes of the mesh."""
+
+    on: str | None = None
+    at: Place | None = None
+    nodes: list[int] | None = None
+    components: list[str] | None = None
+    value: float | Numbers = 0.0
+
+
+class Load(Struct, forbid_unknown_fields=True):
+    """A traction or pressure (Pa), a force (N) at a point, or gravity (m/s²)."""
+
+    on: str | None = None
+    at: Place | None = None
+    point: Numbers | None = None
+    node: int | None = None
+    traction: Numbers | None = None
+    pressure: float | None = None
+    force: Numbers | None = None
+    gravity: Numbers | None = None
+
+
+class Obstacle(Struct, forbid_unknown_fields=True):
+    """Its foremost point, radius, and way into the body; by default across the side it meets."""
+
+    at: Numbers
+    radius: float | None = None
+    towards: Numbers | None = None
+
+
+class Contact(Struct, forbid_unknown_fields=True):
+    """A rigid obstacle at a side, lowered by a depth or pressed by a force (N)."""
+
+    on: str | None = None
+    at: Place | None = None
+    half_space: Obstacle | None = None
+    disc: Obstacle | None = None
+    ball: Obstacle | None = None
+    parabola: Obstacle | None = None
+    paraboloid: Obstacle | None = None
+    depth: float | None = None
+    force: float | None = None
+    friction: float = 0.0
+
+
+class Fracture(Struct, forbid_unknown_fields=True):
+    """Springs that break: a critical stretch, or a fracture energy (J/m²) and a rule for it."""
+
+    critical_stretch: float | None = None
+    G_c: float | None = None
+    rule: str = "growth"
+    direction: tuple[float, float] = (1.0, 0.0)
+    raised: float = 1.0
+
+
+class Springs(Struct, forbid_unknown_fields=True):
+    """The spring network: its lattice, and one of spacing and cells across the narrowest side."""
+
+    on: str = "lattice"
+    lattice: str | None = None
+    spacing: float | None = None
+    cells: int | None = None
+    route: str | None = None
+    constants: Numbers | None = None
+    volume: float | None = None
+
+
+class Compare(Struct, forbid_unknown_fields=True):
+    """At which points, by what, how far apart still agrees, and whether displacements are large."""
+
+    points: str | list[Numbers] = "lattice"
+    quantities: list[str] = msgspec.field(default_factory=lambda: list(QUANTITIES))
+    band: float = 0.05
+    geometry: str | None = None
+    memory: float = 4.0
+
+
+class Reference(Struct, forbid_unknown_fields=True):
+    """How accurate the elements are to be, relative to the largest displacement."""
+
+    accuracy: float = 1e-3
+
+
+class CaseFile(Struct, forbid_unknown_fields=True):
+    """A whole case file."""
+
+    schema: int
+    body: Body
+    material: Material
+    support: list[Support]
+    name: str | None = None
+    load: list[Load] = msgspec.field(default_factory=list)
+    contact: list[Contact] = msgspec.field(default_factory=list)
+    region: list[PartOfBody] = msgspec.field(default_factory=list)
+    springs: Springs = msgspec.field(default_factory=Springs)
+    fracture: Fracture | None = None
+    compare: Compare = msgspec.field(default_factory=Compare)
+    reference: Reference = msgspec.field(default_factory=Reference)

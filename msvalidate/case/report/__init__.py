@@ -1,0 +1,1 @@
+"""Reports of cases: pages, figures, files and sweeps over values."""

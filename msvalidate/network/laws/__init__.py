@@ -1,1 +1,0 @@
-"""What acts between points beside springs: energies of cells."""

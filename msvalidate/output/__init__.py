@@ -1,1 +1,0 @@
-"""What a run leaves: results as files, the baseline, pages and figures."""

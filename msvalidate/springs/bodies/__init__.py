@@ -1,0 +1,1 @@
+"""Networks of bodies, and the spring constants that suit a body."""

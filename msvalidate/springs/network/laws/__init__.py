@@ -1,0 +1,1 @@
+"""Constitutive laws of springs, and volume energies of cells."""

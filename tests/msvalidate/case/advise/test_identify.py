@@ -1,0 +1,199 @@
+"""Which solid springs are: lattices by name, finite pieces and periodic samples in files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.case.advise.identify import identified_lines, identify_lattice
+from msvalidate.case.advise.identify_files import identify_files
+from msvalidate.case.judge.mistakes import mistake_lines
+from msvalidate.cli.program import main
+from msvalidate.problem import Box, Isotropic, Problem, Support
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.routes import calibrate_by_route
+from msvalidate.springs.lattice import boundary_weights, fill, repeat_cell, voronoi
+from tests.registries import AFFINE, LATTICES
+from tests.table import refused
+
+SPACING = 0.37 / 5
+
+
+def written(folder, points, springs, stiffness, **more):
+    """The files of a network: what is given of points and cells, the rest of springs."""
+    table = pd.DataFrame(dict(zip("xyz", points.T, strict=False)))
+    table.insert(0, "id", np.arange(len(points)) + 5)
+    if "mass" in more:
+        table["mass"] = more.pop("mass")
+    table.to_csv(folder / "points.csv", index=False)
+    ends = {"i": springs[:, 0] + 5, "j": springs[:, 1] + 5, "stiffness": stiffness}
+    pd.DataFrame(ends | more).to_csv(folder / "springs.csv", index=False)
+    return folder / "springs.csv"
+
+
+def constants_of(pattern):
+    return tuple(1.0 + 0.3 * kind for kind in range(pattern.kinds))
+
+
+def closed_tensor(pattern):
+    scale = SPACING if pattern.dim == 3 else 1.0
+    return pattern.tensor(constants_of(pattern)) / scale
+
+
+def piece(name, cells=5):
+    pattern = LATTICES[name]()
+    body = fill(pattern, Box(tuple(SPACING * cells * e for e in pattern.size)), cells)
+    weights = boundary_weights(body, "shared")
+    return body, np.array(constants_of(pattern))[body.kind] * weights
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_a_lattice_is_known_in_each_way(name, tmp_path):
+    pattern = LATTICES[name]()
+    k, expected = constants_of(pattern), closed_tensor(pattern)
+    body, stiffness = piece(name)
+    sample = repeat_cell(pattern, 3)
+    each = [
+        identify_lattice(name, k, SPACING),
+        identify_files(written(tmp_path, body.points, body.springs, stiffness)),
+        identify_files(
+            written(tmp_path, SPACING * sample.points, sample.springs, sample.stiffness(k)),
+            tuple(SPACING * edge for edge in sample.size),
+        ),
+    ]
+    for found in each:
+        assert np.abs(found.tensor - expected).max() <= 1e-9 * expected.max()
+        assert (found.stable == "stable") == (name not in {"square4", "cubic6"})
+
+
+def test_a_hole_and_a_turn_change_nothing_inside(tmp_path):
+    body, stiffness = piece("triangular", 8)
+    away = np.linalg.norm(body.points - body.points.mean(axis=0), axis=1) > 2 * SPACING
+    number = np.cumsum(away) - 1
+    stay = away[body.springs].all(axis=1)
+    c, s = np.cos(0.3), np.sin(0.3)
+    points = body.points[away] @ np.array([[c, s], [-s, c]])
+    found = identify_files(written(tmp_path, points, number[body.springs[stay]], stiffness[stay]))
+    expected = closed_tensor(LATTICES["triangular"]())  # isotropic: no turn changes it
+    assert np.abs(found.tensor - expected).max() <= 1e-9 * expected.max()
+
+
+@pytest.mark.parametrize("name", AFFINE)
+def test_a_body_of_a_material_is_that_material(name, tmp_path):
+    pattern = LATTICES[name]()
+    E, nu, d = 2.8e9, 0.4, pattern.dim
+    material = Isotropic(E, nu, "plane_stress" if d == 2 else "solid", 1234.0, 0.2 if d == 2 else 1)
+    calibration = calibrate_by_route(material, pattern, SPACING, None)
+    box = Box(tuple(4 * SPACING * edge for edge in pattern.size))
+    problem = Problem(box, material, (Support(box.side("left"), (0.0,) * d),))
+    network = lattice_network(problem, fill(pattern, box, 4), calibration)
+    corners = network.volumes.cells + 5
+    cells = {f"p{i}": corner for i, corner in enumerate(corners.T)}
+    pd.DataFrame(cells | {"kappa": calibration.volume}).to_csv(tmp_path / "cells.csv", index=False)
+    springs = written(
+        tmp_path,
+        network.points,
+        network.springs,
+        network.stiffness,
+        mass=network.mass,
+        rest_length=network.rest_length,
+    )
+    text = " ".join(" ".join(identified_lines(identify_files(springs), 0.2)).split())
+    where = "plane stress" if d == 2 else "isotropic"
+    assert f"{where} E = {E:.6g} Pa, nu = 0.4" in text.replace("2800000000 ", "2.8e+09 ")
+    assert "of this body, nothing held" in text
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_random_periodic_networks(dim, tmp_path):
+    # Against a dense least-squares minimum of the energy under each unit strain.
+    p = voronoi(40, dim=dim, seed=3)
+    k, v = p.stiffness((3.0,)), 0.1 * p.vectors
+    length = np.linalg.norm(v, axis=1)
+    n = v / length[:, None]
+    pairs = (
+        [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+    )
+    stretch = np.stack([length * n[:, a] * n[:, b] for a, b in pairs], axis=1)
+    B = np.zeros((len(v), len(p.points), dim))
+    rows = np.arange(len(v))
+    np.add.at(B, (rows, p.springs[:, 1]), n)
+    np.add.at(B, (rows, p.springs[:, 0]), -n)
+    root = np.sqrt(k)[:, None]
+    B = root * B.reshape(len(v), -1)
+    rest = root * stretch - B @ np.linalg.lstsq(B, root * stretch)[0]
+    period = tuple(0.1 * edge for edge in p.size)
+    expected = rest.T @ rest / np.prod(period)
+    images = {f"image_{axis}": p.image[:, a] for a, axis in enumerate("xyz"[:dim])}
+    files = written(tmp_path, 0.1 * p.points, p.springs, k, rest_length=length, **images)
+    found = identify_files(files, period)
+    assert np.abs(found.tensor - expected).max() <= 1e-9 * expected.max()
+
+
+def test_known_mistakes_are_listed_in_each_state():
+    for name, states in (("square", ("plane_stress", "plane_strain")), ("cubic18", ("solid",))):
+        for state in states:
+            lines = mistake_lines(Isotropic(1e5, 0.3, state), name, 0.37)
+            assert any(each.startswith("k = E·h") for each in lines)
+
+
+def test_how_stable_it_is():
+    sides = identify_lattice("fcc", (1.0, 0.25), 1.0, volume=-1.0, density=1.0)  # nu = 0
+    assert sides.stable.startswith("endless stable, a body not: FCC lattice: a free block")
+    held = identify_lattice("triangular", (1.0,), 1.0, volume=-0.75)  # -5/3 μ, μ = √3/4
+    assert held.stable.startswith("unstable: short waves ask for κ above -0.7216")
+
+
+def test_other_classes_are_refused(tmp_path):
+    rng = np.random.default_rng(1)
+    body, k = piece("square", 8)
+    for column, value, said in (
+        ("stiffness", -3.0, "stiffness: -3 at index 3 N/m; give 0 or more"),
+        ("j", 999, "springs.csv: j = 999 in row 4 is no point of points.csv"),
+        ("rest_length", 0.5, "m is not the distance"),
+    ):
+        files = written(tmp_path, body.points, body.springs, k)
+        given = pd.read_csv(files).assign(rest_length=np.linalg.norm(body.vectors, axis=1))
+        given.loc[3, column] = value
+        given.to_csv(files, index=False)
+        with refused(said):
+            identify_files(files)
+    for column, value, message in (
+        ("id", 0, "points.csv: id 0 comes twice; give each point its own"),
+        ("x", "1,2", "points.csv: coordinates"),
+    ):
+        files = written(tmp_path, body.points, body.springs, k)
+        points = pd.read_csv(files.with_name("points.csv"), dtype=object)
+        points["id"] = range(len(points))
+        points.loc[3, column] = value
+        points.to_csv(files.with_name("points.csv"), index=False)
+        with refused(message):
+            identify_files(files)
+    with refused("period: shape (3,); the points have 2 axes"):
+        identify_files(written(tmp_path, body.points, body.springs, k), (1.0, 1.0, 1.0))
+    with refused("points.csv: no y; give a table with columns x, y"):
+        identify_files(written(tmp_path, body.points[:, :1], body.springs, k))
+    shaken = body.points + 0.1 * SPACING * rng.normal(size=body.points.shape)
+    with refused("an irregular finite piece has no tensor"):
+        identify_files(written(tmp_path, shaken, body.springs, k))
+    right = (body.points[body.springs, 0] > 4 * SPACING).all(axis=1)
+    with refused("stiffness changes inside; give those of one material"):
+        identify_files(written(tmp_path, body.points, body.springs, np.where(right, k / 2, k)))
+    with refused("points move on in a uniform strain"):
+        identify_lattice("honeycomb", (1.0, 1.0), 1.0, volume=1.0)
+
+
+def test_the_command_identifies(tmp_path, capsys):
+    words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa -.5e3 --spacing 2mm"
+    assert main(words.split()) == 0
+    assert " xx yy xy 2500 500 0 500 2500 0 0 0 1000 " in " ".join(capsys.readouterr().out.split())
+    sample = repeat_cell(LATTICES["square"](), 3)
+    k = sample.stiffness((2.0, 1.0))
+    files = written(
+        tmp_path, sample.points, sample.springs, k, mass=np.full(len(sample.points), 1.0)
+    )
+    assert main(["advise", "--identify", str(files), "--period", "300cm", "3"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "isotropic E = 2.66666667 N/m, nu = 0.333333333" in out
+    assert "of any wave at most step leapfrog and Euler-Cromer" in out

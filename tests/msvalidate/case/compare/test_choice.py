@@ -1,0 +1,96 @@
+"""What spacing and mesh a difference takes, what elements do better, what curved supports cost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from msvalidate.case.compare import choice
+from msvalidate.case.compare.budget import budget, mesh_rows
+from msvalidate.case.compare.choice import _equal_cost, choice_sentences, choose
+from msvalidate.case.compare.comparison import NOT_TOLD, compare_case
+from msvalidate.case.file.case import Case
+from msvalidate.case.report.page import sentences
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.problem import Box, Isotropic, Polygon, Problem, Segment, Support, Traction
+
+BEAM, LAW = Box((2.0, 1.0)), Isotropic(1e5, 0.3)
+SLANTED = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.3, 1.0)))
+SLANT = Segment((0.3, 1.0), (0.0, 0.0))
+
+
+def beam(**options):
+    held, load = Support(BEAM.side("left"), (0.0, 0.0)), Traction(BEAM.side("right"), (0.0, -10.0))
+    return Case(
+        Problem(BEAM, LAW, (held,), (load,)),
+        quantities=("displacement",),
+        accuracy=0.005,
+        **options,
+    )
+
+
+def slanted():
+    load = Traction(Segment((2.0, 0.0), (2.0, 1.0)), (0.0, -10.0))
+    problem = Problem(SLANTED, LAW, (Support(SLANT, (0.0, 0.0)),), (load,))
+    return Case(problem, cells=8, quantities=("displacement",), accuracy=0.005)
+
+
+@pytest.fixture(scope="module")
+def bent():
+    found = compare_case(beam(cells=9))
+    return found, choose(found)
+
+
+def test_another_material_has_no_spacing():
+    chosen = choose(compare_case(beam(cells=6, constants=(1e5, 2e5))))
+    assert [need.where for need in chosen.springs] == ["none", "none"]
+    assert "for about 5 % in displacement: no spacing does" in choice_sentences(chosen)[0]
+
+
+def test_a_mesh_of_as_many_nodes_as_the_finest_springs_is_compared():
+    asked = SimpleNamespace(lattice=SimpleNamespace(points=np.zeros((9, 2))))
+    reference = SimpleNamespace(error=0.0)
+    found = SimpleNamespace(springs=[asked], reference=reference, points=asked.lattice.points)
+    rows = [{"points": 4, "difference": 0.2}, {"points": 9, "difference": 0.1}]
+    cost = _equal_cost(found, rows, [{"nodes": 9, "difference": 0.05}])
+    assert cost == pytest.approx((18, 2.0))
+
+
+def test_what_every_lattice_meets_takes_the_coarsest():
+    rollers = (Support(BEAM.side("left"), (0.0, None)), Support(BEAM.side("bottom"), (None, 0.0)))
+    pulled = Problem(BEAM, LAW, rollers, (Traction(BEAM.side("right"), (10.0, 0.0)),))
+    need = choose(compare_case(Case(pulled, cells=8, quantities=("displacement",)))).springs[0]
+    assert (need.where, need.cells, need.count) == ("coarsest", 1, 11)
+
+
+def test_a_lattice_that_is_cut_is_taken_before_one_that_fills_far_off():
+    box = Box((5.6, 1.9))  # which 19 cells across fill, and no number near 10
+    case = Case(Problem(box, LAW, (Support(box.side("left"), (0.0, 0.0)),)), cells=19)
+    found = SimpleNamespace(case=case, springs=(SimpleNamespace(spacing=0.1),))
+    assert choice._laid(found, 0.2).cells in {9, 10}
+
+
+def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing(bent):
+    found = compare_case(slanted())
+    parts = budget(found).set_index("part")
+    own = ["spacing", "support", "boundary", "material"]
+    assert parts.loc[own, "value"].sum() == pytest.approx(parts.loc["total", "value"])
+    assert parts.loc["support", "value"] > 0.5 * parts.loc["total", "value"]
+    away = found.displacement - found.reference.displacement.value
+    assert max_length(away - found.support) < 0.4 * max_length(away)
+    assert found.kind == "coarse"  # what is left closes in, though the whole falls unevenly
+    assert abs(parts.loc["boundary", "value"]) < parts.loc["boundary", "uncertainty"]
+    assert parts.loc["boundary", "uncertainty"] == parts.loc["spacing", "uncertainty"]
+    assert parts.loc["total", "value"] == pytest.approx(max_length(away) / found.size)
+    off = max_length(found.reference.by_mesh[0] - found.reference.displacement.value)
+    assert mesh_rows(found)[0]["difference"] == pytest.approx(off / found.size)
+    assert "a support that no line of the lattice runs along" in choose(found).reasons
+    said = sentences(replace(found, kind=NOT_TOLD))[1][0]  # as the budget has it
+    assert "material is right to 0." in said
+    assert "from material" not in said
+    assert "A support that no line of the lattice runs along costs up to" in said
+    assert not bent[0].support.any()
+    assert "support" not in set(budget(bent[0])["part"])
