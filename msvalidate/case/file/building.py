@@ -169,7 +169,7 @@ def _one_of(source: Source, path: Keys, table: object, what: str, keys: Iterable
 
 
 def mesh_path(folder: Path, name: str) -> Path:
-    """A mesh's place: in a case's folder or below it, a link there too, wherever it leads."""
+    """Path of a mesh, or of a link to one, in a case's folder."""
     path = Path(os.path.normpath(folder / name))
     if not path.is_relative_to(folder):
         raise ProblemError(

@@ -47,7 +47,7 @@ def refuse_foreign(folder: Path, whose: str) -> None:
         own, of = set(mark["files"]), mark.get("of", whose)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         own, of = set(), whose
-    # A link leads elsewhere, and would be written through; what a killed run staged goes by itself.
+    # A link would be written through; what a killed run staged is removed by the next run.
     others = sorted(
         path.name
         for path in folder.rglob("*")

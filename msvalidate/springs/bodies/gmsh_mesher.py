@@ -1,8 +1,8 @@
 """Program that meshes a .step or .stl file by gmsh: ``gmsh_mesher.py FILE MESH SIZE``.
 
 It runs in a process of its own, because gmsh can crash, take all memory and ignore interrupts. So
-it imports nothing of this package. A size of 0 takes a part of the body's diagonal. If there is no
-mesh, the last line on stderr is the reason and the exit code is 1, or 2 without gmsh.
+it imports no module of this package. A size of 0 takes a part of the body's diagonal. If there is
+no mesh, the last line on stderr is the reason and the exit code is 1, or 2 without gmsh.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ CELLS, ROUND = 25, 12
 MOST = 200_000
 """Cells' sizes cubed, in 2D squared, that a body may hold."""
 LONGEST = 3000
-"""Diagonal of an .stl file over its median facet; if all were alike, it would have 1e7 facets."""
+"""Maximum diagonal of an .stl file, relative to its median facet.
+
+A body with so many equal facets along its diagonal would have 1e7 of them."""
 ANGLE = math.radians(40)
 """Between triangles of an .stl file, from which on they belong to different faces."""
 NO_GMSH = 2

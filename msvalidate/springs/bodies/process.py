@@ -19,26 +19,29 @@ from msvalidate.problem.checks import format_value
 
 LIMIT = 300.0
 """Seconds that a program may take by default."""
-KEPT = 100_000
-"""Bytes of each of its streams that are kept from the beginning, and as many from the end."""
+STORED = 100_000
+"""Bytes that are stored from the beginning of a stream, and from its end."""
 PIECE = 65_536
 PATIENCE = 2.0
-"""Seconds that streams may stay open after the program's end: a process that left its group may
-hold them for ever."""
+"""Seconds that streams may stay open after the program's end.
+
+A process that left its group may keep them open for ever."""
 GUARDED = """\
 exec 3<&0 </dev/null
 ( (read word <&3; kill -KILL 0) >/dev/null 2>&1 & )
 exec 3<&-
 exec "$@"
 """
-"""Shell script that becomes the program. Its background process, which is no child of the program,
-waits until our end of a pipe closes, as it does however we end, and then ends the group. No signal
-handler of ours would do."""
+"""Shell script that becomes the program.
+
+Its background process, which is no child of the program, waits until our end of a pipe closes, as
+it does however we end, and then ends the group. No signal handler of ours would do.
+"""
 BOUNDED = """\
 ulimit -v {}
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 """
-"""Start of the script with a limit of memory (KiB); each thread of a library reserves more."""
+"""Start of the script with a limit of memory (KiB); threads would reserve more."""
 
 
 def run_limited(
@@ -101,20 +104,20 @@ def _end_group(process: subprocess.Popen[bytes]) -> None:
 
 
 class _Stream:
-    """A stream read to its end by a thread of its own, its beginning and its end kept."""
+    """A stream that a thread reads to its end, with its beginning and end stored."""
 
     def __init__(self, pipe: IO[bytes]) -> None:
         self._pipe = pipe
-        self._kept, self._lost = bytearray(), 0
+        self._stored, self._lost = bytearray(), 0
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
 
     def _read(self) -> None:
         with contextlib.suppress(OSError, ValueError):
             while piece := os.read(self._pipe.fileno(), PIECE):
-                self._kept += piece
-                more = max(len(self._kept) - 2 * KEPT, 0)
-                del self._kept[KEPT : KEPT + more]
+                self._stored += piece
+                more = max(len(self._stored) - 2 * STORED, 0)
+                del self._stored[STORED : STORED + more]
                 self._lost += more
 
     def finish(self) -> None:
@@ -125,13 +128,13 @@ class _Stream:
 
     @property
     def content(self) -> bytes:
-        """What is kept of it."""
+        """Stored bytes, with a note of the bytes left out."""
         gap = f"\n... {self._lost} bytes left out ...\n".encode() if self._lost else b""
-        return bytes(self._kept[:KEPT]) + gap + bytes(self._kept[KEPT:])
+        return bytes(self._stored[:STORED]) + gap + bytes(self._stored[STORED:])
 
     @property
     def last_line(self) -> str:
-        """Its last line that is not empty, in printable letters."""
+        """Last line that is not empty, in printable letters."""
         text = self.content.decode("utf-8", "replace")
         lines = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
         shown = lines[-1] if lines else ""

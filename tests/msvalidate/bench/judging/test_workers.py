@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[4]
 
 
 def test_one_that_is_late_and_one_that_is_killed_are_rows():
-    """No row that ends is timed: the limit of those that do is beyond any wait."""
+    """The limit of calls that end is beyond any wait."""
     made = Workers(1, int)
     calls = [(0.1, time.sleep, 600.0), (600.0, os._exit, 1), (600.0, abs, -3)]
     with ThreadPoolExecutor(1) as thread:
@@ -33,7 +33,7 @@ def test_one_that_is_late_and_one_that_is_killed_are_rows():
 
 
 class Future:
-    """A task of the cluster below: one that begins is done, others wait for ever."""
+    """A task of the cluster below; without an answer it waits for ever."""
 
     def __init__(self, result, state):
         self.answer, self.state = result, state
@@ -54,7 +54,7 @@ class Future:
 
 @pytest.fixture
 def cluster(monkeypatch):
-    """A cluster in the place of Dask's: answers of tasks by their order, and its threads."""
+    """A cluster in the place of Dask's, with answers of tasks by their order."""
     state = SimpleNamespace(answers=[], threads={"worker": 1}, closed=False)
 
     class Client:
@@ -92,7 +92,7 @@ SOLVED = Row("solved", "agrees", 0.01, 0.001)
 
 
 def test_the_clock_starts_with_the_work(cluster):
-    """A task that has not begun is never late: one that has, is, though it waits no longer."""
+    """A task that has not begun is never late."""
     cluster.answers = [None, "left"]
     made, cluster.answers = Cluster("tcp://here"), [None]
     with pytest.raises(SolverError, match="the last worker is lost; start one"):

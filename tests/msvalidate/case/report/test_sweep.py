@@ -1,4 +1,4 @@
-"""`report.sweep`: combinations of a case file's values, each a row in a file of its own."""
+"""`report.sweep`: rows of combinations, their files, keys and exit codes."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ print(sorted(files | {str(name) for name in names}))
 
 
 def test_a_changed_byte_of_any_file_that_a_run_opens_changes_the_key(tmp_path, monkeypatch):
-    """A link to a case: the run reads the mesh beside the file, not that beside the link."""
+    """A run of a link to a case reads the mesh next to the file."""
     home, link = tmp_path / "home", tmp_path / "link"
     for folder in (home, link):
         folder.mkdir()
@@ -208,7 +208,7 @@ def test_a_folder_of_others_is_left_alone(program, tmp_path):
     assert other.read_text(encoding="utf-8") == "mine"
 
 
-def test_files_of_one_name_are_told_apart(program, tmp_path):
+def test_files_of_one_name_have_labels(program, tmp_path):
     files = [tmp_path / "d1" / "b.toml", tmp_path / "d2" / "b.toml"]
     for file in files:
         file.parent.mkdir()
