@@ -213,16 +213,20 @@ def _update(results: Sequence[Result], args: argparse.Namespace, failed: Sequenc
 
 
 def summary_lines(result: Result) -> list[str]:
-    """Question, summary table and first findings of a study, the latter in at most nine lines."""
+    """Question, summary table and first findings of a study, the latter in at most nine lines.
+
+    A study that puts together what others found is the conclusion, of which none is left out.
+    """
     lines = [f"{result.name}: {result.question.partition(chr(10))[0]}"]
     if SUMMARY in result.evidence.tables:
         table = result.evidence.tables[SUMMARY]
         lines += ["", *summary.summary_lines(table, result.evidence), ""]
     findings, begun = result.evidence.findings, len(lines)
+    limit = math.inf if catalogue.reads_results(result.name) else FINDINGS
     wrap = textwrap.TextWrapper(WIDTH, "  - ", "    ", break_on_hyphens=False).wrap
     for place, finding in enumerate(findings):
         wrapped = wrap(FIRST_SENTENCE.split(finding, maxsplit=1)[0])
-        if place and len(lines) - begun + len(wrapped) > FINDINGS:
+        if place and len(lines) - begun + len(wrapped) > limit:
             left = len(findings) - place
             return [*lines, f"  … {left} more finding{'s' * (left > 1)} in the report"]
         lines += wrapped[:FINDINGS]

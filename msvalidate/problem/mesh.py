@@ -127,6 +127,13 @@ class Mesh:
         """Number of axes, 2 or 3."""
         return self.kind.dim
 
+    @property
+    def mean_edge(self) -> float:
+        """Mean length (m) of the straight lines between neighbouring corners of facets."""
+        rings = self.points[self.cells[:, np.array(self.kind.straight.rings)]]
+        sides = np.linalg.norm(rings - np.roll(rings, -1, axis=2), axis=3)
+        return float(sides.mean())
+
     @cached_property
     def span(self) -> Span:
         """Low and high coordinate (m) of the nodes along each axis.

@@ -1,8 +1,9 @@
 """Statements of the source report, judged
 
-The ledger lists 64 sentences of the report that started this project. Which are true, which only
-where the source says so, which are false as said and true on another condition? Those that quote
-the work of others, draw an analogy or choose a definition are background and have no verdict.
+The ledger lists 63 sentences of the report that started this project. Which are true, which only
+where the source says so, which are false as said and true on another condition? Sentences that
+quote the work of others, draw an analogy, choose a definition or state an intention are background
+and have no verdict.
 
 Each is held to bounds with a reason; and, so that a result that moves is noticed, to the verdict
 that theory lets expect. Every verdict is computed from what the other studies found, and changes
@@ -181,4 +182,4 @@ def findings(
     told = ", ".join(f"{n} {verdict}" for n, verdict in zip(counts, VERDICTS, strict=True))
     told = told.replace(IF, f"{IF} something else is meant")
     whole = f"Of the report's {sum(counts)} sentences: {told} ({', '.join(background)})."
-    return (whole, *(f"{row['topic']}: {row['topic_verdict']}. {row['found']}" for row in topics))
+    return (whole, *(f"{row['topic']} ({row['topic_verdict']}): {row['found']}" for row in topics))

@@ -118,9 +118,9 @@ def alteration(table: str, **columns: Any) -> dict[str, Alteration]:
     return {"alter": Alteration(table, lambda found: found.assign(**columns))}
 
 
-def halved(table: pd.DataFrame) -> pd.Series:
-    """Half of every misfit to a curve."""
-    return table["in_springs"].mask(table["figure"] == 7, table["in_springs"] / 2)
+def doubled(table: pd.DataFrame) -> pd.Series:
+    """Twice every misfit to a curve."""
+    return table["in_springs"].mask(table["figure"] == 7, table["in_springs"] * 2)
 
 
 def folded(table: pd.DataFrame) -> pd.Series:
@@ -133,8 +133,8 @@ FAULTS: dict[str, dict[str, Any]] = {
     "the cell's ratio in blocks of every size": alteration(
         "poisson/finite_size", nu_springs=lambda table: table["nu_cell_formula"]
     ),
-    "half of every misfit to a curve": alteration(
-        "displacement/statements", in_springs=halved, in_homogenised=halved
+    "twice every misfit to a curve": alteration(
+        "displacement/statements", in_springs=doubled, in_homogenised=doubled
     ),
     "printed Verlet follows the motion": alteration("stability/misprints", difference=0.0),
     "the plane's charge at every depth": alteration(

@@ -182,7 +182,7 @@ def test_every_statement_can_come_to_anything(statement, faces):
 
 @pytest.mark.parametrize(
     ("fault", "noticing", "disputed"),
-    [("charges as at the start", [0, 1, 4], 1), ("edges pushed inwards", [0, 1, 2, 4], 4)],
+    [("charges as at the start", [0, 1, 4], 1), ("edges pushed inwards", [0, 1, 2, 4], 3)],
 )
 def test_figure8_notices_its_faults(fault, noticing, disputed):
     """Charges that stay as they were make no effect that grows, and elements do: one statement."""

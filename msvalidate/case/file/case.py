@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.case.file.fracture import Fracture
-from msvalidate.case.file.part_mesh import cuts_for, edge_lattice, mean_edge, straighten
+from msvalidate.case.file.part_mesh import cuts_for, edge_lattice, straighten
 from msvalidate.case.file.schema import QUANTITIES
 from msvalidate.case.file.units import LENGTH
 from msvalidate.problem import (
@@ -260,8 +260,8 @@ def spacing_of(case: Case) -> float:
     """
     domain = case.problem.domain
     if case.lattice == MESH_EDGES and isinstance(domain, Mesh):
-        by_cells = spacing_by_cells(case) if case.cells else mean_edge(domain)
-        return float(mean_edge(domain) / 2 ** cuts_for(domain, case.spacing or by_cells))
+        by_cells = spacing_by_cells(case) if case.cells else domain.mean_edge
+        return float(domain.mean_edge / 2 ** cuts_for(domain, case.spacing or by_cells))
     if case.spacing is not None:
         return float(case.spacing)
     asked, pattern = spacing_by_cells(case), _pattern(case)

@@ -19,27 +19,19 @@ from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.mesh.subdivide import subdivide
 
 
-def mean_edge(mesh: Mesh) -> float:
-    """Mean length (m) of the straight sides of a mesh's cells."""
-    corners = mesh.points[mesh.cells[:, : mesh.kind.corners]]
-    rings = corners[:, np.array(mesh.kind.straight.rings)]
-    around = np.linalg.norm(rings - np.roll(rings, -1, axis=2), axis=3)
-    return float(around.mean())
-
-
 def cuts_for(mesh: Mesh, spacing: float) -> int:
     """How often cells are to be cut in half for edges of about a spacing (m).
 
     Once at least where cells have mid-sides, so that every node of the file is a point.
     """
-    return max(int(mesh.kind.degree > 1), round(math.log2(mean_edge(mesh) / spacing)))
+    return max(int(mesh.kind.degree > 1), round(math.log2(mesh.mean_edge / spacing)))
 
 
 def spacing_of_points(mesh: Mesh, count: int) -> float:
     """Mean edge (m) of the mesh, its cells cut, whose points are nearest to a number of them."""
     corners = len(np.unique(mesh.cells[:, : mesh.kind.corners]))
     cuts = max(int(mesh.kind.degree > 1), round(math.log2(count / corners) / mesh.dim))
-    return float(mean_edge(mesh) / 2**cuts)
+    return float(mesh.mean_edge / 2**cuts)
 
 
 def count_one_cell_thick(mesh: Mesh) -> int:

@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, eye_array
 from scipy.spatial import KDTree
 
 from msvalidate.case.file.case import Case, spacing_by_cells, spacing_of
-from msvalidate.case.file.part_mesh import mean_edge, straighten
+from msvalidate.case.file.part_mesh import straighten
 from msvalidate.case.judge.mistakes import (
     MAX_SPACINGS,
     SPRING_MISTAKES,
@@ -162,7 +162,7 @@ def _families(problem: Problem, places: Array) -> Iterator[Meshes]:
     elif isinstance(domain, Mesh):
         first = int(domain.kind.degree > 1)
         yield [
-            (mean_edge(domain) / 2**cuts, partial(_on_file_mesh, problem, cuts))
+            (domain.mean_edge / 2**cuts, partial(_on_file_mesh, problem, cuts))
             for cuts in (first + 1, first)
         ]
 

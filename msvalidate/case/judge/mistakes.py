@@ -15,7 +15,6 @@ from functools import cache, partial
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.case.file.part_mesh import mean_edge
 from msvalidate.linear_algebra.factor import factorise
 from msvalidate.problem import Array, Isotropic, Mask, Mesh
 from msvalidate.problem.records import dataclass, replace
@@ -321,7 +320,7 @@ def mistakes_on_mesh(
             mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, held=fixed,
             displacement=np.where(fixed, value, 0.0), force=force + np.outer(mass, gravity),
         )  # fmt: skip
-        spacing = mean_edge(mesh)
+        spacing = mesh.mean_edge
         springs = CorrectSprings(law, gravity, lattice, network, constants, spacing)
         return [(spacing, [u for _, u in solve_mistakes(springs, records)])]
 

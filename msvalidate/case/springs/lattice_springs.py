@@ -29,7 +29,7 @@ from msvalidate.case.file.case import (
     spacing_by_cells,
     spacing_of,
 )
-from msvalidate.case.file.part_mesh import edge_lattice, mean_edge
+from msvalidate.case.file.part_mesh import edge_lattice
 from msvalidate.case.file.units import quantity_text
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
@@ -220,7 +220,7 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
         network = replace(network, force=network.force + contact.load)
     rest = contact.equilibrium if contact else equilibrium(network, case.geometry)
     if case.lattice == MESH_EDGES:
-        spacing = mean_edge(problem.domain)  # type: ignore[arg-type]
+        spacing = problem.domain.mean_edge  # type: ignore[union-attr]
     seconds = time.perf_counter() - began
     made = (lattice, network, rest, calibration, seconds, case.geometry, contact)
     return SpringAnswer(problem, spacing, *made)

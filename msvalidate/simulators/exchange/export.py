@@ -173,22 +173,13 @@ def _own_cells(mesh: Mesh, cells: int | None, shape: str | None) -> Discretisati
     if cells is None:
         return body
     wanted = min(high - low for low, high in mesh.span) / cells
-    times = int(np.ceil(np.log2(_mean_edge(mesh) / wanted) - 1e-9))
+    times = int(np.ceil(np.log2(mesh.mean_edge / wanted) - 1e-9))
     if times > MOST_HALVINGS:
         raise ProblemError(
             f"--cells: {cells} need each cell of the mesh file halved {times} times, and the most "
             f"is {MOST_HALVINGS}; ask for fewer"
         )
     return subdivide(body, max(times, 0))
-
-
-def _mean_edge(mesh: Mesh) -> float:
-    """Mean length (m) of the sides of facets, along the straight lines between corners."""
-    straight = mesh.kind.straight
-    ring = np.array(straight.rings)
-    pairs = ring if mesh.dim == 2 else np.stack([ring, np.roll(ring, -1, axis=1)], 2).reshape(-1, 2)
-    ends = mesh.points[mesh.cells[:, pairs]]
-    return float(np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=-1).mean())
 
 
 def _linear_cells(body: Discretisation) -> tuple[Mesh, csr_array]:
