@@ -162,13 +162,11 @@ def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> N
 def check_sweep(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
     """End the program if options of a sweep come without its values."""
     words = {each.partition("=")[0] for each in args.words}
-    alone = [each for each in ("--jobs", "--limit", "--scheduler") if each in words]
-    _refuse(parser, {
-        f"{_first(alone)} is of combinations; give --set too, or leave it out":
-            alone and not args.set,
-        "--jobs is of this machine; with --scheduler leave it out":
-            {"--jobs", "--scheduler"} <= words,
-    })  # fmt: skip
+    for option in ("--jobs", "--limit", "--scheduler"):
+        if option in words and not args.set:
+            parser.error(f"{option} is of combinations; give --set too, or leave it out")
+    if {"--jobs", "--scheduler"} <= words:
+        parser.error("--jobs is of this machine; with --scheduler leave it out")
 
 
 def check_studies(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

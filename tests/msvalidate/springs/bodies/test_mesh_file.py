@@ -378,12 +378,15 @@ def gmsh_that(tmp_path, monkeypatch):
     return make
 
 
-@table("code, words", [
-    ("os.kill(os.getpid(), signal.SIGSEGV)", "it crashes (Segmentation fault)"),
-    ("bytearray(3_000_000_000)", "in 2 s and 2 GB: MemoryError"),
-    ("time.sleep(600)", "in 2 s and 2 GB: it takes longer"),
-    ("print('x' * 9_999_999); raise OSError('no\\nlicence')", "no licence"),
-])  # fmt: skip
+@table(
+    "code, words",
+    [
+        ("os.kill(os.getpid(), signal.SIGSEGV)", "it crashes (Segmentation fault)"),
+        ("bytearray(3_000_000_000)", "in 2 s and 2 GB: MemoryError"),
+        ("time.sleep(600)", "in 2 s and 2 GB: it takes longer"),
+        ("print('x' * 9_999_999); raise OSError('no\\nlicence')", "no licence"),
+    ],
+)
 def test_a_library_that_crashes_or_takes_all_is_one_line(gmsh_that, monkeypatch, code, words):
     monkeypatch.setattr(geometry_file, "LIMIT", 2.0)
     with refused(words) as refusal:
