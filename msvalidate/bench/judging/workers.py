@@ -192,8 +192,9 @@ def run_all(
     try:
         running = {threads.submit(call, *each): each for each in calls}
         while running:
-            for future in wait(running, POLL, FIRST_COMPLETED).done:
-                yield running.pop(future), future
+            ended = wait(running, POLL, FIRST_COMPLETED).done
+            for future in sorted(ended, key=lambda each: each.exception() is not None):
+                yield running.pop(future), future  # results first: an error may end the iteration
             workers.refuse_lost()
     finally:
         threads.shutdown(wait=False, cancel_futures=True)
