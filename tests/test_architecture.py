@@ -519,9 +519,11 @@ WRITERS = {
 }
 """Functions and methods that put something into a file or change a folder."""
 WRITING = {
-    "msvalidate.case.report.sweep": ("journal.open(", "journal.parent.mkdir("),
+    "msvalidate.case.report.files": ("folder.mkdir(",),
+    "msvalidate.cli.cases": ("(folder / name).unlink(",),
     "msvalidate_check.exchange": ("",),
     "msvalidate.springs.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.springs.bodies.mesh_file": ("tempfile.TemporaryDirectory(", "copy.write_bytes("),
     "msvalidate.bench.output.report": ("",),
     "msvalidate.bench.output.vtu": ("tempfile.TemporaryDirectory(",),
     "msvalidate.simulators.exchange.program": ("tempfile.TemporaryDirectory(",),

@@ -159,6 +159,16 @@ def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> N
     })  # fmt: skip
 
 
+def check_sweep(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+    """End the program if options of a sweep come without its values."""
+    words = {each.partition("=")[0] for each in args.words}
+    for option in ("--jobs", "--limit", "--scheduler"):
+        if option in words and not args.set:
+            parser.error(f"{option} is of combinations; give --set too, or leave it out")
+    if {"--jobs", "--scheduler"} <= words:
+        parser.error("--jobs is of this machine; with --scheduler leave it out")
+
+
 def check_studies(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
     """End the program for what does not go together; find `studies`, `named`, `form` and `out`.
 
@@ -276,6 +286,8 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
         check_studies(parser, args)
     elif verb == "advise":
         check_advise(parser, args)
+    elif "scheduler" in args:
+        check_sweep(parser, args)
     return args
 
 

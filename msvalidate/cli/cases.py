@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
-import math
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -16,6 +15,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from msvalidate.bench.judging.workers import Cluster, Workers, run_all
 from msvalidate.bench.output.stored import csv_bytes, draw_files
 from msvalidate.case.compare.body_advice import body_lines
 from msvalidate.case.file import building, places
@@ -45,6 +45,10 @@ from msvalidate_check.verdict import AGREES
 
 COMMAND = ("msvalidate", "case", "judge", "FILE", "RESULT")
 PAGE = "case.html"
+SWEPT = (sweep.ROWS, "sweep.csv", "sweep.png", "sweep.svg")
+"""Entries of a sweep's folder."""
+SWEEP_CODES = {sweep.REFUSED: USAGE} | dict.fromkeys((sweep.FAILED, sweep.LATE, sweep.DIED), FAILED)
+"""Exit codes of rows that have no verdict."""
 overflowing = np.errstate(over="ignore", invalid="ignore")
 """Context without NumPy's warnings of overflow, which messages report."""
 
@@ -161,6 +165,11 @@ def _print_screen(
         print_lines([*lines, f"page: {folder / PAGE}", *reasons])
     for note in notes if not args.quiet else [word] if word != AGREES else []:
         tell(f"{name}: {note}")
+    return _code(word)
+
+
+def _code(word: str) -> int:
+    """Exit code of a verdict."""
     return HELD if word == AGREES else MISSED
 
 
@@ -207,42 +216,44 @@ def judge_and_tell(
 
 
 def _sweep(args: argparse.Namespace) -> int:
-    """Every combination of keys' values, as rows of one table; exit code 3 if one died."""
+    """Every combination of keys' values, as rows of one table; the exit code of its worst row."""
     values = sweep.read_values(args.set)
     limit = positive_number("--limit", args.limit, "s")
     whole_number("--jobs", args.jobs, 1, 1000)
-    name = "sweep" if len(args.files) > 1 else f"{files.folder_name(args.files[0].stem)}-sweep"
-    folder = args.out / name
-    count = len(args.files) * math.prod(map(len, values.values()))
-    asked = partial(sweep.combinations, args.files, values)
-    next(asked())
-
-    def workers() -> sweep.Workers | sweep.Cluster:
-        return sweep.Cluster(args.scheduler) if args.scheduler else sweep.Workers(args.jobs)
-
-    began = time.perf_counter()
-    solved = 0
-
-    def show(done: int, one: sweep.Combination, row: sweep.Row) -> None:
-        nonlocal solved
-        solved += 1
-        if not args.quiet:
-            said = ", ".join(f"{key} {value}" for key, value in one.values)
-            what = row["verdict"] or f"{row['outcome']}: {row['said']}"
-            tell(f"{done}/{count} {one.file.name} {said}: {what}, {row['seconds']} s")
-        left = (time.perf_counter() - began) / solved * (count - done)
-        report_step("combinations, %d of %d known, about %.0f s left", done, count, left)
-
-    with progress_of(Path(name), folder, args):
-        report_step("combinations, 0 of %d known", count)
-        table = sweep.sweep(asked, folder / "journal.jsonl", workers, limit, show)
-    content = {"sweep.csv": csv_bytes(table)}
+    requests = {each.key: each for each in sweep.combinations(args.files, values)}
+    stem = "sweep" if len(args.files) > 1 else f"{files.folder_name(args.files[0].stem)}-sweep"
+    folder = args.out / stem
+    files.claim(folder, SWEPT, ", ".join(dict.fromkeys(each.label for each in requests.values())))
+    rows, damaged = sweep.read_rows(folder / sweep.ROWS, requests)
+    for path in damaged:
+        tell(f"{path}: no record of a row; the combination is solved again")
+    todo = [(each, key) for key, each in requests.items() if key not in rows]
+    here = partial(Workers, args.jobs, sweep.program_stamp)
+    start = partial(Cluster, args.scheduler) if args.scheduler else here
+    ended = run_all(sweep.solve, todo, start(), limit) if todo else ()
+    began, known = time.perf_counter(), len(rows)
+    try:
+        with progress_of(Path(stem), folder, args):
+            report_step("combinations, %d of %d known", known, len(requests))
+            for (one, key), future in ended:
+                rows[key] = row = sweep.finished_row(future)
+                sweep.write_row(folder / sweep.ROWS, key, row)
+                done, count = len(rows), len(requests)
+                if not args.quiet:
+                    words = ", ".join(f"{name} {value}" for name, value in one.values)
+                    what = row.verdict or f"{row.outcome}: {row.message}"
+                    tell(f"{done}/{count} {one.label} {words}: {what}, {row.seconds} s")
+                left = (time.perf_counter() - began) / (done - known) * (count - done)
+                report_step("combinations, %d of %d known, about %.0f s left", done, count, left)
+    finally:  # also of those that are known when the scheduler is lost
+        table = sweep.sweep_table(requests, rows)
+        exchange.replace_file(folder / "sweep.csv", partial(csv_bytes, table))
+    for name in SWEPT[2:]:  # of an earlier table
+        (folder / name).unlink(missing_ok=True)
     if args.plots and (table["outcome"] == sweep.SOLVED).any():
         draw = partial(sweep.draw_sweep, table, list(values))
-        content |= draw_files("sweep", "Springs beside elasticity", draw)
-    for file, each in content.items():
-        exchange.replace_file(folder / file, partial(bytes, each))
-    counts = table["outcome"].value_counts().to_dict()
-    said = ", ".join(f"{n} {word}" for word, n in counts.items())
-    tell(f"{count} combinations: {said}; {folder / 'sweep.csv'}")
-    return FAILED if {sweep.DIED, sweep.LATE} & set(counts) else HELD
+        for name, content in draw_files("sweep", "Springs beside elasticity", draw).items():
+            exchange.replace_file(folder / name, partial(bytes, content))
+    counts = ", ".join(f"{n} {word}" for word, n in table["outcome"].value_counts().items())
+    tell(f"{len(requests)} combinations: {counts}; {folder / 'sweep.csv'}")
+    return max(SWEEP_CODES.get(row.outcome, _code(row.verdict)) for row in rows.values())

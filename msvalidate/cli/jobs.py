@@ -8,16 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import gc
-import multiprocessing
-import signal
-from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Generator, Sequence
 from datetime import UTC, datetime
 
 from msvalidate.bench.judging import catalogue
-from msvalidate.bench.judging.sweep import end_with_parent
+from msvalidate.bench.judging.workers import Workers, run_all
 from msvalidate.cli.outcome import Outcome, Task, run_task, unfinished
 
 
@@ -41,58 +36,22 @@ def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) ->
 def _run_in_parallel(
     tasks: Sequence[Task], jobs: int, began: Callable[[str], None]
 ) -> Generator[Outcome]:
-    todo = deque(tasks)
-    names = tuple(task.name for task in tasks)
-    idle = [_worker(names) for _ in range(min(jobs, len(todo)))]
-    busy: dict[Future[Outcome], tuple[Task, datetime, ProcessPoolExecutor]] = {}
-    try:
-        while todo or busy:
-            while todo and idle:
-                task, worker = todo.popleft(), idle.pop()
-                began(task.name)
-                with _defer_interrupt():
-                    busy[worker.submit(run_task, task)] = task, datetime.now(UTC), worker
-            for future in wait(busy, return_when=FIRST_COMPLETED).done:
-                task, started, worker = busy.pop(future)
-                error = future.exception()
-                if isinstance(error, BrokenProcessPool):
-                    worker.shutdown()
-                    worker = _worker(names)
-                idle.append(worker)
-                yield future.result() if error is None else unfinished(task, started, error)
-    except BaseException:  # an interrupt, or nobody asks for the rest
-        for process in multiprocessing.active_children():
-            process.terminate()
-        raise
-    finally:
-        for worker in [*idle, *(worker for _, _, worker in busy.values())]:
-            worker.shutdown()
+    started: dict[str, datetime] = {}
+
+    def begin(task: Task) -> None:
+        started[task.name] = datetime.now(UTC)
+        began(task.name)
+
+    calls, names = [(task,) for task in tasks], [task.name for task in tasks]
+    workers = Workers(min(jobs, len(tasks)) or 1, _load, names)
+    with contextlib.closing(run_all(run_task, calls, workers, began=begin)) as ended:
+        for (task,), future in ended:
+            error = future.exception()
+            yield unfinished(task, started[task.name], error) if error else future.result()
 
 
-def _worker(names: Sequence[str]) -> ProcessPoolExecutor:
-    """An executor of one process, which starts with its first study."""
-    # Spawned: a fork would copy locks of libraries that other threads hold.
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(1, context, initializer=_prepare, initargs=(tuple(names),))
-
-
-def _prepare(names: Sequence[str]) -> None:
-    """Make a process a worker: it loads the studies, and ends with the process that started it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is told, and ends the workers
-    end_with_parent()
+def _load(names: Sequence[str]) -> None:
+    """Load studies in a worker, before they are timed."""
     for name in names:
         catalogue.load(name)
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
-
-
-@contextlib.contextmanager
-def _defer_interrupt() -> Iterator[None]:
-    """Hold an interrupt back; processes that are started meanwhile never hear of any."""
-    if not hasattr(signal, "pthread_sigmask"):  # not a Unix
-        yield
-        return
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

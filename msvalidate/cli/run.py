@@ -61,6 +61,8 @@ def run_studies(args: argparse.Namespace) -> int:
             codes.append(tell_error(said, NOTHING))
     with Progress("studies", shown=not args.quiet, log=log_path(args.out)):
         outcomes = _run(args, codes)
+    if args.questions and all(each.code == USAGE for each in outcomes):  # misspelt
+        return max(codes)
     finished = {each.name: each.files for each in outcomes if each.result}
     late = {each.name: each.files_beside for each in outcomes if not each.result}
     stored = report.publish(finished, args.out, late)
@@ -90,6 +92,12 @@ def _refuse(args: argparse.Namespace) -> None:
     if args.baseline:
         report.refuse_folder("--baseline", args.baseline, args.out, written=args.update)
         baseline.check_home(args.baseline)
+        against = baseline.baseline_folder(args.form, args.baseline)
+        if not (args.update or against.is_dir()):
+            raise ProblemError(
+                f"--baseline {args.baseline}: no {args.form} baseline in it; make one with check "
+                f'--update --reason "first" --baseline {args.baseline}'
+            )
     if args.update:
         baseline.reasons(args.baseline, args.form, args.reason)
     if args.tables:

@@ -16,7 +16,7 @@ import pandas as pd
 
 from msvalidate.case.advise.identify import Identified, with_cells
 from msvalidate.problem import AXES, Array, Index, Mask, ProblemError
-from msvalidate.problem.checks import finite, finite_coordinates
+from msvalidate.problem.checks import finite, finite_coordinates, format_value
 from msvalidate.problem.records import replace
 from msvalidate.springs.constants.homogenise import Homogenised, homogenise_network
 from msvalidate.springs.constants.stiffness import ALIKE
@@ -54,9 +54,13 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
     """
     name, table = springs.name, _table(springs, ("i", "j", "stiffness"))
     points = _table(springs.with_name("points.csv"), ("x", "y"))
-    axes = [axis for axis in AXES if axis in points and (axis != "z" or np.ptp(points["z"]) > 0)]
+    axes = [axis for axis in AXES if axis in points]
     x = finite_coordinates("points.csv: coordinates", points[axes].to_numpy())
+    x = x if np.ptp(x[:, -1]) else x[:, :2]
     ids = pd.Index(points.get("id", pd.RangeIndex(len(x))))
+    if not ids.is_unique:
+        twice = format_value(ids[ids.duplicated()][0])
+        raise ProblemError(f"points.csv: id {twice} comes twice; give each point its own")
     pairs = _rows_of(name, table[["i", "j"]], ids)
     k = finite(f"{name}: stiffness", table["stiffness"].to_numpy())
     refuse_first_bad(f"{name}: stiffness", k, k < 0, "N/m; give 0 or more")

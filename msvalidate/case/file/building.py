@@ -156,7 +156,7 @@ def _domain(source: Source, unit: float) -> Domain:
         if body.polygon is not None:
             return Polygon(tuple(tuple(unit * x for x in corner) for corner in body.polygon))  # type: ignore[misc]
         cell = None if body.cell is None else unit * body.cell
-        return read_mesh(_mesh_path(source, str(body.mesh)), unit, cell)
+        return read_mesh(mesh_path(source.folder, str(body.mesh)), unit, cell)
 
 
 def _one_of(source: Source, path: Keys, table: object, what: str, keys: Iterable[str]) -> str:
@@ -168,10 +168,10 @@ def _one_of(source: Source, path: Keys, table: object, what: str, keys: Iterable
     return there[0]
 
 
-def _mesh_path(source: Source, name: str) -> Path:
-    """A mesh's place: beside the case file or below it, a link there too, wherever it leads."""
-    path = Path(os.path.normpath(source.folder / name))
-    if not path.is_relative_to(source.folder):
+def mesh_path(folder: Path, name: str) -> Path:
+    """Path of a mesh, or of a link to one, in a case's folder."""
+    path = Path(os.path.normpath(folder / name))
+    if not path.is_relative_to(folder):
         raise ProblemError(
             f"{format_value(name)}: outside the case's own folder; put the mesh beside the case"
         )

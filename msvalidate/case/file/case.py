@@ -163,10 +163,13 @@ class Case:
         require_one_of("lattice", self.lattice, (*sorted(known), MESH_EDGES))
         self._check_spacing()
         if self.route is not None:
-            check_route(self.route)
             if self.lattice == MESH_EDGES and self.route not in EDGE_ROUTES:
-                routes = " or ".join(map(repr, EDGE_ROUTES))
-                raise ProblemError(f"route: {self.route!r} on {MESH_EDGES}; take {routes}")
+                springs, every = map(repr, EDGE_ROUTES)
+                raise ProblemError(
+                    f"route: {self.route!r} on {MESH_EDGES}; take {every}, or {springs} where the "
+                    "ratio is theirs"
+                )
+            check_route(self.route)
         if self.constants is not None:
             self._check_constants(finite("constants", self.constants, "k"))
             if self.route is not None:

@@ -151,12 +151,17 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Keys, str]:
         known = _known_keys(path[:-1])
         near = difflib.get_close_matches(unknown[1], known, n=1)
         hint = f"did you mean {near[0]}?" if near else f"choose {', '.join(known)}"
+        homes = [table for table, keys in _tables() if unknown[1] in keys]
         told = f"no such key; {hint}"
+        if homes:
+            told = f"no such key here; it belongs to {' or '.join(homes)}"
     elif missing:
         path = (*path, missing[1])
         told = "missing; give it"
     elif expected and expected[1] == "array" and isinstance(value, dict):
         told = f"one table; write [[{path[-1]}]], of which there may be several"
+    elif path[-1:] == ("on",) and isinstance(value, dict) and "at" in _known_keys(path[:-1]):
+        told = "coordinates; name this key at, and leave on to sides by name"
     elif expected:
         wanted = [WORDS.get(kind.strip(), kind.strip()) for kind in expected[1].split("|")]
         choices = " or ".join(dict.fromkeys(word for word in wanted if word != "nothing"))
@@ -252,6 +257,18 @@ def _known_keys(path: Keys) -> list[str]:
             continue
         kind = _struct_in(get_type_hints(kind)[step])
     return list(kind.__struct_fields__)
+
+
+def _tables(
+    kind: Any = CaseFile, where: str = "the top of the file"
+) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Each table of a case file, as messages name it, with its keys."""
+    yield where, kind.__struct_fields__
+    for name, hint in get_type_hints(kind).items():
+        inner = _struct_in(hint)
+        header = f"[[{name}]]" if str(hint).startswith("list") else f"[{name}]"
+        if inner is not None:
+            yield from _tables(inner, header if kind is CaseFile else f"{name} of {where}")
 
 
 def _struct_in(hint: Any) -> Any:

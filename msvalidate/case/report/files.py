@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,13 @@ def refuse_foreign(folder: Path, whose: str) -> None:
         own, of = set(mark["files"]), mark.get("of", whose)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         own, of = set(), whose
-    others = sorted(path.name for path in folder.iterdir() if path.name not in own)
+    # A link would be written through; what a killed run staged is removed by the next run.
+    others = sorted(
+        path.name
+        for path in folder.rglob("*")
+        if path.is_symlink() or (path.parent == folder and path.name not in own)
+        if not path.name.startswith(exchange.STAGED)
+    )
     if others:
         raise ProblemError(
             f"folder {folder} holds {format_value(others[0])}, which no case left there; name "
@@ -58,6 +64,14 @@ def refuse_foreign(folder: Path, whose: str) -> None:
             f"folder {folder} holds results of {format_value(of)}; name another folder, or move it "
             "away"
         )
+
+
+def claim(folder: Path, names: Sequence[str], whose: str) -> None:
+    """Make a folder for these files, whoever writes there meanwhile, and mark it."""
+    refuse_foreign(folder, whose)
+    folder.mkdir(parents=True, exist_ok=True)
+    mark = {"files": [*names, MARK], "of": whose}
+    exchange.replace_file(folder / MARK, partial(json_bytes, mark))
 
 
 def publish(folder: Path, files: exchange.Files, whose: str) -> None:

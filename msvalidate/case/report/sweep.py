@@ -1,50 +1,68 @@
-"""Many cases of one file: keys set to each of some values, a row a combination.
+"""Parameter sweeps of case files: keys set to each of several values, one row per combination.
 
-Every row is written to a journal when it is known, under a key of all that it follows from: the
-file, its mesh, the values, and the sources of this program. So a sweep that was killed goes on
-where it was, and one that is asked again is read, not solved.
+The row of a combination is a file of its own. Its name is a key that follows from every byte that
+the row depends on: case file, mesh, values, sources of this program and versions of libraries. So a
+sweep that was killed continues, and one that is repeated is read instead of solved.
 """
 
 from __future__ import annotations
 
 import hashlib
-import importlib
 import json
 import math
-import multiprocessing
+import os
 import re
+import sys
 import time
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from functools import cache
-from itertools import chain, islice, product
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from functools import cache, partial
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pandas as pd
-import scipy
-import skfem
 from matplotlib.figure import Figure
 
-from msvalidate.bench.judging.sweep import end_with_parent
 from msvalidate.bench.output.figures import add_shared_legend, new_figure, series_style
+from msvalidate.bench.output.provenance import LIBRARIES
 from msvalidate.case.compare.comparison import compare_case
-from msvalidate.case.file.building import build_case
+from msvalidate.case.file.building import build_case, mesh_path
 from msvalidate.case.file.reading import parse_source, read_source
 from msvalidate.case.report.headline import overall
 from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import format_value
 from msvalidate.problem.records import dataclass
+from msvalidate_check import exchange
 
-ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ("msvalidate", "reference_fem", "msvalidate_check")
+PACKAGES = ("msvalidate", "reference_fem", "msvalidate_check")
+COMPUTING = (*LIBRARIES, "cvxopt", "gmsh", "llvmlite", "meshio", "msgspec", "pyamg", "shapely")
+"""Distributions whose versions a row depends on."""
 SOLVED, REFUSED, FAILED, LATE, DIED = "solved", "refused", "failed", "too long", "died"
+ROWS = "rows"
+"""Folder of the files of rows."""
 BARE = re.compile(r"((?:^|[,\[\s])[+-]?)\.(?=\d)")
 """A number without a digit before its point, which TOML lacks."""
+MOST = 100_000
+"""Combinations in a sweep."""
 MOST_LINES = 8
 """In the picture."""
-Row = dict[str, Any]
+
+
+class Row(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Result of a combination as its file stores it; difference and uncertainty if solved."""
+
+    outcome: str
+    verdict: str = ""
+    difference: float | None = None
+    uncertainty: float | None = None
+    message: str = ""
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -57,18 +75,21 @@ class Combination:
         The case file.
     values
         Keys, as "springs.cells" or "load.1.pressure", and their values.
+    label
+        Name of the file in tables and messages.
     """
 
     file: Path
     values: tuple[tuple[str, Any], ...]
+    label: str = ""
 
     def change(self, given: dict[str, Any]) -> None:
         """Set the keys in a file's content; tables that are not there are made."""
         for name, value in self.values:
-            *way, last = name.split(".")
+            *path, last = name.split(".")
             at: Any = given
             try:
-                for step in way:
+                for step in path:
                     at = at[int(step) - 1] if isinstance(at, list) else at.setdefault(step, {})
                 at[int(last) - 1 if isinstance(at, list) else last] = value
             except (IndexError, ValueError, AttributeError, TypeError) as error:
@@ -78,26 +99,57 @@ class Combination:
                 ) from error
 
     @property
+    def folder(self) -> Path:
+        """Folder in which the run looks for the mesh: that of the file, not of a link to it."""
+        return self.file.resolve().parent
+
+    @property
+    def text(self) -> str:
+        """Text of the case file."""
+        return self.file.read_text(encoding="utf-8-sig").replace("\r\n", "\n")
+
+    @property
     def key(self) -> str:
-        """What its row follows from, in 32 hexadecimal digits."""
-        found = hashlib.sha256(_stamp().encode() + self.file.read_bytes())
-        given = tomllib.loads(self.file.read_text(encoding="utf-8-sig"))
+        """Digest of all bytes that the row follows from, in 32 hexadecimal digits."""
+        digest = hashlib.sha256(program_stamp().encode() + self.text.encode())
+        given = tomllib.loads(self.text)
         self.change(given)
         mesh = given.get("body", {}).get("mesh") if isinstance(given.get("body"), dict) else None
-        if isinstance(mesh, str) and (self.file.parent / mesh).is_file():
-            found.update((self.file.parent / mesh).read_bytes())
-        found.update(json.dumps([self.file.name, self.values], default=str).encode())
-        return found.hexdigest()[:32]
+        if isinstance(mesh, str):
+            try:
+                digest.update(mesh_path(self.folder, mesh).read_bytes())
+            except (ProblemError, OSError, ValueError) as error:
+                digest.update(str(error).encode())  # a refused row, until the file is there
+        digest.update(json.dumps([self.label or self.file.name, self.values], default=str).encode())
+        return digest.hexdigest()[:32]
 
 
 @cache
-def _stamp() -> str:
-    """Of this program: its sources, and versions of what it computes with."""
-    found = hashlib.sha256(repr((np.__version__, scipy.__version__, skfem.__version__)).encode())
-    paths = [path for name in SOURCES for path in sorted((ROOT.parent / name).rglob("*.py"))]
-    for path in paths or sorted(ROOT.rglob("*.py")):
-        found.update(path.name.encode() + path.read_bytes())
-    return found.hexdigest()
+def program_stamp() -> str:
+    """Digest of this program: its sources and tables, and versions of what it computes with."""
+    versions = [sys.version, *((name, _version(name)) for name in COMPUTING)]
+    digest = hashlib.sha256(repr(versions).encode())
+    for path in program_files():
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def program_files() -> list[Path]:
+    """Sources and tables of the packages that a run takes part of."""
+    homes = [Path(str(spec.origin)).parent for spec in map(find_spec, PACKAGES) if spec]
+    return [
+        path
+        for home in homes
+        for path in sorted(home.rglob("*"))
+        if path.suffix in {".py", ".toml"}
+    ]
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
 
 
 def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
@@ -105,212 +157,122 @@ def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
 
     Raises `ProblemError` if a word is none, or a key comes twice.
     """
-    found: dict[str, list[Any]] = {}
+    result: dict[str, list[Any]] = {}
     for word in words:
         name, is_there, right = word.partition("=")
         right = BARE.sub(r"\g<1>0.", right)
         try:
             values = tomllib.loads(f"values = [{right}]")["values"]
         except tomllib.TOMLDecodeError:
-            values = [each.strip() for each in right.split(",")]
+            values = [part.strip() for part in right.split(",")]
         if not (is_there and name and all(name.split(".")) and values and "" not in values):
-            raise ProblemError(f"--set {word}: give key=value,value, as springs.cells=8,16,32")
-        if name in found:
+            said = f"--set {format_value(word)}"
+            raise ProblemError(f"{said}: give key=value,value, as springs.cells=8,16,32")
+        if name in result:
             raise ProblemError(f"--set {name}: comes twice; give all its values in one")
-        found[name] = values
-    return found
+        if len({json.dumps(value, default=str) for value in values}) < len(values):
+            raise ProblemError(f"--set {name}: a value comes twice; give each once")
+        result[name] = values
+    return result
 
 
-def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> Iterator[Combination]:
+def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> list[Combination]:
     """Each file with each combination of values, the last key the fastest.
 
-    Raises `ProblemError` if a file is no case, or a key none of its places.
+    Raises `ProblemError` if a file is no case or comes twice, a key is none of its places, or the
+    combinations are too many.
     """
-    for file in files:
+    if len(files) * math.prod(map(len, values.values())) > MOST:
+        raise ProblemError(f"--set: more than {MOST} combinations; give fewer values")
+    names = [file.name for file in files]
+    if len(set(names)) < len(names):
+        top = os.path.commonpath([file.absolute().parent for file in files])
+        names = [file.absolute().relative_to(top).as_posix() for file in files]
+    result = []
+    for file, name in zip(files, names, strict=True):
+        if names.count(name) > 1:
+            raise ProblemError(f"case {format_value(name)}: comes twice; name it once")
         read_source(file)
-        Combination(file, tuple((name, each[0]) for name, each in values.items())).change(
-            tomllib.loads(file.read_text(encoding="utf-8-sig"))
-        )
-    for file in files:
-        for each in product(*values.values()):
-            yield Combination(file, tuple(zip(values, each, strict=True)))
+        choices = product(*values.values())
+        result += [Combination(file, tuple(zip(values, c, strict=True)), name) for c in choices]
+        result[-1].change(tomllib.loads(result[-1].text))
+    return result
 
 
-def solve(asked: Combination) -> Row:
-    """The row of a combination: what it leaves of a case."""
-    began = time.monotonic()
+def solve(request: Combination, key: str) -> Row:
+    """The row of a combination whose key was `key` when the sweep began."""
+    began, values = time.monotonic(), dict[str, Any]()
     try:
-        text = asked.file.read_text(encoding="utf-8-sig").replace("\r\n", "\n")
-        source = parse_source(asked.file.name, text, asked.file.resolve().parent, asked.change)
+        source = parse_source(request.label, request.text, request.folder, request.change)
         with np.errstate(over="ignore", invalid="ignore"):
-            found = compare_case(build_case(source))
-    except ProblemError as error:
-        return _row(began, REFUSED, str(error))
-    except SolverError as error:
-        return _row(began, FAILED, str(error))
+            case = build_case(source)
+            if request.key != key:
+                return Row(DIED, message="case, mesh or program changed since the sweep began")
+            result = compare_case(case)
+        first = result.rows[0]
+        values = {"difference": first.error, "uncertainty": first.uncertainty}
+        values["verdict"] = overall(result.rows)
+        outcome, message = SOLVED, " ".join(each.sentence for each in result.limitations[:1])
     except Exception as error:  # noqa: BLE001  a row, whatever it was
-        return _row(began, DIED, f"{type(error).__name__}: {error}")
-    first = found.rows[0]
-    limits = " ".join(each.sentence for each in found.limitations[:1])
-    return _row(began, SOLVED, limits, overall(found.rows), first.error, first.uncertainty)
+        kinds = {ProblemError: REFUSED, SolverError: FAILED}
+        outcome = next((word for kind, word in kinds.items() if isinstance(error, kind)), DIED)
+        message = str(error) if outcome != DIED else f"{type(error).__name__}: {error}"
+    values |= {"message": " ".join(message.split()), "seconds": round(time.monotonic() - began, 3)}
+    return Row(outcome, **values)
 
 
-def _row(
-    began: float,
-    outcome: str,
-    said: str,
-    verdict: str = "",
-    difference: float = math.nan,
-    uncertainty: float = math.nan,
-) -> Row:
-    """What is known of a combination that began at a time (s) of the monotonic clock."""
-    seconds, said = round(time.monotonic() - began, 3), " ".join(said.split())
-    row = {"outcome": outcome, "verdict": verdict, "difference": difference}
-    return row | {"uncertainty": uncertainty, "said": said, "seconds": seconds}
+def finished_row(future: Future[Row]) -> Row:
+    """The row of a combination whose call has ended; raises `SolverError` if the cluster has."""
+    error = future.exception()
+    if isinstance(error, SolverError):
+        raise error
+    if isinstance(error, TimeoutError):
+        return Row(LATE, message="longer than --limit")
+    return Row(DIED, message=" ".join(str(error).split())) if error else future.result()
 
 
-class Workers:
-    """Processes of this machine, one combination at a time each: one that is late is killed."""
-
-    def __init__(self, jobs: int) -> None:
-        self.slots: list[Executor] = [self._made() for _ in range(jobs)]
-        wait([slot.submit(_stamp) for slot in self.slots])  # start-up is no combination's time
-
-    @staticmethod
-    def _made() -> ProcessPoolExecutor:
-        context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(1, context, initializer=end_with_parent)
-
-    def renewed(self, slot: Executor, _future: Future[Row]) -> Executor:
-        """Another worker for one that is late or dead."""
-        for process in dict(getattr(slot, "_processes", None) or {}).values():
-            process.kill()
-        slot.shutdown(wait=False)
-        made = self._made()
-        made.submit(_stamp).result()
-        return made
-
-    def close(self) -> None:
-        """End all of them."""
-        for slot in self.slots:
-            slot.shutdown(wait=False, cancel_futures=True)
-
-
-class Cluster:
-    """Workers of a Dask cluster: a combination that is late is given up; one that kills, fails."""
-
-    def __init__(self, address: str) -> None:
+def read_rows(folder: Path, keys: Iterable[str]) -> tuple[dict[str, Row], list[Path]]:
+    """Rows in a folder by key, and files that are no records; late and dead rows are left out."""
+    rows, damaged = {}, []
+    for key in keys:
+        path = folder / f"{key}.json"
         try:
-            client = importlib.import_module("distributed").Client  # an extra
-        except ImportError as error:
-            raise ProblemError("--scheduler: needs dask; pip install msvalidate[dask]") from error
-        try:
-            self.client = client(address, timeout="10s")
-        except (OSError, ValueError, TimeoutError) as error:
-            raise ProblemError(f"--scheduler {address}: {error}; start one there") from error
-        slots = max(1, sum(self.client.nthreads().values()))
-        self.slots: list[Executor] = [self.client.get_executor(retries=0)] * slots
-
-    def renewed(self, slot: Executor, future: Future[Row]) -> Executor:
-        """The same executor: its combination is given up."""
-        future.cancel()
-        return slot
-
-    def close(self) -> None:
-        """Leave the cluster."""
-        self.client.close()
+            row = msgspec.json.decode(path.read_bytes(), type=Row)
+        except FileNotFoundError:
+            continue
+        except (OSError, ValueError, RecursionError):  # msgspec's errors are ValueErrors
+            damaged.append(path)
+            continue
+        if row.outcome in {SOLVED, REFUSED, FAILED}:
+            rows[key] = row
+    return rows, damaged
 
 
-def run_all(
-    asked: Iterator[Combination], workers: Workers | Cluster, limit: float
-) -> Iterator[tuple[Combination, Row]]:
-    """Rows as they are known, in any order; each combination gets `limit` (s)."""
-    idle, busy = list(workers.slots), dict[Future[Row], tuple[Combination, Executor, float]]()
-    while True:
-        for one in islice(asked, len(idle)):
-            slot = idle.pop()
-            busy[slot.submit(solve, one)] = one, slot, time.monotonic()
-        if not busy:
-            return
-        first = min(began for _, _, began in busy.values())
-        wait(busy, max(0.0, first + limit - time.monotonic()), FIRST_COMPLETED)
-        now = time.monotonic()
-        for future, (one, slot, began) in list(busy.items()):
-            if not future.done() and now - began < limit:
-                continue
-            del busy[future]
-            error = future.exception() if future.done() else None
-            if future.done() and error is None:
-                idle.append(slot)
-                yield one, future.result()
-                continue
-            outcome = (LATE, f"longer than {limit:g} s") if error is None else (DIED, str(error))
-            idle.append(workers.renewed(slot, future))
-            yield one, _row(began, *outcome)
+def write_row(folder: Path, key: str, row: Row) -> None:
+    """Write the file of a row, in one step."""
+    exchange.write(folder, {})
+    exchange.replace_file(folder / f"{key}.json", partial(msgspec.json.encode, row))
 
 
-def read_journal(path: Path) -> dict[str, Row]:
-    """Rows that are known, by key; a line that was cut short is none."""
-    found: dict[str, Row] = {}
-    if path.is_file():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                row = json.loads(line)
-                found[row.pop("key")] = row
-            except (ValueError, KeyError, AttributeError):
-                continue
-    return found
-
-
-def sweep(
-    asked: Callable[[], Iterator[Combination]],
-    journal: Path,
-    workers: Callable[[], Workers | Cluster],
-    limit: float,
-    tell: Callable[[int, Combination, Row], None],
-) -> pd.DataFrame:
-    """The table of all combinations, of which those in the journal are not solved again.
-
-    What was late or died is tried again. `workers` are made if there is anything to do.
-    """
-    known = read_journal(journal)
-    known = {key: row for key, row in known.items() if row["outcome"] not in (LATE, DIED)}
-    todo = (one for one in asked() if one.key not in known)
-    one = next(todo, None)
-    if one is not None:
-        journal.parent.mkdir(parents=True, exist_ok=True)
-        made = workers()
-        try:
-            with journal.open("a", encoding="utf-8") as file:
-                if file.tell():
-                    file.write("\n")  # ends a line that was cut short
-                for done, row in run_all(chain([one], todo), made, limit):
-                    known[done.key] = row
-                    file.write(json.dumps({"key": done.key, **row}) + "\n")
-                    file.flush()
-                    tell(len(known), done, row)
-        finally:
-            made.close()
-    rows = [{"file": each.file.name, **dict(each.values), **known[each.key]} for each in asked()]
-    return pd.DataFrame(rows)
+def sweep_table(keys: Mapping[str, Combination], rows: Mapping[str, Row]) -> pd.DataFrame:
+    """The table of all combinations whose rows are known, in their order."""
+    return pd.DataFrame(
+        {"file": each.label, **dict(each.values), **msgspec.structs.asdict(rows[key])}
+        for key, each in keys.items()
+        if key in rows
+    )
 
 
 def draw_sweep(table: pd.DataFrame, names: Sequence[str]) -> Figure:
     """Difference of the first quantity against the first key of numbers, a line for each other."""
-    numbers = [name for name in names if table[name].map(np.isreal).all()]
+    x = next((name for name in names if table[name].dtype.kind in "iuf"), None)
     figure, (axis,) = new_figure(size=(5.6, 3.8))
     shown = table[table["outcome"] == SOLVED]
-    x = numbers[0] if numbers else None
-    others = [name for name in ("file", *names) if name != x and table[name].nunique() > 1]
-    words = [shown[name].map(str) for name in others]
-    groups: list[Any] = [((), shown)]
-    if others:
-        groups = list(shown.groupby(words, sort=False))
-    for place, (key, own) in enumerate(groups[:MOST_LINES]):
-        own_words = key if isinstance(key, tuple) else (key,)
-        label = ", ".join(f"{n} {w}" for n, w in zip(others, own_words, strict=True)) or None
+    others = [n for n in ("file", *names) if n != x and table[n].map(str).nunique() > 1]
+    labels = [", ".join(f"{n} {row[n]}" for n in others) for row in shown.to_dict("records")]
+    for place, (label, own) in enumerate([*shown.groupby(labels, sort=False)][:MOST_LINES]):
         along = own[x] if x else range(1, len(own) + 1)
-        axis.plot(along, 100 * own["difference"], label=label, **series_style(place))
+        axis.plot(along, 100 * own["difference"], label=label or None, **series_style(place))
     axis.set(xlabel=x or "combination", ylabel="difference from elasticity (%)", yscale="log")
     if others:
         add_shared_legend(figure, [axis], 2)

@@ -1,8 +1,4 @@
-"""A simulator that is a program of its own: run in a process of its own, with a time limit.
-
-Its whole process group is ended with it, and with us, however we end. What it says is kept up to a
-size, and read to the end whatever its size, so that it never waits for us.
-"""
+"""A simulator as a program: called through files, its endings turned into errors."""
 
 from __future__ import annotations
 
@@ -11,12 +7,9 @@ import os
 import shlex
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
-import threading
 from pathlib import Path
-from typing import IO
 
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
@@ -31,25 +24,10 @@ from msvalidate.simulators.exchange.protocol import (
     Request,
     SimulatorError,
 )
+from msvalidate.springs.bodies.process import LIMIT, run_limited
 from msvalidate_check import exchange
 
-LIMIT = 300.0
-"""Seconds that a program may take where nothing is said."""
-KEPT = 100_000
-"""Bytes of each of its streams that are kept from the beginning, and as many from the end."""
-PIECE = 65_536
-PATIENCE = 2.0
-"""Seconds that streams may stay open after the program's end: a process that left its group may
-hold them for ever."""
 CASE, OUT, LOG = "case", "out", "log.txt"
-GUARDED = """\
-exec 3<&0 </dev/null
-( (read word <&3; kill -KILL 0) >/dev/null 2>&1 & )
-exec 3<&-
-exec "$@"
-"""
-"""Becomes the program. What it leaves beside it, a child of neither, waits for our end of a pipe to
-close, as it does however we end, and then ends the group. No signal that we catch would do."""
 
 
 @dataclass(frozen=True)
@@ -184,88 +162,3 @@ def _absolute(word: str) -> str:
             # Not resolved: a virtual environment's Python is a link, and must be called by it.
             return str(Path(word).absolute())
     return word
-
-
-def run_limited(words: list[str], folder: Path, limit: float) -> tuple[int | None, bytes, str]:
-    """Run a program in a folder for at most `limit` seconds.
-
-    Returns
-    -------
-    int or None, bytes, str
-        Exit code, None if it had to be ended; what it said, shortened; its last line on stderr.
-    """
-    guarded = ["/bin/sh", "-c", GUARDED, words[0], *words] if os.name == "posix" else words
-    try:
-        process = subprocess.Popen(  # noqa: S603  the user's own command, no word of it a shell's
-            guarded,
-            cwd=folder,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            start_new_session=True,
-        )
-    except OSError as error:
-        raise ProblemError(
-            f"adapter {format_value(words[0])}: {error.strerror}; give a program that can be run"
-        ) from error
-    streams = [_Stream(each) for each in (process.stdout, process.stderr) if each is not None]
-    code: int | None = None
-    try:
-        code = process.wait(limit)
-    except subprocess.TimeoutExpired:
-        pass
-    finally:  # also when we are interrupted; and what a program that ended has left running
-        _end_group(process)
-    for stream in streams:
-        stream.finish()
-    told = [b"stdout:\n", streams[0].content, b"\nstderr:\n", streams[1].content, b"\n"]
-    return code, b"".join(told), streams[1].last_line
-
-
-def _end_group(process: subprocess.Popen[bytes]) -> None:
-    if hasattr(os, "killpg"):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-    with contextlib.suppress(OSError):
-        process.kill()
-    process.wait()
-    if process.stdin is not None:
-        process.stdin.close()
-
-
-class _Stream:
-    """A stream read to its end by a thread of its own, its beginning and its end kept."""
-
-    def __init__(self, pipe: IO[bytes]) -> None:
-        self._pipe = pipe
-        self._kept, self._lost = bytearray(), 0
-        self._thread = threading.Thread(target=self._read, daemon=True)
-        self._thread.start()
-
-    def _read(self) -> None:
-        with contextlib.suppress(OSError, ValueError):
-            while piece := os.read(self._pipe.fileno(), PIECE):
-                self._kept += piece
-                more = max(len(self._kept) - 2 * KEPT, 0)
-                del self._kept[KEPT : KEPT + more]
-                self._lost += more
-
-    def finish(self) -> None:
-        """Wait for its end, but not for ever."""
-        self._thread.join(PATIENCE)
-        if not self._thread.is_alive():
-            self._pipe.close()
-
-    @property
-    def content(self) -> bytes:
-        """What is kept of it."""
-        gap = f"\n... {self._lost} bytes left out ...\n".encode() if self._lost else b""
-        return bytes(self._kept[:KEPT]) + gap + bytes(self._kept[KEPT:])
-
-    @property
-    def last_line(self) -> str:
-        """Its last line that is not empty, in printable letters."""
-        text = self.content.decode("utf-8", "replace")
-        lines = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
-        shown = lines[-1] if lines else ""
-        return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in shown)[:500]

@@ -24,6 +24,7 @@ import importlib
 import io
 import lzma
 import re
+import tempfile
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -54,6 +55,8 @@ MOST_UNPACKED, UNPACKED = 100_000_000, 20
 
 The larger of both applies, up to `LARGEST_FILE`.
 """
+PARAMETRIC = b"$ParametricNodes"
+"""Section of a .msh 2.2 file that takes the place of $Nodes."""
 DEEPEST = 100
 """Elements of XML in each other, beyond which a file is refused."""
 PLANE = 1e-9
@@ -164,15 +167,23 @@ def _read_content(file: Path, label: str) -> Any:
     _refuse_before_reading(file, form, label)
     heard = io.StringIO()
     try:
-        with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard), _bounded(file):
-            content = meshio.read(file, file_format=form)
+        with (
+            contextlib.redirect_stdout(heard),
+            contextlib.redirect_stderr(heard),
+            _bounded(file),
+            _plain_nodes(file, form) as plain,
+        ):
+            content = meshio.read(plain, file_format=form)
     except ProblemError as error:
         raise ProblemError(f"{label}: {error}") from error
     except (Exception, SystemExit) as error:  # whatever its parsers stumble over
         lines = [line for line in heard.getvalue().splitlines() if "Couldn't read" not in line]
         why = str(error) if isinstance(error, meshio.ReadError) else "".join(lines[:1])
         what = format_value(why).strip("'\"") or "it ends too soon, or is of another format"
-        raise ProblemError(f"{label}: not a whole {form} file: {what}; write it again") from error
+        remedy = (
+            "write it with Mesh.SaveParametric = 0" if "parametric" in what else "write it again"
+        )
+        raise ProblemError(f"{label}: not a whole {form} file: {what}; {remedy}") from error
     if "not closed" in heard.getvalue() or _announced_cells(file, form) > sum(
         map(len, content.cells)
     ):
@@ -180,6 +191,23 @@ def _read_content(file: Path, label: str) -> Any:
     if not len(content.points) or not len(content.cells):
         raise ProblemError(f"{label}: no {'cells' if len(content.points) else 'points'} in it")
     return content
+
+
+@contextlib.contextmanager
+def _plain_nodes(file: Path, form: str) -> Iterator[Path]:
+    """The file, or of Gmsh a copy without the parameters of nodes, which meshio does not read."""
+    head, _, rest = (file.read_bytes() if form == "gmsh" else b"").partition(PARAMETRIC)
+    nodes, end, last = rest.partition(b"$EndParametricNodes")
+    if not end:
+        yield file
+        return
+    if b"\n2.2 0 " not in head:
+        raise ProblemError("parameters of nodes in binary; write without: Mesh.SaveParametric = 0")
+    plain = b"\n".join(b" ".join(line.split()[:4]) for line in nodes.split(b"\n"))
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "plain.msh"
+        copy.write_bytes(b"".join((head, b"$Nodes", plain, b"$EndNodes", last)))
+        yield copy
 
 
 class _Growing(bytearray):

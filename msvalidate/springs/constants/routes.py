@@ -146,7 +146,8 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
         raise ProblemError("spring constants: the material is a tensor; give the constants")
     if not isinstance(lattice.domain, Mesh) or isinstance(lattice, PatternLattice):
         return calibrate_by_route(material, lattice, None, "springs").constants
-    return (central_modulus(material, material.dim, "springs along a mesh's edges"),)
+    what = "springs along a mesh's edges"
+    return (central_modulus(material, material.dim, what, "neo-Hookean"),)
 
 
 def _refuse_other_material(known: Calibration, lattice: Lattice, material: Material) -> None:
@@ -249,7 +250,7 @@ def _along_edges(material: Isotropic, lattice: EdgeLattice, route: str) -> Calib
     if route != "neo-Hookean" or lattice.rule != "cotangent":
         raise ProblemError(
             f"route: {route!r} for edges of a mesh by the rule {lattice.rule!r}; take "
-            "'neo-Hookean' and mesh_lattice(mesh, 'cotangent', positive=False), or give the "
+            "'neo-Hookean' and edges by 'cotangent' of either sign, or give the "
             "constant"
         )
     d = lattice.points.shape[1]

@@ -150,10 +150,14 @@ def springs_ratio(law: Material) -> float:
     return CAUCHY[2 if getattr(law, "state", "") == "plane_stress" else 3]
 
 
-def central_modulus(material: Isotropic, dim: int, what: str) -> float:
+def central_modulus(
+    material: Isotropic, dim: int, what: str, route: str = "volume energy"
+) -> float:
     """Modulus (N/m in 2D, Pa in 3D) of a material with the Cauchy relation.
 
     It is the modulus of the d axes.
+
+    The message names a `route` to other materials.
 
     Raises
     ------
@@ -165,8 +169,7 @@ def central_modulus(material: Isotropic, dim: int, what: str) -> float:
         raise ProblemError(
             f"{what}: ratio {nu:.6g} of its axes ({material.state}, nu = {material.nu:g}); central "
             f"springs make it isotropic at {CAUCHY[dim]:.6g} only (λ = μ): take nu = 1/3 in plane "
-            "stress, 1/4 in plane strain or in space, or route 'volume energy', or give the "
-            "constants"
+            f"stress, 1/4 in plane strain or in space, or route {route!r}, or give the constants"
         )
     return E
 

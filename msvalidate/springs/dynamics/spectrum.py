@@ -188,7 +188,7 @@ def _rigid_motions(network: Network, *, allowed: bool) -> int:
             whole = "the network" if len(own) == n else f"the part of point {own[0]}"
             raise ProblemError(
                 f"natural frequencies: {whole} is free to move as a rigid body in {left} ways; "
-                "hold one more component against each, or set rigid=True"
+                "hold one more component against each, or allow rigid motions"
             )
         count += left
     return count

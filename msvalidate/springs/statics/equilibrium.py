@@ -175,7 +175,7 @@ def refuse_folded(network: Network, equilibrium: Equilibrium, title: str) -> Non
         folded = folded_cells(simplices, equilibrium.position)
         raise SolverError(
             f"{title}: {describe_folded(simplices, folded, network.points)}; raise what is "
-            "applied along a path, reduce it, or take allow_folded=True"
+            "applied along a path, or reduce it"
         )
 
 

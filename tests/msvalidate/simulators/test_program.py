@@ -12,9 +12,10 @@ import pytest
 from msvalidate.case.file.case import Case
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.simulators.exchange.export import export_case
-from msvalidate.simulators.exchange.program import KEPT, Program, label_of, words_of
+from msvalidate.simulators.exchange.program import Program, label_of, words_of
 from msvalidate.simulators.exchange.protocol import CannotRepresent, SimulatorError
 from msvalidate.simulators.exchange.template import adapter_template
+from msvalidate.springs.bodies.process import STORED
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 
@@ -114,7 +115,7 @@ def test_100_megabytes_of_words_are_read_and_not_kept(tmp_path):
     answer = Program(adapter(tmp_path, body), 60.0, tmp_path / "kept")(REQUEST)
     assert answer.displacement.shape == REQUEST.mesh.points.shape
     log = (tmp_path / "kept" / "out" / "log.txt").read_bytes()
-    assert len(log) < 4 * KEPT
+    assert len(log) < 4 * STORED
     assert b"bytes left out" in log
     assert b"last" in log
 

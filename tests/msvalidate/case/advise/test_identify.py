@@ -159,6 +159,17 @@ def test_other_classes_are_refused(tmp_path):
         given.to_csv(files, index=False)
         with refused(said):
             identify_files(files)
+    for column, value, message in (
+        ("id", 0, "points.csv: id 0 comes twice; give each point its own"),
+        ("x", "1,2", "points.csv: coordinates"),
+    ):
+        files = written(tmp_path, body.points, body.springs, k)
+        points = pd.read_csv(files.with_name("points.csv"), dtype=object)
+        points["id"] = range(len(points))
+        points.loc[3, column] = value
+        points.to_csv(files.with_name("points.csv"), index=False)
+        with refused(message):
+            identify_files(files)
     with refused("period: shape (3,); the points have 2 axes"):
         identify_files(written(tmp_path, body.points, body.springs, k), (1.0, 1.0, 1.0))
     with refused("points.csv: no y; give a table with columns x, y"):

@@ -1,16 +1,20 @@
-"""`report.sweep`: combinations of a case file's values, each a row, and its journal."""
+"""`report.sweep`: rows of combinations, their files, keys and exit codes."""
 
 from __future__ import annotations
 
-import multiprocessing
+import ast
+import importlib
+import os
 import re
-import threading
-import time
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from msvalidate.case.report import sweep
+from msvalidate.cli import cases
 from msvalidate.cli.program import main
 from msvalidate.problem import ProblemError
 
@@ -38,10 +42,10 @@ def beam(tmp_path):
 
 @pytest.fixture
 def program(beam, tmp_path, capsys):
-    """Runs the command on the beam; exit code, and what it says."""
+    """Runs the command on the beam; exit code, and its messages."""
 
-    def run(*words):
-        code = main(["case", "run", str(beam), "--out", str(tmp_path / "out"), *words])
+    def run(*words, files=(beam,)):
+        code = main(["case", "run", *map(str, files), "--out", str(tmp_path / "out"), *words])
         return code, capsys.readouterr().err
 
     return run
@@ -53,72 +57,192 @@ def without_seconds(text):
 
 def test_every_combination_is_a_row_however_it_is_run(program, beam, tmp_path):
     words = ("--set", "springs.cells=2,3", "--set", "material.nu=.3,.6")
-    assert program(*words)[0] == 0
-    table = (tmp_path / "out/beam-sweep/sweep.csv").read_text(encoding="utf-8")
+    folder = tmp_path / "out/beam-sweep"
+    assert program(*words)[0] == 2
+    table = (folder / "sweep.csv").read_text(encoding="utf-8")
     rows = table.splitlines()
     assert len(rows) == 5
     assert rows[1].startswith("beam.toml,2,0.3,solved,")
     assert "beam.toml,3,0.6,refused" in rows[4]
     assert "nu" in rows[4]
-    assert (tmp_path / "out/beam-sweep/sweep.svg").is_file()
-    journal = tmp_path / "out/beam-sweep/journal.jsonl"
-    lines = journal.read_text(encoding="utf-8").splitlines()
-    # Killed in the middle of a line: what is known is not solved again, and the table is the same.
-    journal.write_text("\n".join(lines[:2]) + "\n" + lines[2][:30], encoding="utf-8")
-    again = program(*words, "--jobs", "2")[1]
-    assert again.count("beam.toml springs.cells") == 2
-    other = (tmp_path / "out/beam-sweep/sweep.csv").read_text(encoding="utf-8")
+    assert (folder / "sweep.svg").is_file()
+    # Files that are no records are named and solved again, and the table is the same.
+    damaged = sorted((folder / "rows").iterdir())
+    for path, content in zip(damaged, (b"\xff", b'{"outcome": 1}', b"[" * 9999), strict=False):
+        path.write_bytes(content)
+    _, message = program(*words, "--jobs", "2")
+    assert message.count("no record of a row") == 3
+    assert all(str(path) in message for path in damaged[:3])
+    assert message.count("beam.toml springs.cells") == 3
+    other = (folder / "sweep.csv").read_text(encoding="utf-8")
     assert without_seconds(other) == without_seconds(table)
     assert "beam.toml springs.cells" not in program(*words)[1]
+    # Other values: the count is of this sweep's combinations, and no picture is of others.
+    assert "1/1 beam.toml springs.cells 4" in program("--no-plots", "--set", "springs.cells=4")[1]
+    assert not (folder / "sweep.svg").exists()
     beam.write_text(BEAM.replace("-10]", "-20]"), encoding="utf-8")
     assert program(*words)[1].count("beam.toml springs.cells") == 4
 
 
-def test_one_that_is_late_and_one_that_is_killed_are_rows(beam):
-    asked = list(sweep.combinations([beam], {"springs.cells": [400, 2, 3]}))
-    workers = sweep.Workers(1)
+MESHED = """schema = 1
+[body]
+mesh = "part.msh"
+[material]
+E = 1e7
+nu = 0.3
+state = "plane_stress"
+[[support]]
+at = { x = 0 }
+"""
+MESH = (
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n"
+    "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
+    "$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n"
+)
+OPENED = """
+import sys
+from pathlib import Path
+from msvalidate.case.report import sweep
+from msvalidate.cli import cases
+each = sweep.Combination(Path(sys.argv[1]), (), "case")
+files = set()
+sys.addaudithook(lambda what, args: what == "open" and files.add(str(args[0])))
+assert sweep.solve(each, each.key).outcome == "refused"
+names = {getattr(module, "__file__", None) for module in sys.modules.values()}
+print(sorted(files | {str(name) for name in names}))
+"""
 
-    def kill():
-        time.sleep(0.3)
-        multiprocessing.active_children()[0].kill()
 
-    try:
-        late = dict(sweep.run_all(iter(asked[:2]), workers, 1.0))
-        workers.slots = [sweep.Workers._made()]
-        workers.slots[0].submit(sweep._stamp).result()
-        killer = threading.Thread(target=kill)
-        killer.start()
-        dead = dict(sweep.run_all(iter([asked[0], asked[2]]), workers, 60.0))
-        killer.join()
-    finally:
-        workers.close()
-    assert [row["outcome"] for row in late.values()] == [sweep.LATE, sweep.SOLVED]
-    assert [row["outcome"] for row in dead.values()] == [sweep.DIED, sweep.SOLVED]
+def test_a_changed_byte_of_any_file_that_a_run_opens_changes_the_key(tmp_path, monkeypatch):
+    """A run of a link to a case reads the mesh next to the file."""
+    home, link = tmp_path / "home", tmp_path / "link"
+    for folder in (home, link):
+        folder.mkdir()
+        (folder / "part.msh").write_text(MESH, encoding="utf-8")
+    (home / "case.toml").write_text(MESHED, encoding="utf-8")
+    (link / "case.toml").symlink_to(home / "case.toml")
+    case = sweep.Combination(link / "case.toml", ())
+    before = case.key
+    (home / "part.msh").write_text(MESH.replace("3 1 1 0", "3 1 2 0"), encoding="utf-8")
+    assert case.key != before
+
+    command = [sys.executable, "-c", OPENED, str(link / "case.toml")]
+    path = os.pathsep.join([str(ROOT), str(ROOT / "checker")])
+    environment = {**os.environ, "PYTHONPATH": path}
+    listed = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    opened = {Path(name).resolve() for name in ast.literal_eval(listed.stdout)}
+    own = sorted(each for each in opened if each.is_relative_to(home))
+    assert [each.name for each in own] == ["case.toml", "part.msh"]
+    sources = [
+        each
+        for each in opened
+        for name in sweep.PACKAGES
+        if each.is_relative_to(Path(importlib.import_module(name).__file__).parent)
+        if each.suffix not in {".pyc", ".nbi", ".nbc"}
+    ]
+    assert len(sources) > 100
+    assert set(sources) <= set(sweep.program_files())
+    for each in own:
+        before, content = case.key, each.read_bytes()
+        each.write_bytes(content.replace(b"1", b"2", 1))
+        assert case.key != before
+        each.write_bytes(content)
+
+    copies = [Path(shutil.copy(each, tmp_path)) for each in sources[:3]]
+    monkeypatch.setattr(sweep, "program_files", lambda: copies)
+    keys = set()
+    for change in (None, *copies, None):
+        if change:
+            change.write_bytes(change.read_bytes() + b"\n")
+        elif keys:
+            monkeypatch.setattr(sweep, "version", lambda name: f"9 of {name}")
+        sweep.program_stamp.cache_clear()
+        keys.add(case.key)
+    sweep.program_stamp.cache_clear()
+    assert len(keys) == 5
+
+
+def test_one_that_changes_while_it_is_swept_is_no_row_of_the_old_file(beam):
+    case = sweep.Combination(beam, (), "beam.toml")
+    row = sweep.solve(case, "of another file")
+    assert row.outcome == sweep.DIED
+    assert "changed since the sweep began" in row.message
+
+
+@pytest.mark.parametrize("worst", ["solved", "refused", "failed", "too long", "died"])
+def test_exit_code_is_that_of_the_worst_row(program, tmp_path, monkeypatch, worst):
+    """Rows in their files; the table of codes is that of docs/command-line.md."""
+    monkeypatch.setattr(sweep, "finished_row", lambda row: row)
+    rows = [sweep.Row("solved", "agrees"), sweep.Row(worst)]
+    monkeypatch.setattr(cases, "run_all", lambda _, todo, *__: zip(todo, rows, strict=False))
+    codes = {"solved": 1, "refused": 2, "failed": 3, "too long": 3, "died": 3}
+    words = ("--no-plots", "--set", "springs.cells=2,3")
+    assert program(*words)[0] == codes[worst]
+    assert program("--no-plots", "--set", "springs.cells=2")[0] == 0
+    assert len(list((tmp_path / "out/beam-sweep/rows").iterdir())) == 2
+
+
+def test_rows_over_lists_have_a_table_and_a_picture(program, tmp_path):
+    words = ("--set", "load.1.traction=[0.0, -10.0],[0.0, -20.0]")
+    assert program(*words)[0] == 1
+    assert {"sweep.csv", "sweep.png"} <= {
+        path.name for path in (tmp_path / "out/beam-sweep").iterdir()
+    }
+
+
+def test_a_folder_of_others_is_left_alone(program, tmp_path):
+    words, folder = ("--set", "springs.cells=2"), tmp_path / "out/beam-sweep"
+    folder.mkdir(parents=True)
+    (folder / "sweep.csv").write_text("mine", encoding="utf-8")
+    code, message = program(*words)
+    assert (code, message.count("\n")) == (2, 1)
+    assert "holds 'sweep.csv', which no case left there" in message
+    assert [path.read_text() for path in folder.iterdir()] == ["mine"]
+    (folder / "sweep.csv").unlink()
+    assert program(*words)[0] == 1
+    other = tmp_path / "other.csv"
+    other.write_text("mine", encoding="utf-8")
+    (folder / "sweep.csv").unlink()
+    (folder / "sweep.csv").symlink_to(other)
+    assert program(*words)[0] == 2
+    assert other.read_text(encoding="utf-8") == "mine"
+
+
+def test_files_of_one_name_have_labels(program, tmp_path):
+    files = [tmp_path / "d1" / "b.toml", tmp_path / "d2" / "b.toml"]
+    for file in files:
+        file.parent.mkdir()
+        file.write_text(BEAM, encoding="utf-8")
+    assert program("--no-plots", "--set", "springs.cells=2", files=files)[0] == 1
+    rows = (tmp_path / "out/sweep/sweep.csv").read_text(encoding="utf-8").splitlines()[1:]
+    assert [row.split(",")[0] for row in rows] == ["d1/b.toml", "d2/b.toml"]
+    assert program("--set", "springs.cells=2", files=[files[0]] * 2)[0] == 2
 
 
 def test_words_are_values():
-    found = sweep.read_values(
+    result = sweep.read_values(
         ["a.b=1,2.5", 'c=["x", "y"],["x"]', "d=linear,nonlinear", "e=-.5,true"]
     )
-    assert found == {
+    assert result == {
         "a.b": [1, 2.5], "c": [["x", "y"], ["x"]], "d": ["linear", "nonlinear"], "e": [-0.5, True],
     }  # fmt: skip
-    for words in (["a"], ["=1"], ["a="], ["a.=1"], ["a=1", "a=2"]):
+    for words in (["a"], ["=1"], ["a="], ["a.=1"], ["a=1", "a=2"], ["a=2,2"]):
         with pytest.raises(ProblemError, match="--set"):
             sweep.read_values(words)
 
 
 def test_one_clear_line(program, tmp_path):
-    for words, said in (
+    for words, part in (
         (("--set", "load.3.pressure=1"), "--set load.3.pressure: no such place in beam.toml"),
-        (("--set", "springs.cells"), "--set springs.cells: give key=value,value"),
+        (("--set", "springs.cells"), "--set 'springs.cells': give key=value,value"),
+        (("--set", "springs\n.cells"), r"--set 'springs\n.cells': give key=value,value"),
         (("--set", "springs.cells=2", "--jobs", "0"), "--jobs: 0"),
         (("--set", "springs.cells=2", "--limit", "-1"), "--limit: -1.0 s"),
     ):
-        code, told = program(*words)
+        code, message = program(*words)
         assert code == 2
-        assert said in told
-        assert told.count("\n") == 1
-    assert program("--set", "springs.sells=2")[0] == 0
+        assert part in message
+        assert message.count("\n") == 1
+    assert program("--set", "springs.sells=2")[0] == 2
     table = (tmp_path / "out/beam-sweep/sweep.csv").read_text(encoding="utf-8")
     assert "sells: no such key; did you mean cells?" in table

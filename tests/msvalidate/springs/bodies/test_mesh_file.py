@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import re
+import signal
 import sys
+import threading
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -10,10 +15,11 @@ import pytest
 from meshio.gmsh import meshio_to_gmsh_type
 
 from msvalidate.problem import SHAPES, Box, Mesh, ProblemError
+from msvalidate.springs.bodies import geometry_file, gmsh_mesher
 from msvalidate.springs.bodies.mesh_file import read_mesh
 from reference_fem import box_discretisation
 from reference_fem.mesh import ELEMENTS
-from tests.table import refused, stored_rows
+from tests.table import refused, stored_rows, table
 
 # Gmsh lists the nodes of the others, solids with mid-sides, in an order of its own.
 AS_IN_VTK = [name for name, kind in ELEMENTS.items() if kind.dim == 2 or kind.degree == 1]
@@ -112,6 +118,23 @@ def test_every_format_gives_the_mesh_back(element, form, tmp_path, capfd):
         assert np.array_equal(found.corners(again.span), mesh.side(side).corners(mesh.span))
         assert found.measure(again.span) == pytest.approx(mesh.side(side).measure(mesh.span))
     assert capfd.readouterr() == ("", "")
+
+
+def test_parameters_of_nodes_are_left_out(tmp_path):
+    """Gmsh writes them beside the coordinates if Mesh.SaveParametric is 1."""
+    path, _ = written(box_mesh("Q1"), tmp_path, "gmsh22")
+    plain = read_mesh(path)
+    head, nodes, rest = re.split(r"\$(?:End)?Nodes\n", path.read_text(encoding="utf-8"))
+    count, *lines = nodes.splitlines()
+    nodes = "\n".join([count, *(f"{line} 2 1 0.5 1e9" for line in lines)])
+    text = f"{head}$ParametricNodes\n{nodes}\n$EndParametricNodes\n{rest}"
+    path.write_text(text, encoding="utf-8")
+    mesh = read_mesh(path)
+    assert np.array_equal(mesh.points, plain.points)
+    assert np.array_equal(mesh.cells, plain.cells)
+    path.write_text(text.replace("2.2 0", "2.2 1"), encoding="utf-8")
+    with refused("Mesh.SaveParametric = 0"):
+        read_mesh(path)
 
 
 def test_gmsh_order_of_quadratic_cells(tmp_path):
@@ -332,12 +355,69 @@ def test_files_that_include_others_are_refused(tmp_path):
             read_mesh(path)
 
 
-def test_geometry_files_need_gmsh_and_say_so(tmp_path, monkeypatch):
-    file = tmp_path / "part.step"
-    file.write_text("ISO-10303-21;")
-    monkeypatch.setitem(sys.modules, "gmsh", None)
+GMSH = """
+import os, signal, time
+def initialize(**_options):
+    {}
+class option:
+    setNumber = lambda *_: None
+"""
+
+
+@pytest.fixture
+def gmsh_that(tmp_path, monkeypatch):
+    """Puts another library in the place of gmsh; returns a file for it."""
+
+    def make(code):
+        (tmp_path / "gmsh.py").write_text(GMSH.format(code), encoding="utf-8")
+        file = tmp_path / "part.step"
+        file.write_text("ISO-10303-21;", encoding="utf-8")
+        return file
+
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    return make
+
+
+@table(
+    "code, words",
+    [
+        ("os.kill(os.getpid(), signal.SIGSEGV)", "it crashes (Segmentation fault)"),
+        ("bytearray(3_000_000_000)", "in 2 s and 2 GB: MemoryError"),
+        ("time.sleep(600)", "in 2 s and 2 GB: it takes longer"),
+        ("print('x' * 9_999_999); raise OSError('no\\nlicence')", "no licence"),
+    ],
+)
+def test_a_library_that_crashes_or_takes_all_is_one_line(gmsh_that, monkeypatch, code, words):
+    monkeypatch.setattr(geometry_file, "LIMIT", 2.0)
+    with refused(words) as refusal:
+        read_mesh(gmsh_that(code))
+    assert "\n" not in str(refusal.value)
+    assert "'part.step': gmsh makes no mesh of it" in str(refusal.value)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signal can be sent to one process there")
+def test_meshing_can_be_interrupted(gmsh_that):
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        read_mesh(gmsh_that("time.sleep(600)"))
+
+
+def test_a_vertex_far_from_all_others_is_refused():
+    """A vertex at 1e6 took 7 GB; a plate of 300 facets is meshed."""
+    x = np.linspace(0, 0.37, 211)
+    grid = np.stack(np.meshgrid(x, x, [0.2]), axis=-1)[:, :, 0]
+    facets = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:]], axis=2).reshape(-1, 3)
+    model = SimpleNamespace()
+    model.mesh = SimpleNamespace(getNodesByElementType=lambda _: ((), facets.ravel(), ()))
+    gmsh_mesher._refuse_stray_vertices(model)
+    facets[7] = (1e6, 0.0, 0.0)
+    with pytest.raises(SystemExit, match=r"correct the vertex at \[1000000.0, 0.0, 0.0\]"):
+        gmsh_mesher._refuse_stray_vertices(model)
+
+
+def test_geometry_files_need_gmsh_and_say_so(tmp_path, gmsh_that):
     with refused("'part.step': gmsh makes meshes of .step files, and is not installed"):
-        read_mesh(file)
+        read_mesh(gmsh_that("0\nraise ImportError"))
     with refused("has cells of its own; leave out cell"):
         read_mesh(written(box_mesh("Q1"), tmp_path, "gmsh22")[0], cell=0.1)
 
