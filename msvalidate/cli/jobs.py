@@ -44,7 +44,7 @@ def _run_in_parallel(
 
     calls, names = [(task,) for task in tasks], [task.name for task in tasks]
     workers = Workers(min(jobs, len(tasks)) or 1, _load, names)
-    with contextlib.closing(run_all(run_task, calls, workers, began=begin)) as ended:
+    with contextlib.closing(run_all(run_task, calls, workers, on_start=begin)) as ended:
         for (task,), future in ended:
             error = future.exception()
             yield unfinished(task, started[task.name], error) if error else future.result()

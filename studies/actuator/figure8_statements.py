@@ -28,8 +28,10 @@ LOW = 0.5
 BESIDE = 0.2 * HEIGHT
 """Distance (m) inside an edge at which the marginal effect is told apart from the edge's own."""
 OFF_THE_MARGIN = 1.5
-"""Springs from an edge beyond which a point is not at the margin: a place that is one spring from
-the edge on every mesh moves to the edge as the mesh is refined."""
+"""Distance from an edge, in springs, beyond which a point is not at the margin.
+
+A place one spring from the edge on every mesh moves to the edge as the mesh is refined.
+"""
 RIPPLE = 0.01
 """Part of the middle's deflection by which a dip must be deeper than what is around it."""
 

@@ -33,7 +33,10 @@ from .common import Schemes
 
 LOADS = (0.03, 0.2, 0.3, 0.4)
 QUICK_LOADS = (0.03, 0.3)
-"""Shear traction (N/m²). At rest the least strains springs by up to 6 %, the next by up to 46 %."""
+"""Shear traction (N/m²).
+
+At equilibrium, 0.03 strains springs by up to 6 % and 0.2 by up to 46 %.
+"""
 DAMPINGS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0)
 QUICK_DAMPINGS = (0.1, 1.0, 2.0)
 """Over critical damping of the lowest mode."""

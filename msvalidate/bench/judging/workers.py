@@ -168,7 +168,7 @@ def run_all(
     calls: Iterable[tuple[Any, ...]],
     workers: Workers | Cluster,
     limit: float | None = None,
-    began: Callable[..., None] = lambda *_: None,
+    on_start: Callable[..., None] = lambda *_: None,
 ) -> Generator[tuple[tuple[Any, ...], Future[Any]]]:
     """Arguments of calls with their finished futures, in any order.
 
@@ -180,12 +180,12 @@ def run_all(
         Who calls; they are closed at the end, and if the iterator is.
     limit
         Seconds for each call; None sets no limit.
-    began
-        It gets the arguments of each call that begins.
+    on_start
+        Receives the arguments of each call that begins.
     """
 
     def call(*arguments: Any) -> Any:
-        began(*arguments)
+        on_start(*arguments)
         return workers.run(limit, function, *arguments)
 
     threads = ThreadPoolExecutor(workers.slots)

@@ -45,7 +45,9 @@ class Blocks:
     cells: Index
 
     def summed(self, springs: Index, dim: int, entry: Callable[[int, int], Array]) -> bsr_array:
-        """Matrix (n·d, n·d) of symmetric blocks of springs; component a of point i: row i·d + a.
+        """Matrix (n·d, n·d) of symmetric blocks of springs.
+
+        Component a of point i is row i·d + a.
 
         Parameters
         ----------

@@ -200,7 +200,9 @@ def internal_force(network: Network, position: Array) -> Array:
 
 
 def tangent(network: Network, position: Array) -> csr_array:
-    """Tangent stiffness (n·d, n·d) in N/m at `position`; component a of point i is row i·d + a.
+    """Tangent stiffness (n·d, n·d) in N/m at `position`.
+
+    Component a of point i is row i·d + a.
 
     See `Configuration.tangent`.
     """
