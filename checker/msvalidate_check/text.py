@@ -38,6 +38,13 @@ def percent(part: float, floor: float = FLOOR) -> str:
     return f"{100 * part:.2g} %" if size < 0.995 else f"{100 * part:.0f} %"
 
 
+def duration(seconds: float) -> str:
+    """Duration with two digits, in seconds, minutes or hours."""
+    if seconds < 99.5:
+        return f"{seconds:.2g} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5970 else f"{seconds / 3600:.2g} h"
+
+
 def align_table(
     heads: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool] | None = None
 ) -> list[str]:

@@ -36,6 +36,8 @@ SUMMARISED = "baseline"
 """Layer of which only failures are listed, since it has every number."""
 EYEBROW = "msvalidate: spring networks compared with elasticity"
 HEADING = "How accurate are mass-spring networks?"
+LIST_OF_QUESTIONS = " One question a file:"
+"""Introduction of the list of questions in a study's docstring."""
 GLANCED = 3
 """Findings, and failures, above all else on the page of one study."""
 PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
@@ -70,6 +72,7 @@ class Section:
     name: str
     anchor: str
     status: str
+    title: str
     question: str
     about: tuple[Block, ...]
     error: str
@@ -159,22 +162,24 @@ def render_page(studies: Sequence[Stored]) -> str:
 
 def _screen_of(study: Section) -> FirstScreen:
     """First screen of the page of one study."""
-    findings = study.findings[:GLANCED]
+    findings = [study.sentence] * bool(study.sentence) + list(study.findings[:GLANCED])
     return FirstScreen(
         " · ".join(filter(None, (EYEBROW, study.origin.get("command", "")))),
-        study.question,
+        study.title,
         study.status,
-        study.sentence or next(iter(findings), ""),
+        f"{overall_verdict([study])[1]} {next(iter(findings), '')}",
         study.advice,
         study.summary,
         study.cover,
-        () if study.summary else findings[1:],
+        findings[1:2] if study.summary else findings[1:],
+        study.question,
     )
 
 
 def study_section(study: Stored, room: int = PICTURES) -> Section:
     """A study as the page shows it, with so much room (bytes) for pictures."""
-    question, _, rest = inspect.cleandoc(study.question).partition("\n")
+    title, _, rest = inspect.cleandoc(study.question).partition("\n")
+    question = " ".join(rest.strip().partition("\n\n")[0].split())
     advice = ADVICE.search(rest)
     rows = judgements(study)
     pictures = embed_pictures(study.name, study.pictures, room)
@@ -185,7 +190,8 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
         name=study.name,
         anchor="study-" + re.sub(r"[^\w-]+", "-", study.name),
         status=study_status(study),
-        question=question or study.name,
+        title=title or study.name,
+        question="" if question.startswith("-") else question.removesuffix(LIST_OF_QUESTIONS),
         about=paragraphs_and_lists(ADVICE.sub("", rest)),
         error=study.error,
         findings=study.findings,

@@ -52,6 +52,8 @@ class FirstScreen:
         Table in the user's units, and a picture of a body; None if there is none.
     remarks
         Short sentences below the verdict.
+    question
+        Paragraph that states what is examined; empty if the heading does.
     """
 
     eyebrow: str
@@ -62,6 +64,7 @@ class FirstScreen:
     summary: Summary | None = None
     picture: Picture | None = None
     remarks: Sequence[str] = ()
+    question: str = ""
 
 
 def render_screen(

@@ -38,6 +38,7 @@ from msvalidate.springs.lattice import PatternLattice
 from msvalidate.springs.lattice.cut import joins_corners
 from msvalidate.springs.lattice.outline import outline
 from msvalidate.springs.lattice.patterns import all_patterns
+from msvalidate_check.text import duration
 from msvalidate_check.verdict import DIFFERS
 
 TARGETS = (0.05, 0.01)
@@ -294,7 +295,7 @@ def _need_words(need: Need, length: str) -> str:
         return f"finer than was tried{near}"
     if not need.cells:
         at_most = "at most " if need.where == COARSEST else ""
-        return f"{at_most}{need.count:,} nodes, {need.seconds:.2g} s"
+        return f"{at_most}{need.count:,} nodes, {duration(need.seconds)}"
     between = (
         ""
         if math.isnan(need.least)
@@ -307,4 +308,4 @@ def _need_words(need: Need, length: str) -> str:
         f"cells = {need.cells} ({need.spacing / size:.3g} {unit}{between}), {need.count:,} springs"
     )
     off = max(need.most / need.spacing, need.spacing / need.least)
-    return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {need.seconds:.2g} s{coarser}"
+    return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {duration(need.seconds)}{coarser}"

@@ -189,14 +189,14 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
         raise ProblemError("the body is of several materials, whose stresses jump between them")
     at, found = _stress_inside(case, springs)
     wanted, uncertainties = reference.stress(at)
-    size = float(np.sqrt((wanted**2).sum(axis=1).mean()))
-    known = uncertainties <= KNOWN_STRESS * case.band * size
-    if known.mean() >= LEAST_KNOWN:
-        found, wanted, uncertainties = found[known], wanted[known], uncertainties[known]
 
     def mean(values: Array) -> float:
         return float(np.sqrt((values**2).sum(axis=-1).mean()))
 
+    known = uncertainties <= KNOWN_STRESS * case.band * mean(wanted)
+    if known.mean() >= LEAST_KNOWN:
+        found, wanted, uncertainties = found[known], wanted[known], uncertainties[known]
+    size = mean(wanted)
     difference, uncertainty = mean(found - wanted) / size, mean(uncertainties[:, None]) / size
     name = f"stress at {len(found)} of {len(known)} points"
     sizes, band = (mean(found), mean(wanted)), STRESS_BAND * case.band

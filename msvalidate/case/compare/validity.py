@@ -82,9 +82,14 @@ class Limitation:
         return WORDS[self.kind]["fact"].format(**vars(self))
 
     @property
+    def remedy(self) -> str:
+        """Sentence about what helps; empty if nothing does."""
+        return WORDS[self.kind].get("remedy", "").format(**vars(self))
+
+    @property
     def sentence(self) -> str:
         """Fact and remedy."""
-        return f"{self.fact} {WORDS[self.kind].get('remedy', '').format(**vars(self))}".strip()
+        return f"{self.fact} {self.remedy}".strip()
 
 
 def limitations(

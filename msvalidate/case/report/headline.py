@@ -17,6 +17,7 @@ from msvalidate.case.judge.judgement import Judged, driven_by
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 from msvalidate_check.beside import best_scale, longest
+from msvalidate_check.scales import FITS
 from msvalidate_check.text import FLOOR, percent
 from msvalidate_check.verdict import (
     AGREES,
@@ -36,7 +37,10 @@ MAX_STIFFNESS = 0.1
 MAX_FACTOR = 2.0
 """Factor of the displacements beyond which they are reported as a multiple."""
 DISPLACEMENT = "displacement"
-"""Quantity whose difference the targets of `choice` are about."""
+ONE_DIGIT = 0.05
+"""Relative uncertainty of a difference beyond which its second digit is not shown."""
+FOLLOWS = (DISPLACEMENT, "strain energy")
+"""Quantities whose differences fall together as the lattice is refined."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,7 @@ def _difference_sentence(
 
     A stiffness is named only if one factor explains most of the difference and loads move the body.
     """
-    s, be = ("", "are") if subject.endswith("s") else ("s", "is uniformly")
+    s, be = ("", "are") if subject.endswith("s") else ("s", "is")
     size, least = longest(reference) or 1.0, max(uncertainty, FLOOR)
     difference = longest(values - reference) / size
     if difference <= least:
@@ -126,13 +130,18 @@ def _difference_sentence(
         return f"{subject} differ{s} from elasticity by {percent(difference)}{shape}."
     if not 1 / MAX_FACTOR < scale < MAX_FACTOR:
         return f"{subject} displace{s} {scale:.3g} times as much as elasticity."
-    size_words = f"{percent(difference)} too {'large' if scale > 1 else 'small'}"
+    uniform = misfit <= max(FITS * difference, least)
+    part = difference if uniform else abs(1 - scale)
+    part = float(f"{part:.{1 if least > ONE_DIGIT * part else 2}g}")
+    size_words = f"{percent(part)} too {'large' if scale > 1 else 'small'}"
+    evenly = ("uniformly " if s else "") if uniform else "on average "
+    rest = "" if uniform else f" A difference of {percent(misfit)} is not uniform."
     if driven_by(found.case.problem) == "supports":
-        return f"{subject}: displacements are {size_words}."
+        return f"{subject}: displacements are {evenly}{size_words}.{rest}"
     stiffness = "soft" if scale > 1 else "stiff"
-    if difference > MAX_STIFFNESS:
-        return f"{subject} {be} too {stiffness}: displacements are {size_words}."
-    return f"{subject} {be} {percent(difference)} too {stiffness}."
+    if part > MAX_STIFFNESS:
+        return f"{subject} {be} {evenly}too {stiffness}: displacements are {size_words}.{rest}"
+    return f"{subject} {be} {evenly}{percent(part)} too {stiffness}.{rest}"
 
 
 def _unresolved_reason(rows: Sequence[Difference], found: Comparison | Judged) -> str:
@@ -148,6 +157,19 @@ def _unresolved_reason(rows: Sequence[Difference], found: Comparison | Judged) -
     return f"{row.quantity} differs by {size} ± {known}, for a band of {percent(row.band)}"
 
 
+def _unresolved_remedy(found: Comparison, word: str) -> str:
+    """Clause that names what a verdict needs."""
+    if word == NOT_ASKED:
+        return "no quantity was compared"
+    remedies = [each.remedy for each in found.limitations if each.decides and each.remedy]
+    if remedies:
+        return remedies[0].rstrip(".")
+    more = found.reference.more
+    if more is not None:
+        return f"a finer mesh takes [compare] memory = {math.ceil(more.bytes / 1e8) / 10:g} (GB)"
+    return "a smaller [compare] accuracy narrows the uncertainty"
+
+
 def recommend(found: Comparison, chosen: Choice) -> Recommendation:
     """Method for a case: springs if they agree in all quantities or a finer lattice would.
 
@@ -159,8 +181,7 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
         more = f"; for more accuracy, {cheaper}" if cheaper else ""
         return Recommendation(SPRINGS, f"they agree within the band of {band}{more}")
     if word != DIFFERS:
-        open_rows = [row.quantity for row in found.rows if row.word == word]
-        return Recommendation(NEITHER, f"{' and '.join(open_rows) or 'nothing'} is {word}")
+        return Recommendation(NEITHER, _unresolved_remedy(found, word))
     return _after_difference(found, chosen)
 
 
@@ -172,7 +193,7 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     finer = [each for each in chosen.springs if each.count and each.target <= band]
     if found.kind == OTHER_MATERIAL:
         reason = "the springs differ from elasticity at any spacing"
-    elif any(row.quantity != DISPLACEMENT for row in off):
+    elif any(row.quantity not in FOLLOWS for row in off):
         reason = f"{worst.quantity} differs by {part_text(worst.error, worst.uncertainty)}"
     elif cheaper or not finer or found.kind != COARSE:
         reason = cheaper or "no tested spacing reaches the band"

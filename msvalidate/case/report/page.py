@@ -84,7 +84,9 @@ def quantity_summary(case: Case, rows: Sequence[Difference], candidate: str) -> 
         name = f"{row.quantity}{f' ({unit})' if unit else ''}"
         texts.append((name, *values, error, percent(row.uncertainty), row.word))
     heads = ("quantity", candidate, "elasticity", "difference", "uncertainty", "verdict")
-    caption = f"Differences are relative to elasticity. {band_words(case, rows)}."
+    caption = (
+        f"Differences: all components, over their size in elasticity. {band_words(case, rows)}."
+    )
     return Summary(caption, heads, texts, (False, True, True, True, True, False))
 
 

@@ -17,7 +17,7 @@ from msvalidate.case.file.units import quantity_text
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.headline import DISPLACEMENT
 from msvalidate.case.report.page import quantity_summary
-from msvalidate_check.text import WIDTH, align_table, percent
+from msvalidate_check.text import WIDTH, align_table, duration, percent
 from msvalidate_check.verdict import Difference
 
 MAX_LINES = 14
@@ -105,7 +105,7 @@ def _spring_texts(need: Need | None, unit: str) -> tuple[str, str, str]:
     if not math.isnan(need.least):
         low, high = (quantity_text(each, "m", unit).split()[0] for each in (need.least, need.most))
         more += f" ({low} to {high})"
-    return f"{spacing}{more}", f"{need.count:,}", f"{need.seconds:.2g} s"
+    return f"{spacing}{more}", f"{need.count:,}", duration(need.seconds)
 
 
 def _element_texts(need: Need) -> tuple[str, str]:
@@ -113,4 +113,4 @@ def _element_texts(need: Need) -> tuple[str, str]:
     if not need.count:
         return "finer than tried", ""
     fewer = " or fewer" if need.where == COARSEST else ""
-    return f"{need.count:,} nodes{fewer}", f"{need.seconds:.2g} s"
+    return f"{need.count:,} nodes{fewer}", duration(need.seconds)

@@ -20,10 +20,12 @@ from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
 
 PAGE = "check.html"
+LAW = "law at small strain"
+"""Title of the table of moduli and ratios."""
 CAPTIONS = {
     "gate": "Each question was passed, failed, or could not be answered.",
     "bodies at rest": "Error, and factor of the displacement by each cause; an empty cell is 1.",
-    "law at small strain": "Modulus and ratio as requested, as documented, and as measured.",
+    LAW: "Modulus and ratio as requested, as documented, and as measured.",
 }
 """Beginning of a table's title -> its caption."""
 
@@ -72,6 +74,7 @@ def sheet_files(
         tables[-1] if tables else None,
         next(iter(shown_pictures(pictures)), None),
         (*sheet.causes, *(sheet.tables[-1].below if tables else ())),
+        question=_solids(sheet),
     )
     page = render_screen(
         "simulator.html",
@@ -83,6 +86,17 @@ def sheet_files(
         origin=origin,
     )
     return content | {PAGE: page.encode()}
+
+
+def _solids(sheet: Sheet) -> str:
+    """Question of the page, with modulus and ratio as requested and as measured."""
+    question = "Which elastic solid does this simulator represent?"
+    for table in sheet.tables:
+        if table.title.startswith(LAW):
+            rows = {row[0]: row for row in (table.rows[0], table.rows[-1])}
+            texts = (f"{name}: E = {row[1]} Pa, nu = {row[2]}" for name, row in rows.items())
+            return f"{question} {'; '.join(texts)}."
+    return question
 
 
 def _summary_of(title: str, table: SheetTable) -> Summary:

@@ -79,7 +79,7 @@ def pages(tmp_path_factory, small_tables):
     made = {
         "study": page.render_page(ours[:1]).encode(),
         "all": page.render_page(ours).encode(),
-        "case": case_files(case)[1]["case.html"],
+        "case": case_files(case)[-1]["case.html"],
         "judged field": judged_files(replace(case, accuracy=1e-3), softer(case))[1]["case.html"],
         "simulator": sheet_files("toy", judged, sheet, {}, {})[PAGE],
     }

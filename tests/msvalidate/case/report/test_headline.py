@@ -33,7 +33,9 @@ def compared(values, rows, problem=LOADED, kind="", size=1e-9):
         rows=rows,
         displacement=size * values,
         reference=SimpleNamespace(
-            displacement=SimpleNamespace(value=size * REFERENCE), error=rows[0].uncertainty
+            displacement=SimpleNamespace(value=size * REFERENCE),
+            error=rows[0].uncertainty,
+            more=None,
         ),
         case=Case(problem, unit="mm"),
         limitations=(),
@@ -41,6 +43,7 @@ def compared(values, rows, problem=LOADED, kind="", size=1e-9):
     )
 
 
+RIPPLE = REFERENCE / 1.03 + 0.01 * np.array([[1.0, 0.0], [0.0, -1.0], [1.0, 1.0]])
 BENT = REFERENCE + np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.1]])
 
 
@@ -93,6 +96,7 @@ NEARER = Choice(springs=FINER.springs, unknowns=1616, times=9.5)
         ((row(0.02),), "", NEARER, "springs", "elements with the same 1,616 unknowns"),
         ((row(0.2),), COARSE, NEARER, "elements", "9.5 times more accurate"),
         ((row(0.2),), COARSE, FINER, "springs", "a spacing of 1 mm (778 springs)"),
+        ((row(0.2), row(0.2, 0.01, "strain energy")), COARSE, FINER, "springs", "of 1 mm"),
         ((row(0.2),), NOT_TOLD, FINER, "elements", "no tested spacing"),
         ((row(0.2),), OTHER_MATERIAL, FINER, "elements", "at any spacing"),
         ((row(0.02), row(0.3, 0.01, "mean stress")), COARSE, FINER, "elements", "mean stress"),
@@ -123,6 +127,10 @@ def test_a_judged_field_begins_with_its_stiffness():
         limitations=(),
     )
     assert headline.field_sentence(found) == "The field is uniformly 1 % too soft."
+    found.matched.displacement = RIPPLE
+    sentence = headline.field_sentence(found)
+    assert sentence.startswith("The field is on average ")
+    assert sentence.endswith(" % is not uniform.")
     found.displacement = replace(own, out_of_range=True)
     assert found.displacement.word == NOT_RESOLVED
     assert headline.field_sentence(found).startswith("Not resolved: ")
