@@ -13,6 +13,11 @@ from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, f
 from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.scales import AS_GOOD, AS_WELL, FITS
 
+MAX_BESIDE = 1.5
+"""Largest factor that is fitted besides a known mistake.
+
+A larger one is the main cause itself; with a free size most smooth fields resemble some mesh.
+"""
 AS_NAMED = 0.005
 """Relative difference of a fitted factor from the one that has a name: three digits of a constant,
 and what linear interpolation along a path leaves."""
@@ -32,9 +37,13 @@ def explain_mistakes(field: Field) -> Iterator[Cause]:
         return
     scale = best_scale(field.found, field.wanted)
     size = field.left(field.found / scale) if scale > 0 else math.inf
-    for cause in _nearest(field, [replace(each, scaled=True, beside="scale") for each in plain]):
+    fits = max(FITS * field.difference, field.uncertainty)
+    if size <= fits:  # a factor is enough
+        return
+    built = [each for each in plain if each.kind != "not converged"]  # its size is no modulus
+    for cause in _nearest(field, [replace(each, scaled=True, beside="scale") for each in built]):
         room = AS_WELL * cause.left + AS_GOOD * field.difference
-        if cause.left <= FITS * field.difference and room < min(size, left.get(cause.kind, size)):
+        if cause.left <= fits and room < min(size, left.get(cause.kind, size)):
             yield cause
 
 
@@ -43,7 +52,9 @@ def _nearest(field: Field, mistakes: Iterable[Mistake]) -> Iterator[Cause]:
     best: dict[str, tuple[Cause, Mistake]] = {}
     for mistake in mistakes:
         for parameter, nearest, scale in _fits(field, mistake):
-            left = field.left(field.found / scale, nearest) if scale > 0 else math.inf
+            if not scale > 0 or (mistake.beside and not 1 / MAX_BESIDE < scale < MAX_BESIDE):
+                continue
+            left = field.left(field.found / scale, nearest)
             if mistake.kind not in best or left < best[mistake.kind][0].left:
                 cause = _cause(mistake, parameter, 1 / scale, left)
                 best[mistake.kind] = cause, mistake

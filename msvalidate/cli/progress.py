@@ -23,7 +23,8 @@ SILENCE = 4.0
 
 def log_path(folder: Path) -> Path:
     """Log file of a command, beside its folder of results, which is replaced as a whole."""
-    return folder.with_name(f"{folder.name}.log")
+    whole = folder.absolute()
+    return whole.with_name(f"{whole.name or 'root'}.log")
 
 
 class Progress(logging.Handler):

@@ -126,7 +126,8 @@ def small_strips(grow: Grow) -> list[dict[str, object]]:
             rows.append({
                 "strip": number, "event": len(rows),
                 "wrong": len(names ^ set(row["springs"].split("; "))),
-                **{key: getattr(one, key) / row[key] - 1 for key in ("load", "released", "own")},
+                "load": one.load / row["load"] - 1, "released": one.released / row["released"] - 1,
+                "own": one.stored_energy / row["own"] - 1,
             })  # fmt: skip
     return rows
 

@@ -153,15 +153,16 @@ def _column(rows: list[dict[str, Any]], name: str) -> Array:
     return np.array([max(row[name], ROUNDING) for row in rows])
 
 
-def _laid(found: Comparison, wanted: float) -> Case | None:
-    """The case at the number of cells nearest to a spacing (m), laid as it was if it can be."""
+def _laid(found: Comparison, wanted: float, below: float = math.inf) -> Case | None:
+    """Case at the number of cells nearest to a spacing (m), and finer than another one (m)."""
     case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
     cuttable = joins_corners(all_patterns()[str(case.lattice)]())
     other = None
     for laid in at_other_cells(case, wanted):
         spacing = spacing_of(laid)
         fills = is_filled(laid, spacing)
-        if abs(math.log(spacing / wanted)) <= ALIKE and (cuttable or fills):
+        near = spacing < below and abs(math.log(spacing / wanted)) <= ALIKE
+        if near and (cuttable or fills):
             if fills == filled:
                 return laid
             other = other or laid
@@ -200,7 +201,9 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
 
 def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need:
     """What can be laid near a wanted spacing, and what it costs."""
-    laid, dim = _laid(found, wanted.spacing), found.case.problem.domain.dim
+    failed = [row["spacing"] for row in rows if row["difference"] > wanted.target]
+    laid = _laid(found, wanted.spacing, min(failed, default=math.inf) * (1 - ROUNDING))
+    dim = found.case.problem.domain.dim
     if (
         laid is None
         or found.case.problem.domain.volume / spacing_of(laid) ** dim > MAX_REQUESTED[dim]

@@ -123,7 +123,7 @@ def _difference_sentence(
         return f"{subject} agree{s} with elasticity to within {percent(least)}."
     scale = best_scale(values, reference)
     misfit = longest(values - scale * reference) / size
-    if not (scale > 0 and misfit <= MAIN * difference):
+    if not (scale > 0 and misfit <= MAIN * min(difference, scale)):
         shape = ", mostly in shape" if misfit > MAIN * difference else ""
         return f"{subject} differ{s} from elasticity by {percent(difference)}{shape}."
     if not 1 / MAX_FACTOR < scale < MAX_FACTOR:
@@ -216,6 +216,8 @@ def recommend_for_field(found: Judged) -> str:
     """Next step for a judged field, as one sentence."""
     if found.displacement.word == AGREES:
         return f"No change is needed within the band of {percent(found.case.band)}."
-    if not found.verdict.causes:
-        return "Refine the mesh and compare again: no single known cause explains the field."
-    return f"Check the most likely cause first: {found.verdict.causes[0]}"
+    causes = found.verdict.causes
+    if causes and found.verdict.fits(causes[0]):
+        return f"Check the most likely cause first: {causes[0]}"
+    near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
+    return f"Check loads, supports, material and noise: no single known cause fits.{near}"

@@ -21,7 +21,8 @@ EXAMPLES = Path(__file__).parents[3] / "examples"
 
 def messages(said):
     """Lines of standard error, except progress."""
-    return [line for line in said.splitlines() if not re.search(": (step|simul|quest|still)", line)]
+    progress = re.compile("(?!.* error: ).*: (step|simul|quest|still|load)")
+    return [line for line in said.splitlines() if not progress.match(line)]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def test_the_template_is_judged_at_once(place):
     words = ("simulate", "box.toml", "--with", "toy.py", "--cells", "16", "--no-plots")
     done = run(*words, cwd=place)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("toy: The field agrees with elasticity to within ")
+    assert done.stdout.startswith("toy: The field ")
     folder = place / "reports" / "simulators"
     verdict = json.loads((folder / "box-toy" / "verdict.json").read_text(encoding="utf-8"))
     assert verdict["verdict"] == "agrees"
@@ -231,7 +232,7 @@ def test_settings_that_a_folder_cannot_spell_have_folders_of_their_own(place):
     for k in ("k=-3", "k=3", "s-1=3", "s=1-3"):
         words = ("scaled.py", "--set", "k=1", "--set", k, "--out", "named", "-q")
         run(*SIMULATE[len(PROGRAM) :], *words, cwd=place)
-    found = {path.name.removesuffix("-run") for path in (place / "named").glob("box-scaled-k*3*")}
+    found = {path.name.removesuffix("-run") for path in (place / "named").glob("box-scaled-k*3*/")}
     assert len(found) == 4
 
 
