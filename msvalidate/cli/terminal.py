@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
-import shutil
 import sys
-import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from typing import TextIO
 
@@ -90,6 +88,4 @@ def list_studies(_args: argparse.Namespace) -> int:
         except ImportError as error:
             asked[name] = f"(cannot be read: {error})"
     width = max(map(len, names))
-    room = shutil.get_terminal_size((100, 24)).columns - width - 2
-    short = {name: textwrap.shorten(said, room) for name, said in asked.items()}
-    return print_lines([f"{name:<{width}}  {said}" for name, said in short.items()])
+    return print_lines([f"{name:<{width}}  {said}" for name, said in asked.items()])

@@ -193,7 +193,7 @@ def run_all(
         running = {threads.submit(call, *each): each for each in calls}
         while running:
             ended = wait(running, POLL, FIRST_COMPLETED).done
-            for future in sorted(ended, key=lambda each: each.exception() is not None):
+            for future in sorted(ended, key=lambda item: item.exception() is not None):
                 yield running.pop(future), future  # results first: an error may end the iteration
             workers.refuse_lost()
     finally:

@@ -193,10 +193,10 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
     def mean(values: Array) -> float:
         return float(np.sqrt((values**2).sum(axis=-1).mean()))
 
-    known = uncertainties <= KNOWN_STRESS * case.band * mean(wanted)
+    size = mean(wanted)
+    known = uncertainties <= KNOWN_STRESS * case.band * size
     if known.mean() >= LEAST_KNOWN:
         found, wanted, uncertainties = found[known], wanted[known], uncertainties[known]
-    size = mean(wanted)
     difference, uncertainty = mean(found - wanted) / size, mean(uncertainties[:, None]) / size
     name = f"stress at {len(found)} of {len(known)} points"
     sizes, band = (mean(found), mean(wanted)), STRESS_BAND * case.band

@@ -154,14 +154,14 @@ def _unresolved_reason(rows: Sequence[Difference], found: Comparison | Judged) -
     return f"{row.quantity} differs by {size} ± {known}, for a band of {percent(row.band)}"
 
 
-def _unresolved_remedy(found: Comparison, word: str) -> str:
+def _unresolved_remedy(compared: Comparison, word: str) -> str:
     """Clause that names what a verdict needs."""
     if word == NOT_ASKED:
         return "no quantity was compared"
-    remedies = [each.remedy for each in found.limitations if each.decides and each.remedy]
+    remedies = [each.remedy for each in compared.limitations if each.decides and each.remedy]
     if remedies:
         return remedies[0].rstrip(".")
-    more = found.reference.more
+    more = compared.reference.more
     if more is not None:
         return f"a finer mesh takes [compare] memory = {math.ceil(more.bytes / 1e8) / 10:g} (GB)"
     return "a smaller [compare] accuracy narrows the uncertainty"

@@ -40,6 +40,11 @@ from msvalidate_check.text import percent
 from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
 
+DIFFERENCES = (
+    "Differences count all components, over the size in elasticity: of reactions over the largest "
+    "one, of stress over its root mean square at all points."
+)
+"""Caption of the table of quantities."""
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 PARTS = ("reasons", "springs", "pictures", "tables")
@@ -84,9 +89,7 @@ def quantity_summary(case: Case, rows: Sequence[Difference], candidate: str) -> 
         name = f"{row.quantity}{f' ({unit})' if unit else ''}"
         texts.append((name, *values, error, percent(row.uncertainty), row.word))
     heads = ("quantity", candidate, "elasticity", "difference", "uncertainty", "verdict")
-    caption = (
-        f"Differences: all components, over their size in elasticity. {band_words(case, rows)}."
-    )
+    caption = f"{DIFFERENCES} {band_words(case, rows)}."
     return Summary(caption, heads, texts, (False, True, True, True, True, False))
 
 

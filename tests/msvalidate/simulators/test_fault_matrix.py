@@ -233,7 +233,7 @@ def test_simulate_reports_a_dependence_on_the_time_step_first(tmp_path):
     done = run(*words, cwd=tmp_path)
     head, first, *_ = done.stdout.splitlines()
     assert head.startswith("stepped: ")
-    assert first.startswith("  solver: not converged: 4.5 % of a displacement changes")
+    assert first.startswith("solver: not converged: 4.5 % of a displacement changes")
     assert "run longer" not in done.stdout
     (page,) = tmp_path.glob("reports/simulators/box-stepped/case.html")
     assert "changes with the time step" in page.read_text(encoding="utf-8")

@@ -226,8 +226,8 @@ def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
     ours, said = checkout.files(), checkout.reasons.read_bytes()
     own, checkout.x = Path("mine") / "base", 2.0
     at = ("--baseline", str(own))
-    assert checkout.check("poisson", *at) == (4, ["poisson"])
-    assert "check poisson --update --baseline mine/base" in capsys.readouterr().err
+    assert checkout.check("poisson", *at) == (2, [])
+    assert 'check --update --reason "first" --baseline mine/base' in capsys.readouterr().err
     assert checkout.check("poisson", "--update", "--reason", "so", *at)[0] == 0
     (own / "pytest").mkdir()
     (own / "pytest" / "tip.csv").write_bytes(b"u\n1\n")

@@ -351,7 +351,7 @@ def test_the_commands(tmp_path):
         given = str(tmp_path / "new" / "my" / name)
         judged = program(tmp_path, "judge", "my.toml", given, "--out", "new", "--no-plots")
         assert judged.returncode == 0
-        assert f"{name}: The field agrees" in judged.stdout
+        assert f"{name}: The field is uniformly 0.4 % too stiff." in judged.stdout
     assert json.loads(program(tmp_path, "schema").stdout)["$ref"]
     assert program(tmp_path).returncode == 2
 
