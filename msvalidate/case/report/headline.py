@@ -128,7 +128,7 @@ def _difference_sentence(
         return f"{subject} differ{s} from elasticity by {percent(difference)}{shape}."
     if not 1 / MAX_FACTOR < scale < MAX_FACTOR:
         return f"{subject} displace{s} {scale:.3g} times as much as elasticity."
-    uniform = misfit <= max(FITS * difference, least)
+    uniform = not s or misfit <= max(FITS * difference, least)
     part = difference if uniform else abs(1 - scale)
     size_words = f"{percent(part)} too {'large' if scale > 1 else 'small'}"
     evenly = ("uniformly " if s else "") if uniform else "on average "
