@@ -93,9 +93,8 @@ def _solids(sheet: Sheet) -> str:
     question = "Which elastic solid does this simulator represent?"
     for table in sheet.tables:
         if table.title.startswith(LAW):
-            rows = {row[0]: row for row in (table.rows[0], table.rows[-1])}
-            texts = (f"{name}: E = {row[1]} Pa, nu = {row[2]}" for name, row in rows.items())
-            return f"{question} {'; '.join(texts)}."
+            texts = [f"E = {row[1]} Pa, nu = {row[2]}" for row in (table.rows[0], table.rows[-1])]
+            return f"{question} Requested: {texts[0]}. Result: {texts[1]}."
     return question
 
 
