@@ -215,7 +215,7 @@ def chart_sentence(lines: Sequence[Line]) -> str:
     """Sentence that counts the bodies inside and outside the band on the fine lattice."""
     outside = [line.body for line in lines if line.verdict == DIFFERS]
     agree = sum(line.verdict == AGREES for line in lines)
-    rest = f" Outside: {'; '.join(outside)}." if outside else ""
+    rest = f" Outside: “{'”, “'.join(outside)}”." if outside else ""
     return (
         f"On the fine lattice, {agree} of {len(lines)} bodies are within {percent(str(TOLERANCE))} "
         f"of elasticity.{rest}"

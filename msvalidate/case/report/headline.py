@@ -87,7 +87,9 @@ def springs_sentence(found: Comparison) -> str:
         return f"Not resolved: {_unresolved_reason(found.rows, found)}."
     wanted = found.reference.displacement.value
     error = found.reference.error
-    sentence = _difference_sentence("The springs", found.displacement, wanted, error, found)
+    sentence = "Displacements are not resolved, as elasticity's own error is not known."
+    if math.isfinite(error):
+        sentence = _difference_sentence("The springs", found.displacement, wanted, error, found)
     others = [
         f"{row.quantity} ({part_text(row.error, row.uncertainty)})"
         for row in found.rows

@@ -341,7 +341,7 @@ def test_equal_masses_are_told_with_how_far_a_node_is_off():
 def test_the_headline_says_what_is_the_mesh():
     asked = Asked(simulator_of("linear"))
     sheet = sheet_of(judge_simulator(asked, ASKED), asked)
-    assert sheet.word == "the law agrees; 49 % of the bent beam is its mesh"
+    assert sheet.word == "the law agrees; the coarse mesh makes an error of 49 % in the bent beam"
     gate = judge_simulator(asked, ASKED, parts=("gate",))
     said = sheet_of(gate, asked, ("gate",)).next
     assert said == "`adapter check ADAPTER --only probe --only bodies` asks the rest"

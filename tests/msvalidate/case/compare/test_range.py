@@ -16,6 +16,7 @@ from msvalidate.case.report.run import case_files
 from msvalidate.case.springs.lattice_springs import solve_springs
 from msvalidate.cli.program import main
 from msvalidate.problem.records import replace
+from msvalidate_check.verdict import AGREES
 
 RANGE = Path(__file__).parents[3] / "data" / "range"
 INSIDE, OUTSIDE = (sorted((RANGE / name).glob("*.toml")) for name in ("inside", "outside"))
@@ -107,3 +108,33 @@ def test_a_case_that_requests_linear_theory_is_judged_by_it(tmp_path):
     assert verdict["verdict"] == "not resolved"
     assert "requests" in verdict["reasons"][0]
     assert "separates" in verdict["reasons"][1]
+
+
+FLAT = """schema = 1
+[body]
+box = [2, 1]
+[material]
+E = 1e6
+nu = 0.3
+state = "plane_stress"
+[[support]]
+on = "bottom"
+components = ["y"]
+[[support]]
+at = { x = 0, y = 0 }
+components = ["x"]
+[[contact]]
+on = "top"
+half_space = { at = [1, 1] }
+depth = 0.002
+[springs]
+cells = 4
+"""
+
+
+def test_a_support_at_a_point_goes_with_an_obstacle(tmp_path):
+    # Uniform compression: force E (depth / height) width, to the first order.
+    (tmp_path / "flat.toml").write_text(FLAT, encoding="utf-8")
+    rows = {row.quantity: row for row in compare_case(read_case(tmp_path / "flat.toml")).rows}
+    assert rows["contact force"].wanted == pytest.approx(4000.0, rel=5e-3)
+    assert rows["displacement"].word == AGREES
