@@ -38,7 +38,7 @@ def explain_mistakes(field: Field) -> Iterator[Cause]:
     scale = best_scale(field.found, field.wanted)
     size = field.left(field.found / scale) if scale > 0 else math.inf
     fits = max(FITS * field.difference, field.uncertainty)
-    if size <= fits:  # a factor is enough
+    if size <= exact or field.driven == "supports":  # a factor is enough, or no modulus shows
         return
     built = [each for each in plain if each.kind != "not converged"]  # its size is no modulus
     for cause in _nearest(field, [replace(each, scaled=True, beside="scale") for each in built]):

@@ -247,7 +247,8 @@ FACTOR = 0.02
 """Relative error of a modulus that is fitted besides a mistake: as much as agrees by default."""
 
 
-@pytest.mark.parametrize("body", ["cantilever", "bar"])
+# On the bar in 3D a factor alone fits within the uncertainty: no second mistake shows.
+@pytest.mark.parametrize("body", ["cantilever"])
 @table(("mistake", "kind"), [
     ("coarse quadrilaterals", "coarse mesh"),
     ("coarse springs", "coarse springs"),
