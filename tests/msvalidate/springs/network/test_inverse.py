@@ -179,7 +179,7 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
         equilibrium(network)
 
 
-@pytest.mark.parametrize("where", ["statics.tangents", "network.stability"])
+@pytest.mark.parametrize("where", ["springs.statics.tangents", "springs.network.stability"])
 def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, monkeypatch):
     """The loaded tangent's softest motion may be rounding where that at the start is not."""
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)
