@@ -194,12 +194,12 @@ class Reference:
             return ()
         coarse = self.solutions[0]
         reactions = self._support_forces(coarse, self._forces(coarse))
-        loads = float(np.abs(nodal_forces(self._free, coarse.body)).sum())
+        loads = float(np.abs(nodal_forces(self._without_contacts, coarse.body)).sum())
         return has_no_limit(self.problem, reactions, loads)
 
     @property
-    def _free(self) -> Problem:
-        """Problem without its obstacles, whose forces are no loads."""
+    def _without_contacts(self) -> Problem:
+        """Problem without obstacles: their forces are no loads."""
         return replace(self.problem, contacts=()) if self.problem.contacts else self.problem
 
     def _close_in(self, values: list[Array]) -> Estimate:
@@ -233,12 +233,12 @@ class Reference:
             )
             inner = apply(u.T.ravel()).reshape(u.shape[::-1]).T
         held, _ = prescribed_displacements(self.problem, solution.body.points)
-        return np.where(held, inner, nodal_forces(self._free, solution.body))
+        return np.where(held, inner, nodal_forces(self._without_contacts, solution.body))
 
     def _support_forces(self, solution: Solution, force: Array) -> list[Array]:
         """Force (d,) in N of each support; what several hold is the first's."""
         points, tolerance = solution.body.points, self.problem.domain.tolerance
-        outer = nodal_forces(self._free, solution.body)
+        outer = nodal_forces(self._without_contacts, solution.body)
         held, _ = prescribed_displacements(self.problem, points)
         left = np.where(held, force - outer, 0.0)
         found = []

@@ -55,12 +55,14 @@ class Progress(logging.Handler):
     def __enter__(self) -> Progress:
         self._stream = _own_stream()
         LOGGER.addHandler(self)
+        self._level = LOGGER.level
         LOGGER.setLevel(logging.INFO)
         self._thread.start()
         return self
 
     def __exit__(self, *_error: object) -> None:
         LOGGER.removeHandler(self)
+        LOGGER.setLevel(self._level)
         self._end.set()
         self._thread.join()
         if self._mode == "a":  # of steps after the last line
@@ -83,8 +85,10 @@ class Progress(logging.Handler):
         """Print what is late until the command ends."""
         while not self._end.wait(PAUSE):
             self.acquire()  # as for `emit`
-            self._print_late(time.monotonic())
-            self.release()
+            try:
+                self._print_late(time.monotonic())
+            finally:
+                self.release()
 
     def _print_late(self, now: float) -> None:
         """Print the step, or that it goes on, if it is time for a line."""
@@ -105,9 +109,9 @@ class Progress(logging.Handler):
                 print(f"{self._name}: {text}", file=self._stream, flush=True)
 
     def _stamp(self, text: str) -> None:
-        self._lines.append(
-            f"{datetime.now().astimezone():%Y-%m-%d %H:%M:%S} {self._name}: {text}\n"
-        )
+        if self._log is not None:
+            when = f"{datetime.now().astimezone():%Y-%m-%d %H:%M:%S}"
+            self._lines.append(f"{when} {self._name}: {text}\n")
 
     def _write_log(self) -> None:
         """Append new lines to the log; one that cannot be written is left out."""

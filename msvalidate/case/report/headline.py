@@ -14,7 +14,7 @@ from msvalidate.case.compare.comparison import COARSE, OTHER_MATERIAL, Compariso
 from msvalidate.case.compare.quantities import NotCompared
 from msvalidate.case.file.units import quantity_text
 from msvalidate.case.judge.judgement import Judged, driven_by
-from msvalidate.problem import Array
+from msvalidate.problem import Array, Problem
 from msvalidate.problem.records import dataclass
 from msvalidate_check.beside import best_scale, longest
 from msvalidate_check.scales import FITS
@@ -85,11 +85,11 @@ def springs_sentence(found: Comparison) -> str:
         return f"Nothing was compared: {why}."
     if word not in {AGREES, DIFFERS}:
         return f"Not resolved: {_unresolved_reason(found.rows, found)}."
-    wanted = found.reference.displacement.value
-    error = found.reference.error
+    values, wanted = found.displacement, found.reference.displacement.value
+    error, problem = found.reference.error, found.case.problem
     sentence = "Displacements are not resolved, as elasticity's own error is not known."
     if math.isfinite(error):
-        sentence = _difference_sentence("The springs", found.displacement, wanted, error, found)
+        sentence = _difference_sentence("The springs", values, wanted, error, problem, plural=True)
     others = [
         f"{row.quantity} ({part_text(row.error, row.uncertainty)})"
         for row in found.rows
@@ -104,7 +104,7 @@ def field_sentence(found: Judged) -> str:
     if row.word not in {AGREES, DIFFERS}:
         return f"Not resolved: {_unresolved_reason((row,), found)}."
     wanted, values = found.reference.displacement.value, found.matched.displacement
-    return _difference_sentence("The field", values, wanted, row.uncertainty, found)
+    return _difference_sentence("The field", values, wanted, row.uncertainty, found.case.problem)
 
 
 def _difference_sentence(
@@ -112,13 +112,16 @@ def _difference_sentence(
     values: Array,
     reference: Array,
     uncertainty: float,
-    found: Comparison | Judged,
+    problem: Problem,
+    *,
+    plural: bool = False,
 ) -> str:
     """Sentence about the difference of displacements (p, d) in m from their reference.
 
     A stiffness is named only if one factor explains most of the difference and loads move the body.
+    Of a single field, a part that no factor explains is stated as well.
     """
-    s, be = ("", "are") if subject.endswith("s") else ("s", "is")
+    s, be = ("", "are") if plural else ("s", "is")
     size, least = longest(reference) or 1.0, max(uncertainty, FLOOR)
     difference = longest(values - reference) / size
     if difference <= least:
@@ -130,12 +133,12 @@ def _difference_sentence(
         return f"{subject} differ{s} from elasticity by {percent(difference)}{shape}."
     if not 1 / MAX_FACTOR < scale < MAX_FACTOR:
         return f"{subject} displace{s} {scale:.3g} times as much as elasticity."
-    uniform = not s or misfit <= max(FITS * difference, least)
+    uniform = plural or misfit <= max(FITS * difference, least)
     part = difference if uniform else abs(1 - scale)
     size_words = f"{percent(part)} too {'large' if scale > 1 else 'small'}"
-    evenly = ("uniformly " if s else "") if uniform else "on average "
+    evenly = "" if plural else "uniformly " if uniform else "on average "
     rest = "" if uniform else f" A difference of {percent(misfit)} is not uniform."
-    if driven_by(found.case.problem) == "supports":
+    if driven_by(problem) == "supports":
         return f"{subject}: displacements are {evenly}{size_words}.{rest}"
     stiffness = "soft" if scale > 1 else "stiff"
     if part > MAX_STIFFNESS:
@@ -160,6 +163,8 @@ def _unresolved_remedy(compared: Comparison, word: str) -> str:
     """Clause that names what a verdict needs."""
     if word == NOT_ASKED:
         return "no quantity was compared"
+    if compared.reference.no_limit:
+        return compared.reference.no_limit[0]
     remedies = [each.remedy for each in compared.limitations if each.decides and each.remedy]
     if remedies:
         return remedies[0].rstrip(".")
@@ -176,7 +181,7 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
     """
     word, band = overall(found.rows), percent(found.case.band)
     if word == AGREES:
-        cheaper = _equal_cost(chosen)
+        cheaper = _more_accurate_elements(chosen)
         more = f"; for more accuracy, {cheaper}" if cheaper else ""
         return Recommendation(SPRINGS, f"they agree within the band of {band}{more}")
     if word != DIFFERS:
@@ -188,7 +193,7 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     """Recommendation if some quantity lies outside the band."""
     off = [row for row in found.rows if row.word == DIFFERS]
     worst = max(off, key=lambda row: row.error / row.band)
-    cheaper, band = _equal_cost(chosen), found.case.band
+    cheaper, band = _more_accurate_elements(chosen), found.case.band
     finer = [each for each in chosen.springs if each.count and each.target <= band]
     if found.kind == OTHER_MATERIAL:
         reason = "the springs differ from elasticity at any spacing"
@@ -203,7 +208,7 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     return Recommendation(ELEMENTS, reason)
 
 
-def _equal_cost(chosen: Choice) -> str:
+def _more_accurate_elements(chosen: Choice) -> str:
     """Clause on elements of equal cost if they are much more accurate; else empty."""
     if not chosen.times >= BETTER:
         return ""

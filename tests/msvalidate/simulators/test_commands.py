@@ -45,7 +45,8 @@ def test_the_template_is_judged_at_once(place):
     words = ("simulate", "box.toml", "--with", "toy.py", "--cells", "16", "--no-plots")
     done = run(*words, cwd=place)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("toy: The field ")
+    # Linear tetrahedra are too stiff.
+    assert re.match(r"toy: The field is uniformly [0-9.]+ % too stiff\.\n", done.stdout)
     folder = place / "reports" / "simulators"
     verdict = json.loads((folder / "box-toy" / "verdict.json").read_text(encoding="utf-8"))
     assert verdict["verdict"] == "agrees"

@@ -94,3 +94,12 @@ def test_what_a_slanted_support_costs_is_a_part_and_a_straight_one_costs_nothing
     assert "A support that no line of the lattice runs along costs up to" in said
     assert not bent[0].support.any()
     assert "support" not in set(budget(bent[0])["part"])
+
+
+def test_a_spacing_that_reaches_a_target_is_finer_than_one_that_was_measured_worse():
+    found = compare_case(beam(cells=8))
+    spacing = found.springs[0].spacing
+    rows = [{"spacing": spacing, "springs": 200, "seconds": 0.1, "difference": 0.051}]
+    need = choice._costed(found, rows, choice.Need(0.05, choice.BETWEEN, spacing=0.99 * spacing))
+    assert need.count
+    assert need.spacing < 0.999 * spacing

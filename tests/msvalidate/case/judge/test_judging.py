@@ -170,6 +170,20 @@ def test_a_model_without_an_answer_is_recorded(tmp_path, monkeypatch):
     assert "known mistakes are not compared: no factor." in " ".join(judged_sentences(found)[1])
 
 
+@pytest.mark.parametrize("turn", [[[0, 1], [1, 0]], [[0, 1], [-1, 0]]])
+def test_exchanged_axes_of_a_slender_cantilever_end_in_a_verdict(tmp_path, turn):
+    """The best factor of such a field is 0."""
+    beam = Box((10.0, 1.0))
+    held, pull = (
+        Support(beam.side("left"), (0.0, 0.0)),
+        Traction(beam.side("right"), (0.0, -1.0)),
+    )
+    slender = Problem(beam, Isotropic(1e6, 0.3, "plane_stress"), (held,), (pull,))
+    mesh = box_discretisation(beam, (40, 4), "Q2")
+    move = solve_problem(slender, mesh).displacement @ np.array(turn)
+    assert judged(tmp_path, mesh.points, move, slender).verdict.word == "differs"
+
+
 def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):
     found = judged(tmp_path, X, 1.1 * elastic(pulled=True), PULLED)
     assert names(found)[:1] == ["scale"]

@@ -36,6 +36,7 @@ def compared(values, rows, problem=LOADED, kind="", size=1e-9):
             displacement=SimpleNamespace(value=size * REFERENCE),
             error=rows[0].uncertainty,
             more=None,
+            no_limit=(),
         ),
         case=Case(problem, unit="mm"),
         limitations=(),
@@ -84,6 +85,9 @@ def test_what_the_uncertainty_leaves_open_is_not_decided():
     sentence = "Not resolved: displacement differs by 4 % ± 3 %, for a band of 5 %."
     assert headline.springs_sentence(found) == sentence
     assert headline.recommend(found, Choice()).use == headline.NEITHER
+    assert "smaller [compare] accuracy" in headline.recommend(found, Choice()).reason
+    found.reference.no_limit = ("a support at a point carries a force; support a side",)
+    assert headline.recommend(found, Choice()).reason == found.reference.no_limit[0]
 
 
 FINER = Choice(springs=(Need(0.05, BETWEEN, 778, 0.1, 18, 1e-3),))
