@@ -40,11 +40,8 @@ from msvalidate_check.text import percent
 from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
 
-DIFFERENCES = (
-    "Differences count all components, over the size in elasticity: of reactions over the largest "
-    "one, of stress over its root mean square at all points."
-)
-"""Caption of the table of quantities."""
+BASES = {"N": "; of reactions over the largest one", "Pa": "; of stress at points over all of them"}
+"""Unit -> what the difference of such a quantity is relative to."""
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 PARTS = ("reasons", "springs", "pictures", "tables")
@@ -89,7 +86,9 @@ def quantity_summary(case: Case, rows: Sequence[Difference], candidate: str) -> 
         name = f"{row.quantity}{f' ({unit})' if unit else ''}"
         texts.append((name, *values, error, percent(row.uncertainty), row.word))
     heads = ("quantity", candidate, "elasticity", "difference", "uncertainty", "verdict")
-    caption = f"{DIFFERENCES} {band_words(case, rows)}."
+    bases = "".join(text for unit, text in BASES.items() if any(row.unit == unit for row in rows))
+    caption = f"Differences count all components, over the size in elasticity{bases}. "
+    caption += f"{band_words(case, rows)}."
     return Summary(caption, heads, texts, (False, True, True, True, True, False))
 
 
