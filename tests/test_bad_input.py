@@ -90,7 +90,7 @@ FALLING = lattice_network(Problem(BOX, SHEET, (CLAMP,), (BodyForce((3.0, -1e4)),
 MESH = reference_fem.box_discretisation(BOX, (4, 2), "Q1")
 ZIGZAG = zigzag_block(1.0, (4, 3))
 TENSOR = square_tensor(2.0, 1.0)
-SWUNG = State(np.where(NETWORK.held, NETWORK.points, 1.3 * NETWORK.points), 0 * NETWORK.points)
+SWUNG = State(np.where(NETWORK.fixed, NETWORK.points, 1.3 * NETWORK.points), 0 * NETWORK.points)
 STILL = State(NETWORK.start, np.zeros_like(NETWORK.points))
 TRIANGLE = ([[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 2], [0, 2]])
 QUAD = ([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
@@ -102,7 +102,7 @@ def plate(supports=(CLAMP,), loads=(PULL,), **options):
 
 def net(stiffness=1.0, **options):
     held = np.array([[1, 1], [0, 1], [0, 0]], dtype=bool)
-    return spring_network(*TRIANGLE, stiffness, **({"held": held} | options))
+    return spring_network(*TRIANGLE, stiffness, **({"fixed": held} | options))
 
 
 def meshed(outline=ZIGZAG, spacing=1 / 3, element="P1", **options):
@@ -159,7 +159,7 @@ BAD = [
     # networks
     ("network of None", lambda: lattice_network(None, LATTICE), ProblemError, "give a Problem"),
     ("network on None", lambda: lattice_network(PROBLEM, None), ProblemError, "give a Lattice"),
-    ("held in rows", lambda: net(held=[[True], [True, False]]), ProblemError, "held: rows of diff"),
+    ("fixed in rows", lambda: net(fixed=[[True], [True, False]]), ProblemError, "fixed: rows of d"),
     ("held of None", lambda: Network(*[None] * 8), ProblemError, "points: expected numbers"),
     ("factor of text", lambda: net().scaled("a"), ProblemError,
         "factor of the stiffness: expected"),
@@ -440,7 +440,7 @@ def test_any_network_and_its_equilibrium(points, values):
         lambda: net(stiffness, mass=mass, rest_length=rest_length, displacement=moved, force=pulled)
     )
     elsewhere = judged(
-        lambda: spring_network(x, TRIANGLE[1], stiffness, held=[[True, True]] * 2 + [[False] * 2])
+        lambda: spring_network(x, TRIANGLE[1], stiffness, fixed=[[True, True]] * 2 + [[False] * 2])
     )
     for body in (network, elsewhere):
         if body is None:

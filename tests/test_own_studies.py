@@ -24,7 +24,7 @@ def run(candidate=1.0, setting=Setting()):
     stiffness = [candidate, candidate]
     network = spring_network(
         points(), [[0, 1], [1, 2]], stiffness,
-        held=[[True, True], [False, True], [False, True]], force=[[0, 0], [0, 0], [0.1, 0]],
+        fixed=[[True, True], [False, True], [False, True]], force=[[0, 0], [0, 0], [0.1, 0]],
     )
     end = equilibrium(network).displacement[2, 0]
     return Evidence(

@@ -46,7 +46,7 @@ def answer(request):
             springs.stiffness,
             rest_length=springs.length,
             mass=request.mass,
-            held=request.held,
+            fixed=request.held,
             displacement=np.where(request.held, request.value, 0.0),
             force=request.load,
         )

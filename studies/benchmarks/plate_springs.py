@@ -188,9 +188,9 @@ def wider(by: float) -> kit.Problem:
 
 def on_line(network: kit.Network) -> kit.Network:
     """Upwards held at the line's level only: of the wall's points, which the rim alone holds so."""
-    held = network.held.copy()
+    held = network.fixed.copy()
     held[:, 2] &= np.abs(network.points[:, 2] - THICKNESS / 2) <= 1e-9 * THICKNESS
-    return replace(network, held=held)
+    return replace(network, fixed=held)
 
 
 def read(points: kit.Array, move: kit.Array) -> float:

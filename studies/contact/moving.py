@@ -182,7 +182,7 @@ def chain(cells: int) -> Network:
     held = np.zeros(x.shape, dtype=bool)
     held[:, 1] = True
     pairs = np.column_stack([np.arange(cells), np.arange(1, cells + 1)])
-    return spring_network(x, pairs, float(cells), mass=mass, held=held)
+    return spring_network(x, pairs, float(cells), mass=mass, fixed=held)
 
 
 def _wall(network: Network, beta: float = 1.0) -> Ground:

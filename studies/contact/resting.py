@@ -295,7 +295,7 @@ def press_deep(candidate: Press, part: float) -> dict[str, float]:
     force = np.zeros_like(u)
     force[one.points] = one.force[:, None] * disc.normal(x, one.depth)
     body = make_discretisation(mesh.points, cells, "P1")
-    solid = Solid(body, neo_hookean(material), network.held, material.thickness)
+    solid = Solid(body, neo_hookean(material), network.fixed, material.thickness)
     theirs = deform(solid, 0 * u, force, parts=4, tolerance=1e-15, allow_locked=True).displacement
     small = candidate(network, touching, "linear").contacts[0]
     return {
@@ -332,7 +332,7 @@ def press_and_pull(
 def _press_densely(
     network: Network, one: ContactCandidates, give: float, *, pulls: bool = False
 ) -> ContactEquilibrium:
-    free = ~network.held.ravel()
+    free = ~network.fixed.ravel()
     gap = one.obstacle.gap(network.points[one.points], one.depth)
     inverse = np.linalg.inv(Configuration(network).tangent().toarray()[np.ix_(free, free)])
     at = (np.cumsum(free) - 1)[network.dim * one.points + 1]

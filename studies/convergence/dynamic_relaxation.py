@@ -96,7 +96,7 @@ def count_steps(method: Method, n: int) -> dict[str, object]:
     network = bodies.network("plate", n)
     network = replace(network, mass=np.ones(len(network.points)))
     low, high = extreme_frequencies(network)
-    first = float(np.linalg.norm(network.force[~network.held]))
+    first = float(np.linalg.norm(network.force[~network.fixed]))
     found: list[int] = []
 
     def watch(run: Run) -> bool:

@@ -53,7 +53,7 @@ def _lagging(run: Run) -> Iterator[None]:
 def _wrong_tangent(run: Run) -> Iterator[None]:
     """Newton's method whose tangent has the tension's part with a wrong sign."""
     network = run.network
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     run.displacement[:] = network.displacement
     run.moved()
     while True:

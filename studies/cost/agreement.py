@@ -116,7 +116,7 @@ def runs_far(net: kit.Network, walk: Callable[..., object]) -> bool:
 def keeps_nan(net: kit.Network, walk: Callable[..., tuple[int, float, bool]]) -> bool:
     """Whether a NaN at a free point, and the energy of such a motion, come out as NaN."""
     (u, v), dt = bodies.start(net), bodies.time_step(net)
-    u[np.flatnonzero(~net.held.all(axis=1))[0]] = np.nan
+    u[np.flatnonzero(~net.fixed.all(axis=1))[0]] = np.nan
     _, energy, _ = walk(u, v, np.full(len(u), KEEP), np.full(len(u), dt), dt, 3)
     return bool(np.isnan(u).any() and np.isnan(energy))
 

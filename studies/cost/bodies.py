@@ -88,7 +88,7 @@ def strewn(nodes: int, dim: int, seed: int = 0) -> kit.Network:
         springs,
         E * THICKNESS,
         mass=DENSITY * SIDE**2 * THICKNESS / nodes,
-        held=np.repeat(points[:, :1] < 0.1 * SIDE, dim, axis=1),
+        fixed=np.repeat(points[:, :1] < 0.1 * SIDE, dim, axis=1),
         force=np.where(points[:, :1] < 0.1 * SIDE, 0.0, force),
     )
 
@@ -170,5 +170,5 @@ def start(net: kit.Network, seed: int = 0) -> tuple[kit.Array, kit.Array]:
     Small and random, so that no product is of zeros.
     """
     rng = np.random.default_rng(seed)
-    size = STRAIN * float(net.rest_length.min()) * ~net.held
+    size = STRAIN * float(net.rest_length.min()) * ~net.fixed
     return size * rng.standard_normal(net.points.shape), np.zeros(net.points.shape)

@@ -114,7 +114,7 @@ def bonds(net: kit.Network) -> list[str]:
 
 def motion(net: kit.Network) -> list[str]:
     """Commands for the step and for nothing else than bonds: no pairs, no lists made again."""
-    held = " ".join(str(i + 1) for i in np.flatnonzero(net.held.any(axis=1)))
+    held = " ".join(str(i + 1) for i in np.flatnonzero(net.fixed.any(axis=1)))
     size = STRAIN * float(net.rest_length.min())
     rate = 0.01 * float(np.median(net.mass)) / time_step(net)
     return [

@@ -169,7 +169,7 @@ def count_cycles(nodes: int) -> dict[str, Any]:
     """Bytes of a network's own arrays, a point, counted and foreseen."""
     net = stretched_body(nodes)
     by_spring = (net.springs, net.stiffness, net.rest_length)
-    by_point = (net.points, net.mass, net.held, net.displacement, net.force)
+    by_point = (net.points, net.mass, net.fixed, net.displacement, net.force)
     a_point = net.dim * (3 * 8 + 1) + 8  # points, displacement, force; held; mass
     a_spring = 2 * net.springs.itemsize + 2 * 8  # ends; stiffness, rest length
     side = round(math.sqrt(len(net.points)))

@@ -25,7 +25,7 @@ def advance(
     steps: int,
 ) -> None:
     """Steps v = keep·v + push·F/m, u += dt·v in place, what is held stays: as `kernels`."""
-    kick = np.where(net.held, 0.0, (push / net.mass)[:, None])
+    kick = np.where(net.fixed, 0.0, (push / net.mass)[:, None])
     for _ in range(steps):
         v *= keep[:, None]
         v += kick * (force(u) + net.force)

@@ -144,7 +144,7 @@ def renumber(net: kit.Network, order: kit.Index) -> kit.Network:
         net.stiffness[turn],
         rest_length=net.rest_length[turn],
         mass=net.mass[order],
-        held=net.held[order],
+        fixed=net.fixed[order],
         force=net.force[order],
     )
 
@@ -241,5 +241,5 @@ def solve_refined(network: kit.Network, solver: str) -> Equilibrium:
 def steps(network: kit.Network) -> int:
     """Steps of multigrid that the network's own load takes."""
     found = Solver(network, "multigrid").regular(Configuration(network)).inverse
-    found.solve(network.force[~network.held])
+    found.solve(network.force[~network.fixed])
     return found.steps if isinstance(found, Cycles) else 0

@@ -155,7 +155,7 @@ def loaded(
 
 def modes(network: kit.Network) -> tuple[kit.Array, kit.Array]:
     """All frequencies (m,) in rad/s and mass-normalised shapes (m, n·d), zero where it is held."""
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     scale = 1 / np.sqrt(np.repeat(network.mass, network.dim)[free])
     K = tangent(network, network.points)[free][:, free].toarray()
     squares, vectors = eigh(scale[:, None] * K * scale)

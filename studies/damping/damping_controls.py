@@ -95,7 +95,7 @@ def lagged_force(
     size: float, network: kit.Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """Forces are taken the part `size` of a step late, at the position x - size·dt·v."""
-    free, mass = ~network.held, network.mass[:, None]
+    free, mass = ~network.fixed, network.mass[:, None]
     x, v = state.position, np.where(free, state.velocity, 0.0)
     for _ in range(steps):
         pull = internal_force(network, x - size * dt * v) + network.force

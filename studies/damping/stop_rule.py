@@ -150,7 +150,7 @@ def watch_run(
     while body.left(state) > min(ASKED) / WRONG and len(rows) < MOST_STEPS:
         state = candidate(network, state, dt, 1, damping)
         off = state.position - network.points - body.rest
-        pull = np.where(network.held, 0.0, internal_force(network, state.position) + network.force)
+        pull = np.where(network.fixed, 0.0, internal_force(network, state.position) + network.force)
         rows.append(
             (
                 largest(state.velocity) / (omega * farthest),

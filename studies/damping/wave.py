@@ -141,9 +141,9 @@ def bar(sides: str, cells: int) -> Bar:
     network = lattice_network(problem, square(box, (cells, across)), ISOTROPIC)
     beta, modulus = spacing**2 / 24, float(tensor[0, 0])
     if sides == "held":
-        held = np.array(network.held)
+        held = np.array(network.fixed)
         held[:, 1] = True
-        network = replace(network, held=held)
+        network = replace(network, fixed=held)
     else:
         found = moduli(tensor)
         modulus = found.E

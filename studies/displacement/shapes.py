@@ -129,7 +129,7 @@ def deformed_shapes(case: str, move: kit.Array) -> tuple[pd.DataFrame, pd.DataFr
     problem = load_cases.problem(case, shape, homogenised(DRAWN))
     network = lattice_network(problem, shape.grid(), DRAWN.constants, weights=SETTING[0])
     words = np.array([["no", "uy"], ["ux", "ux and uy"]])
-    held = network.held.astype(int)
+    held = network.fixed.astype(int)
     particles = {
         "case": case,
         "point": np.arange(len(move)),

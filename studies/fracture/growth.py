@@ -135,9 +135,9 @@ def small_strips(grow: Grow) -> list[dict[str, object]]:
 def pushed_patch(grow: Grow) -> dict[str, float]:
     """A body that is pushed together between smooth plates."""
     network = pulled(filled("square-8", 6, 6), LATTICES["square-8"][1])
-    held = network.held.copy()
+    held = network.fixed.copy()
     held[:, 0] &= network.points[:, 0] == 0
-    network = replace(network, held=held, displacement=-network.displacement)
+    network = replace(network, fixed=held, displacement=-network.displacement)
     found = grow(network, 0.01, most_breaks=1)
     return {"strain": found.load / 0.01, "together": len(found.broken)}
 

@@ -80,7 +80,7 @@ class Late(Ledger):
 
     def __call__(self, step: int, state: State) -> None:
         """Book a step."""
-        v = np.where(self.network.held, 0.0, state.velocity)
+        v = np.where(self.network.fixed, 0.0, state.velocity)
         self.viscous += self.dissipated(v, v, v)
         self.book(step, state)
 

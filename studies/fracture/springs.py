@@ -39,7 +39,7 @@ def pulled(lattice: Lattice, k: tuple[float, ...]) -> Network:
     stiffness = np.array(k)[lattice.kind] * lattice.factor * boundary_weights(lattice, "shared")
     mass = lattice.point_volume
     return spring_network(
-        x, lattice.springs, stiffness, held=held, displacement=moved, mass=mass,
+        x, lattice.springs, stiffness, fixed=held, displacement=moved, mass=mass,
         cells=lattice.cells,
     )  # fmt: skip
 

@@ -147,7 +147,7 @@ RULES = (
 
 def _stop_early(problem: kit.Problem, network: Network, answer: kit.Answer) -> Array:
     u = kit.solve_springs(problem, network, answer)
-    return np.where(network.held, u, 0.999 * u)
+    return np.where(network.fixed, u, 0.999 * u)
 
 
 FAULTS: dict[str, dict[str, object]] = {
@@ -285,7 +285,7 @@ def bend_springs(
 def _turned(network: Network, first: float, last: float, t: float) -> tuple[Array, Array]:
     """Force and prescribed displacement (n, 2) at t of a path from one strain to the next."""
     onto = arc(network.points, max(first + t * (last - first), LEAST))
-    return network.force, np.where(network.held, onto, 0.0)
+    return network.force, np.where(network.fixed, onto, 0.0)
 
 
 def _component(strain: float, axis: int, points: Array) -> Array:

@@ -134,7 +134,7 @@ def critical_load(build: Build, case: tuple[int, int]) -> dict[str, float]:
     """One row of the table: where the least stiffness of the straight state is 0."""
     slender, cells = case
     network, _ = build(slender, cells)
-    free = ~network.held.ravel()
+    free = ~network.fixed.ravel()
     springs = fibres.lattices()[0]
 
     def softest(strain: float) -> float:

@@ -247,7 +247,7 @@ def make_bodies(pair: Pair) -> tuple[kit.Problem, Network, _Solid | _MeanVolume]
         return problem, network, _MeanVolume(network, material)
     body = make_discretisation(points, cells, pair.elements[:2])
     law = neo_hookean if "neo-Hookean" in pair.elements else st_venant_kirchhoff
-    return problem, network, _Solid(Solid(body, law(material), network.held, material.thickness))
+    return problem, network, _Solid(Solid(body, law(material), network.fixed, material.thickness))
 
 
 def _bend(by: float, X: kit.Array) -> kit.Array:
@@ -308,7 +308,7 @@ class _MeanVolume:
     def __init__(self, network: Network, material: kit.Isotropic) -> None:
         X, cells = network.points, network.resisting
         E, nu, t, d = material.E, material.nu, material.thickness, network.dim
-        self.X, self.cells, self.held = X, cells, network.held
+        self.X, self.cells, self.held = X, cells, network.fixed
         self.mu, self.lam = E / (2 * (1 + nu)) * t, E * nu / (1 + nu) / (1 - 2 * nu) * t
         element = skfem.ElementQuad1() if d == 2 else skfem.ElementHex1()
         # Where scikit-fem has each corner of VTK's list: hexahedra are numbered in another way.

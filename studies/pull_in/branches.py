@@ -122,9 +122,9 @@ def pressed(
     x, y = network.points.T
     ends = np.minimum(x - x.min(), x.max() - x) <= REACH * (1 + 1e-9)
     evenly = np.column_stack([np.zeros(len(y)), (closed(volts) - 1) * y])
-    held = network.held | ends[:, None]
+    held = network.fixed | ends[:, None]
     gripped = replace(
-        actuator, network=replace(network, held=held, displacement=np.where(held, evenly, 0.0))
+        actuator, network=replace(network, fixed=held, displacement=np.where(held, evenly, 0.0))
     )
     place = evenly if near is None else near.displacement
     # As if at rest there at a voltage a hair below: the walk takes one step or none.

@@ -85,7 +85,7 @@ def gap_as_it_was(
     force[electric.loaded] += electric.forces()
     found = equilibrium(replace(network, force=force), "nonlinear")
     balance = internal_force(network, found.position) + force
-    left = float(np.abs(balance[~network.held]).max())
+    left = float(np.abs(balance[~network.fixed]).max())
     return ActuatorEquilibrium(
         actuator, voltage, found.displacement, electric.charges, found.iterations, left
     )

@@ -181,7 +181,7 @@ def _springs(request: Request) -> Answer:
         edges,
         request.material.E * float(length.mean()),
         mass=request.mass,
-        held=request.held,
+        fixed=request.held,
         displacement=request.value,
         force=request.force + request.mass[:, None] * request.gravity,
     )

@@ -110,7 +110,7 @@ def path(network: kit.Network, scheme: Integrator, dt: float, damping: float) ->
     x, y = network.points.T
     velocity = SPEED / (2 * np.pi * dt) * np.column_stack([x * y, x * (1 - 2 * y)])
     seen: list[kit.Array] = []
-    state = State(network.points, np.where(network.held, 0.0, velocity))
+    state = State(network.points, np.where(network.fixed, 0.0, velocity))
     motion(
         network,
         state,

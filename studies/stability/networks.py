@@ -116,7 +116,7 @@ def clamped(
 
 def free_components(network: kit.Network) -> kit.Index:
     """Numbers (f,) of the components that are not held, point by point."""
-    return np.flatnonzero(~network.held.ravel())
+    return np.flatnonzero(~network.fixed.ravel())
 
 
 def linear(body: Body) -> Linear:

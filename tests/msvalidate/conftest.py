@@ -103,7 +103,7 @@ def independent():
             record["stiffness"],
             rest_length=record["rest_length"],
             mass=record["mass"],
-            held=held,
+            fixed=held,
             force=force,
         )
         return network, record
@@ -141,7 +141,7 @@ def hinged_blocks(lattice_body):
             np.concatenate([block.points, block.points[1:] + 1.0]),
             np.concatenate([block.springs, number[block.springs]]),
             np.tile(block.stiffness, 2),
-            held=np.concatenate([block.held, np.zeros((last, 2), dtype=bool)]),
+            fixed=np.concatenate([block.fixed, np.zeros((last, 2), dtype=bool)]),
             force=force,
         )
 

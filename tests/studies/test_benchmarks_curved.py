@@ -169,7 +169,7 @@ def test_the_plates_reaction_is_near_a_uniform_one():
 def test_the_wall_of_held_cells_is_as_deep_as_directions_say():
     """Volume of the body in cells held at all corners, over the rim's area: 2/π spacings."""
     problem, lattice, network = plate_springs.spring_model(plate_springs.FACE, 8)
-    held = network.held.all(axis=1)[lattice.cells].all(axis=1)
+    held = network.fixed.all(axis=1)[lattice.cells].all(axis=1)
     wall = lattice.fraction[held].sum() * lattice.spacing**3
     A, B = problem.domain.points.max(axis=0)[:2]
     rim = A * ellipe(1 - (B / A) ** 2) * shapes.THICKNESS
@@ -182,9 +182,9 @@ def test_the_wall_of_held_cells_is_as_deep_as_directions_say():
 def test_a_line_is_held_upwards_at_its_level_only():
     _, lattice, whole = plate_springs.spring_model(plate_springs.FACE, 4)
     _, _, line = plate_springs.spring_model(plate_springs.LINE, 4)
-    assert (line.held[:, :2] == whole.held[:, :2]).all()
-    assert line.held[:, 2].sum() * 5 == whole.held[:, 2].sum()
-    assert set(lattice.points[line.held[:, 2], 2]) == {0.3}
+    assert (line.fixed[:, :2] == whole.fixed[:, :2]).all()
+    assert line.fixed[:, 2].sum() * 5 == whole.fixed[:, 2].sum()
+    assert set(lattice.points[line.fixed[:, 2], 2]) == {0.3}
 
 
 def test_springs_of_the_plate_bear_its_pressure_and_read_uniform_strain():

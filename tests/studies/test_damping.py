@@ -210,7 +210,7 @@ def test_peak_of_a_gaussian():
 
 def test_new_velocity_is_what_it_says(plate):
     dt, c = 0.01, 3.0
-    kicked = State(plate.network.points, 1e-6 * (1.0 - plate.network.held))
+    kicked = State(plate.network.points, 1e-6 * (1.0 - plate.network.fixed))
     found = damping_controls.apply_fault("viscous force from the new velocity", 1.0)(
         plate.network, kicked, dt, 1, c
     )

@@ -138,7 +138,7 @@ def test_slack_springs_settle_where_the_energy_is_least(monkeypatch):
     _, network = strewn.stretch_body(body)
     i, j = network.springs.T
     unit = network.vector / np.linalg.norm(network.vector, axis=1)[:, None]
-    free = ~network.held
+    free = ~network.fixed
 
     def energy(move):
         u = np.array(network.displacement)

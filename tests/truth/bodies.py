@@ -76,7 +76,7 @@ def body(seed: int) -> Body | None:
     rest = distance * rng.uniform(0.7, 1.05, len(springs)) if prestressed else distance
     held, displacement, force = _loads(rng, points, clamped, end)
     network = spring_network(
-        points, springs, stiffness, rest_length=rest, held=held, displacement=displacement,
+        points, springs, stiffness, rest_length=rest, fixed=held, displacement=displacement,
         force=force * stiffness.min(), volumes=_volumes(rng, points, cells, stiffness.min()),
     )  # fmt: skip
     strain = 10 ** rng.uniform(-9, -0.5)

@@ -49,7 +49,7 @@ class Exact:
 
 def linear(network: Network) -> Exact:
     """What the tangent at the reference points answers to loads and prescribed displacements."""
-    order, free = _order(network), ~network.held.ravel()
+    order, free = _order(network), ~network.fixed.ravel()
     balance, rows = _balance_and_tangent(network, [ZERO] * free.size)
     u = [arb(float(value)) for value in network.displacement.ravel()]
     load = [
@@ -64,7 +64,7 @@ def linear(network: Network) -> Exact:
 def nonlinear(network: Network, start: np.ndarray, most: int = 12) -> Exact:
     """The equilibrium that Newton's method finds from a displacement (n, d) close by."""
     order = _order(network)
-    given = np.where(network.held, network.displacement, start).ravel()
+    given = np.where(network.fixed, network.displacement, start).ravel()
     u = [arb(float(value)) for value in given]
     for _ in range(most):
         balance, rows = _balance_and_tangent(network, u)
@@ -145,7 +145,9 @@ def _order(network: Network) -> list[int]:
     a, b = (np.concatenate(side) for side in zip(*ends, strict=True))
     graph = coo_array((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(n, n)).tocsr()
     points = reverse_cuthill_mckee(graph, symmetric_mode=True)
-    return [p * d + axis for p in points.tolist() for axis in range(d) if not network.held[p, axis]]
+    return [
+        p * d + axis for p in points.tolist() for axis in range(d) if not network.fixed[p, axis]
+    ]
 
 
 def _factor(rows: Rows, order: list[int]) -> list[tuple[int, list[arb], arb]]:

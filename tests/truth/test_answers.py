@@ -47,7 +47,7 @@ def test_truth_is_right_on_a_bar_of_two_springs():
     held = np.ones((3, 2), dtype=bool)
     held[2, 0] = held[1, 0] = False
     network = spring_network(
-        points, [[0, 1], [1, 2]], [3.0, 7.0], held=held, force=[[0, 0], [0, 0], [1.0, 0]]
+        points, [[0, 1], [1, 2]], [3.0, 7.0], fixed=held, force=[[0, 0], [0, 0], [1.0, 0]]
     )
     truth = exact.linear(network)
     along = (0.3**2) / (0.3**2 + 0.4**2)  # a spring at an angle resists by cos² of it
@@ -63,7 +63,7 @@ def test_truth_is_right_on_a_shallow_truss():
     held = np.array([[1, 1], [1, 0], [1, 1]], dtype=bool)
     force = 2 * k * (1 - 1 / np.hypot(span, y)) * y
     network = spring_network(
-        points, [[0, 1], [1, 2]], k, held=held, force=[[0, 0], [0, force], [0, 0]], rest_length=1.0
+        points, [[0, 1], [1, 2]], k, fixed=held, force=[[0, 0], [0, force], [0, 0]], rest_length=1.0
     )
     truth = exact.nonlinear(network, np.array([[0, 0], [0, -0.03], [0, 0]]))
     assert float(truth.displacement[3].mid()) == pytest.approx(y - h, rel=1e-12)

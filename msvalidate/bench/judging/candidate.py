@@ -112,7 +112,7 @@ def _checked_motion(
         )
     position = _check_array("positions", found.position, network, "m")
     velocity = _check_array("velocities", found.velocity, network, "m/s")
-    start, held = np.asarray(state.position)[network.held], network.held
+    start, held = np.asarray(state.position)[network.fixed], network.fixed
     if _is_met_by(position[held] - start, position[held] + network.points[held] - start):
         raise ProblemError(
             f"candidate: positions {position.shape} whose held components are those of "
@@ -203,7 +203,7 @@ def _guess_shape(array: Array, network: Network) -> str:
         return " (this is the transpose)"
     if array.shape == (n * d,):
         return f" (this is flat; reshape it to {n, d})"
-    if array.shape == (np.count_nonzero(~network.held),):
+    if array.shape == (np.count_nonzero(~network.fixed),):
         return " (these are free components alone)"
     if array.shape == (n, 3) and d == 2:
         return " (leave the third component out)"
@@ -217,7 +217,7 @@ def _guess_mistake(move: Array, network: Network) -> str:
     its loads, motionᵀ K motion = force · motion, so their ratio tells it where nothing is moved by
     supports: it grows as the answer, and is near 1 for any solid like the network.
     """
-    held, points = network.held, network.points
+    held, points = network.fixed, network.points
     asked = network.displacement[held]
     missed = move[held] - asked
     positions = "are positions; take network.points off"

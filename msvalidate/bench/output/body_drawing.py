@@ -106,7 +106,7 @@ def plot(network: Network, displacement: Any = None, magnification: float | None
             if label == "at rest" or displacement is not None:
                 draw_springs(axis, at, network.springs, label, colour)
         arrows = moved[on], network.force[on], ARROW * size
-        draw_supports_and_loads(axis, moved, network.held, *arrows)
+        draw_supports_and_loads(axis, moved, network.fixed, *arrows)
         axis.set_title(title, loc="left")
         add_shared_legend(figure, [axis])
     return figure

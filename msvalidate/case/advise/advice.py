@@ -228,7 +228,7 @@ def block_frequency(
     box = Box(tuple(spacing * BLOCK * edge for edge in pattern.size))
     held = Problem(box, material, (Support(box.side("left"), (0.0,) * pattern.dim),))
     network = lattice_network(held, fill(pattern, box, BLOCK), constants, volume=volume)
-    free = replace(network, held=np.zeros_like(network.held))
+    free = replace(network, fixed=np.zeros_like(network.fixed))
     try:
         return natural_frequencies(free, 1, rigid=True)[1]
     except SolverError as error:

@@ -329,7 +329,7 @@ def _fixed_as(
     at, beyond = motion(near[known]), motion(far[known])
     u[known] = at + (1 + WITHIN) / (1 - WITHIN) * (at - beyond)  # on the line through both
     moved = network.displacement.copy()
-    moved[off] = np.where(network.held[off], u, moved[off])
+    moved[off] = np.where(network.fixed[off], u, moved[off])
     other = np.abs(moved - network.displacement).max() > room
     return replace(network, displacement=moved) if other else None
 

@@ -118,7 +118,7 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
     loads = float(np.abs(nodal_forces(case.problem, reference.solutions[0].body)).sum())
     if size <= CARRIES * loads:
         raise ProblemError("the supports carry nothing: the loads balance each other")
-    left = springs.network.held.copy()
+    left = springs.network.fixed.copy()
     rows = []
     for number, (support, each) in enumerate(zip(springs.problem.supports, wanted, strict=True)):
         on = _held_by(support, springs) & left

@@ -241,7 +241,7 @@ def factorise_network(network: Network) -> Factor | None:
     A plain sparse factor: a mistake's field needs no bound of its own error, and takes a fifth of
     the time of `springs.statics.equilibrium`.
     """
-    K, free = csr_array(Configuration(network).tangent()), ~network.held.ravel()
+    K, free = csr_array(Configuration(network).tangent()), ~network.fixed.ravel()
     try:
         factor = factorise(csr_array(K[free][:, free]))
     except RuntimeError:  # singular
@@ -317,7 +317,7 @@ def mistakes_on_mesh(
         own = replace(law, nu=springs_ratio(law))
         constants = (central_modulus(own, law.dim, "springs on a mesh's edges"),)
         network = spring_network(
-            mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, held=fixed,
+            mesh.points, lattice.springs, constants[0] * lattice.factor, mass=mass, fixed=fixed,
             displacement=np.where(fixed, value, 0.0), force=force + np.outer(mass, gravity),
         )  # fmt: skip
         spacing = mesh.mean_edge

@@ -181,7 +181,7 @@ def draw_body(found: Comparison) -> Figure:
     if x.shape[1] == 2:
         style: dict[str, Any] = {"ms": 1.5, "color": "#9aa6b2", "zorder": 1, "rasterized": True}
         axis.plot(*network.points.T, ".", label="particles", **style)
-    draw_supports_and_loads(axis, network.points, network.held, *_arrows(found), ARROW * size)
+    draw_supports_and_loads(axis, network.points, network.fixed, *_arrows(found), ARROW * size)
     if x.shape[1] == 2:
         _legend_below(axis, x, 4)
     else:

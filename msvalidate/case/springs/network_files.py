@@ -74,7 +74,7 @@ class NetworkFile(msgspec.Struct, forbid_unknown_fields=True):
 def network_json(answer: SpringAnswer, case: Case) -> bytes:
     """A case's springs at rest as `NetworkFile` has them."""
     network, tables = answer.network, network_tables(answer)
-    lists = [network.points, network.mass, network.held, network.displacement, network.force]
+    lists = [network.points, network.mass, network.fixed, network.displacement, network.force]
     points = PointLists(*(each.tolist() for each in [*lists, answer.rest.displacement]))
     last = tables["springs"].iloc[:, -4:].to_dict("list")
     springs = SpringLists(network.springs.tolist(), *last.values())
@@ -130,7 +130,7 @@ def network_tables(answer: SpringAnswer) -> dict[str, pd.DataFrame]:
     """
     network, u = answer.network, answer.rest.displacement
     axes, volumes = AXES[: network.dim], network.volumes
-    by_axis = {"": network.points, "held_": network.held.astype(int)}
+    by_axis = {"": network.points, "held_": network.fixed.astype(int)}
     by_axis |= {"move_": network.displacement, "force_": network.force, "u": u}
     columns = {
         f"{what}{axis}": values[:, i]

@@ -40,7 +40,7 @@ def residual_force(actuator: Actuator, displacement: Array, electric: Electric) 
 
 def stiffness(actuator: Actuator, x: Array, electric: Electric) -> csr_array:
     """K_mech - K_elec (N/m) between free components, point by point; charges free to follow."""
-    free = ~actuator.network.held.ravel()
+    free = ~actuator.network.fixed.ravel()
     inside = np.flatnonzero(free)
     K = csr_array(tangent(actuator.network, x)[inside][:, inside])
     components = (2 * electric.loaded[:, None] + [0, 1]).ravel()
@@ -71,7 +71,7 @@ def is_balanced(
 
     Or rounding: an eps of the displacement, whatever the coordinates are.
     """
-    network, free = actuator.network, ~actuator.network.held
+    network, free = actuator.network, ~actuator.network.fixed
     pull = np.array(network.force)
     pull[electric.loaded] += electric.forces()
     met = max(
@@ -95,7 +95,7 @@ def find_equilibrium(
     `charged` is a function of positions. From a stable place towards another the stiffness stays
     positive: where it does not, the step went beyond pull-in.
     """
-    network, free = actuator.network, ~actuator.network.held
+    network, free = actuator.network, ~actuator.network.fixed
     for solves in range(1, ITERATIONS + 1):
         x = network.points + u
         electric = charged(x)

@@ -80,7 +80,7 @@ class Actuator:
         positive_number("depth", self.depth, "m")
         positive_number("permittivity ratio", self.permittivity_ratio)
         require_one_of("model", self.model, MODELS)
-        refuse_free_motions("network", self.network.points, self.network.held)
+        refuse_free_motions("network", self.network.points, self.network.fixed)
         given = self.electrodes
         if not isinstance(given, tuple | list) or len(given) != 2:
             raise ProblemError(
@@ -160,7 +160,7 @@ def _refuse_no_plate(actuator: Actuator) -> None:
     network = actuator.network
     height = network.start[bottom, 1]
     if (
-        not network.held[bottom, 1].all()
+        not network.fixed[bottom, 1].all()
         or np.ptp(height) > SAME_PLACE * np.abs(network.start[top, 1] - height[0]).max()
     ):
         raise ProblemError(

@@ -177,7 +177,7 @@ def _step_to_voltage(
 ) -> ActuatorEquilibrium | None:
     """Stable equilibrium at a voltage near that of `held`, None if none is found."""
     network = actuator.network
-    u = np.where(network.held, network.displacement, held.displacement)
+    u = np.where(network.fixed, network.displacement, held.displacement)
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # refused by the residual
             found = find_equilibrium(
@@ -193,7 +193,7 @@ def make_equilibrium(
 ) -> ActuatorEquilibrium:
     """Build the equilibrium at a voltage from the result of a search."""
     displacement, electric, solves = found
-    balance = residual_force(actuator, displacement, electric)[~actuator.network.held]
+    balance = residual_force(actuator, displacement, electric)[~actuator.network.fixed]
     displacement.setflags(write=False)
     residual = float(np.abs(balance).max(initial=0.0))
     return ActuatorEquilibrium(actuator, voltage, displacement, electric.charges, solves, residual)

@@ -97,7 +97,7 @@ def slab(
         deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
         rest_length=np.linalg.norm(lattice.vectors, axis=1),
         mass=deep * lattice.point_volume,
-        held=np.column_stack([bonded | gripped, bonded]),
+        fixed=np.column_stack([bonded | gripped, bonded]),
     )
     upper, lower = np.flatnonzero(y == y.max()), np.flatnonzero(bonded)
     top, bottom = (at[np.argsort(x[at], kind="stable")] for at in (upper, lower))
@@ -130,10 +130,10 @@ def fix_near_tips(actuator: Actuator, within: float) -> Actuator:
     start = network.start
     away = np.linalg.norm(start[:, None] - start[top[[0, -1]]], axis=2).min(axis=1)
     near = away <= distance + WHOLE * float(np.ptp(start, axis=0).max()) / len(start)
-    held = network.held | near[:, None]
+    held = network.fixed | near[:, None]
     if held.all():
         raise ProblemError(f"distance from a tip: {distance:g} m; it holds every point, give less")
-    return replace(actuator, network=replace(network, held=held))
+    return replace(actuator, network=replace(network, fixed=held))
 
 
 def _bare_columns(covered: float, columns: int) -> int:

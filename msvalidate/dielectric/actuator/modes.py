@@ -51,7 +51,7 @@ def lowest_modes(held: ActuatorEquilibrium, count: int = 1) -> tuple[Array, Arra
     actuator, n = held.actuator, len(held.displacement)
     electric = charge_actuator(actuator, held.position, held.voltage)
     K = stiffness(actuator, held.position, electric)
-    free = np.flatnonzero(~actuator.network.held.ravel())
+    free = np.flatnonzero(~actuator.network.fixed.ravel())
     if whole_number("count", count, 1) > len(free):
         raise ProblemError(f"count: {count} modes; the actuator has {len(free)} free components")
     values, vectors = _smallest(csr_array(0.5 * (K + K.T)), count)

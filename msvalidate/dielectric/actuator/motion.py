@@ -78,7 +78,7 @@ def relax_actuator(
     u = np.array(network.displacement)
     if start is not None:
         refuse_other_network(actuator, start)
-        u = np.where(network.held, u, start.displacement)
+        u = np.where(network.fixed, u, start.displacement)
     lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
     rate = 2 * lowest
     dt = SAFETY * stability_limit(EULER_CROMER, lowest, highest, rate)
@@ -93,7 +93,7 @@ def relax_actuator(
                 raise SolverError(f"{name} diverged by step {step}; take a lower voltage")
             electric, pull = _charge(actuator, u, volts, f"{name}: pulled in by step {step}")
         stored = motion.force_and_energy(u, force)
-        balance = np.where(network.held, 0.0, force + pull)
+        balance = np.where(network.fixed, 0.0, force + pull)
         kinetic = 0.5 * float((inertia * v**2).sum())
         is_still = is_looked_at and kinetic <= tolerance**2 * stored
         if is_still and is_balanced(actuator, u, electric, tolerance):

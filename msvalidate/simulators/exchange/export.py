@@ -290,7 +290,7 @@ def _spring_request(
         mass=np.array(network.mass),
         gravity=gravity,
         force=np.array(network.force),
-        held=np.array(network.held),
+        held=np.array(network.fixed),
         value=np.array(network.displacement),
         settings=settings,
         springs=Springs(

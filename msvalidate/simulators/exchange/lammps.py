@@ -136,7 +136,7 @@ def _data(network: Network, said: str, heavy: Array) -> bytes:
     """The data file: atoms where the supports hold them at the start, bonds, and what is theirs."""
     start, points, force, held = (
         np.pad(each, ((0, 0), (0, 3 - network.dim)))
-        for each in (network.start, network.points, network.force, network.held.astype(int))
+        for each in (network.start, network.points, network.force, network.fixed.astype(int))
     )
     room = 2 * float(network.rest_length.max())
     constants = np.column_stack([network.stiffness / 2, network.rest_length])

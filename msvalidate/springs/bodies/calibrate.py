@@ -170,7 +170,7 @@ def _measure_tension(
 ) -> TensionCheck:
     """Error of a body (n, d) in tension, from networks, loads and target strains (d,)."""
     first, _ = pulls[0]
-    K, free = tangent(first, points), np.flatnonzero(~first.held.ravel())
+    K, free = tangent(first, points), np.flatnonzero(~first.fixed.ravel())
     wanted = [points * strain for _, strain in pulls]
     left = np.column_stack(
         [

@@ -135,7 +135,7 @@ def cut_network(
         lattice.springs,
         k * lattice.factor,
         mass=mass,
-        held=held,
+        fixed=held,
         displacement=displacement,
         force=force,
         volumes=volumes if kappa.any() else None,

@@ -177,7 +177,7 @@ def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
         raise ProblemError("fitted constants: no network; give a list, one a load case")
     for network in networks:
         require_type("network", network, Network)
-        refuse_free_motions("network", network.points, network.held)
+        refuse_free_motions("network", network.points, network.fixed)
         if network.prestressed:
             raise ProblemError("fitted constants: a spring pulls at rest; give none that does")
         if not np.array_equal(network.springs, networks[0].springs):
@@ -204,7 +204,7 @@ def _load_cases(
     cases = []
     for network, target in zip(networks, displacements, strict=True):
         u = finite_coordinates("wanted displacement", target, *network.points.shape)
-        free = np.flatnonzero(~network.held.ravel())
+        free = np.flatnonzero(~network.fixed.ravel())
         largest = float(np.abs(u).max(initial=0.0)) or 1.0  # squares of small numbers are none
         size = largest * float(np.linalg.norm(u.ravel()[free] / largest))
         if not size:
@@ -262,7 +262,7 @@ class _Response(NamedTuple):
 
 def _respond(case: _Case, p: Array) -> _Response:
     """Response of a load case to constants p."""
-    cells, free = case.network.volumes, np.flatnonzero(~case.network.held.ravel())
+    cells, free = case.network.volumes, np.flatnonzero(~case.network.fixed.ravel())
     network = replace(
         case.network,
         stiffness=p[case.kind] * case.network.stiffness,

@@ -116,7 +116,7 @@ def lattice_network(
         lattice.springs,
         k * lattice.factor * weight,
         mass=shared if mass == "shared" else np.full(len(shared), shared.mean()),
-        held=held,
+        fixed=held,
         displacement=displacement,
         force=force,
         volumes=volumes,

@@ -256,7 +256,7 @@ def crack_patch(
         x,
         springs,
         np.where(behind, 0.0, k[which]),
-        held=held,
+        fixed=held,
         displacement=np.where(held, crack_field(x, E, nu), 0.0),
     )
     fixed = rim[springs].all(axis=1)

@@ -82,9 +82,9 @@ def quickest_damping(network: Network, *, accuracy: float = 1e-3) -> Damping:
     require_type("network", network, Network)
     if not 1e-6 <= finite_number("accuracy of rest", accuracy) <= 0.5:
         raise ProblemError(f"accuracy of rest: {accuracy:g}; give a part of the way, 1e-6 to 0.5")
-    refuse_free_motions("network", network.points, network.held)
+    refuse_free_motions("network", network.points, network.fixed)
     at, solver = Configuration(network), Solver(network)
-    force = (at.force() + at.force_change(network.displacement) + network.force)[~network.held]
+    force = (at.force() + at.force_change(network.displacement) + network.force)[~network.fixed]
     if is_unloaded(network) or not force.any():
         raise ProblemError(
             "quickest damping: no load or prescribed displacement acts on what is free to move; "
@@ -119,7 +119,7 @@ def _excited_modes(at: Configuration, force: Array, solver: Solver) -> tuple[Arr
     if abs(found.softness) < SOFTEST_REFINED:
         why = explain_rounding(network, found.softness)
         raise SolverError(f"quickest damping: rounding hides the softest motion: {why}")
-    root = np.sqrt(np.repeat(network.mass, network.dim)[~network.held.ravel()])
+    root = np.sqrt(np.repeat(network.mass, network.dim)[~network.fixed.ravel()])
     vector = root * found.inverse.solve(force / max_abs(force))
     basis, images = np.empty((2, 0, len(root)))
     for _ in range(VECTORS):

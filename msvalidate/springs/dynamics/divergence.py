@@ -193,7 +193,7 @@ def is_at_rest(network: Network, start: MotionState) -> bool:
 
     It then has no load, velocity or displacement, and the springs are in balance.
     """
-    free = ~network.held
+    free = ~network.fixed
     if start.x.any() or start.v.any() or network.force[free].any():
         return False
     with np.errstate(over="ignore"):
@@ -213,13 +213,13 @@ def refuse_lost_digits(
     """
     moved = max(max_abs(start.x), max_abs(end.x))
     ends = [np.abs(network.points + one.x) for one in (start, end)]
-    at = 0.5 * EPS * max_abs(np.where(network.held, 0.0, np.maximum(*ends)))
+    at = 0.5 * EPS * max_abs(np.where(network.fixed, 0.0, np.maximum(*ends)))
     along = network.size / float(network.distance.max())
     lost = max(at, 0.5 * EPS * rounded * along)
     if moved * DIGITS >= lost:
         return
     moved = max(moved, _expected_displacement(network, start, end))
-    loaded = bool(network.force[~network.held].any())
+    loaded = bool(network.force[~network.fixed].any())
     if not loaded and (start.x.any() or moved <= AT_REST * at):
         return
     if 0 < moved * DIGITS < lost:
@@ -238,7 +238,7 @@ def _expected_displacement(network: Network, start: MotionState, end: MotionStat
     """
     size = network.size
     k = network.rounding(size) / (EPS * size)
-    mass, free = network.mass[:, None], ~network.held
+    mass, free = network.mass[:, None], ~network.fixed
     force = np.maximum(np.abs(start.a) * mass, np.abs(network.force))
     speed = np.maximum(np.abs(start.v), np.abs(end.v))
     with np.errstate(all="ignore"):  # where there are no springs: infinite, if anything acts

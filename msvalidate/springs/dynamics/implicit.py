@@ -85,7 +85,7 @@ class NetworkAcceleration:
 
     def __init__(self, network: Network, ground: Ground | None = None) -> None:
         self.network, self.ground = network, ground
-        self.free = ~network.held
+        self.free = ~network.fixed
         self._factor: tuple[Factor, float] | None = None
 
     def __call__(self, x: Array) -> Array:

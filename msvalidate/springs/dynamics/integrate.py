@@ -153,7 +153,7 @@ def motion(
     run = Stepping(network, integrator, dt, steps, rate, ground)
     if warn:
         warn_beyond_limit(run)
-    free, acceleration = ~network.held, NetworkAcceleration(network, ground)
+    free, acceleration = ~network.fixed, NetworkAcceleration(network, ground)
     x = np.array(state.position, dtype=float) - network.points
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         if breakage is not None:
@@ -305,7 +305,7 @@ def euler_cromer(
     if warn:
         warn_beyond_limit(run)
     u = np.array(state.position, dtype=float) - network.points
-    v = np.where(network.held, 0.0, state.velocity)
+    v = np.where(network.fixed, 0.0, state.velocity)
     force = np.empty_like(u)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         if breakage is not None:
@@ -316,7 +316,7 @@ def euler_cromer(
         moving.force_and_energy(u, force)
         if ground is not None:
             force[ground.points] += ground.push(u[ground.points])
-        pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
+        pushed = np.where(network.fixed, 0.0, (force + network.force) / network.mass[:, None])
         start = MotionState(u.copy(), v.copy(), pushed)
         if steps and not is_at_rest(network, start):
             reach = largest_reach(run, start)

@@ -49,7 +49,7 @@ class Ledger:
 
     def __call__(self, step: int, state: State) -> None:
         """Book a step."""
-        free = ~self.network.held
+        free = ~self.network.fixed
         before, self.last = self.last, state
         half = (state.position - before.position) / self.dt
         moving = before.velocity, half, state.velocity
@@ -59,7 +59,7 @@ class Ledger:
     def book(self, step: int, state: State) -> None:
         """Add a row."""
         u = state.position - self.network.points
-        v = np.where(self.network.held, 0.0, state.velocity)
+        v = np.where(self.network.fixed, 0.0, state.velocity)
         kinetic = float(self.network.mass @ (v**2).sum(axis=1)) / 2
         stored = Configuration(self.breakage.whole(self.network), u).energy()
         loads = float((self.network.force * (state.position - self.start)).sum())

@@ -57,7 +57,7 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
         part = min(1.0, LARGEST_TURN / max(turn, 1e-300))
         run.displacement += part * step
         if part == 1:
-            run.displacement[network.held] = network.displacement[network.held]
+            run.displacement[network.fixed] = network.displacement[network.fixed]
         run.moved(1, 1)
 
 
@@ -84,7 +84,7 @@ class _Multigrid:
     """
 
     def __init__(self, run: Run) -> None:
-        self.run, self.free = run, ~run.network.held
+        self.run, self.free = run, ~run.network.fixed
         self.residual = 0.0
         self.cycle: Cycle | None = None
 

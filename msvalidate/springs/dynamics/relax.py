@@ -134,7 +134,7 @@ def relax(
     require_entry("method", method, Method, "RELAXATIONS", RELAXATIONS)
     _check_stopping(tolerance, max_steps, look_every, watch)
     require_type("allow_folded", allow_folded, bool)
-    refuse_free_motions("network", network.points, network.held)
+    refuse_free_motions("network", network.points, network.fixed)
     begun = start_displacement(network, start)
     stages = [network] if path is None else _load_stages(load_path(network, path, begun))
     known, done = _check_frequencies(frequencies), []
@@ -230,7 +230,7 @@ def _refuse_inaccurate(network: Network, result: Relaxation, error: float, title
     relative to that.
     """
     rest = result.equilibrium
-    load = max_abs(network.force[~network.held])
+    load = max_abs(network.force[~network.fixed])
     moved = max_abs(rest.displacement)
     seen = moved > FEW_UNITS * np.finfo(float).eps * max_abs(network.points)
     if error < 1 or not (seen or rest.residual > BALANCED * load):
@@ -246,7 +246,7 @@ def _refuse_inaccurate(network: Network, result: Relaxation, error: float, title
 
 def _load_stages(path: LoadPath) -> list[Network]:
     """The networks with what is applied at each stop of a path."""
-    held = path.network.held
+    held = path.network.fixed
     early = [
         replace(
             path.network, force=path.force(t), displacement=np.where(held, path.prescribed(t), 0.0)
@@ -287,7 +287,7 @@ def _run_to_rest(
     run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
 ) -> tuple[Relaxation, bool]:
     """The run at its end, and whether that is rest; what is held at every point is not asked."""
-    if run.network.held.all():
+    if run.network.fixed.all():
         return Monitor(run).result(0.0), False
     given, stride = steps
     walk = method.walk(run)

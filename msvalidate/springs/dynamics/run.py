@@ -149,7 +149,7 @@ class Run:
         if not self._known:
             self.stored = self.motion.force_and_energy(self.displacement, self._force)
             self._force += self.network.force
-            self._force[self.network.held] = 0.0
+            self._force[self.network.fixed] = 0.0
             self._known = True
         return self._force
 
@@ -254,7 +254,7 @@ class ConvergenceTest:
             return False
         if residual > max(run.tolerance * self._all_converged(), rounding + max_abs(self._misfit)):
             return False
-        held = run.network.held
+        held = run.network.fixed
         if (run.displacement[held] != run.network.displacement[held]).any():
             return False
         return self._balanced()

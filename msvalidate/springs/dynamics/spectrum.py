@@ -178,7 +178,7 @@ def _rigid_motions(network: Network, *, allowed: bool) -> int:
     count = 0
     for label in range(parts):
         own = np.flatnonzero(part == label)
-        held = network.held[own]
+        held = network.fixed[own]
         if parts > 1 and held.all():
             continue
         apart = network.points[own] - network.points[own].mean(axis=0)
@@ -227,7 +227,7 @@ def _separate_rounding(network: Network, squares: Array, highest: float, zero: i
 
 def _squares_by_energy(network: Network, count: int) -> Array:
     """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
-    inside = np.flatnonzero(~network.held.ravel())
+    inside = np.flatnonzero(~network.fixed.ravel())
     at = Configuration(network)
     factor = Solver(network).regular(at).inverse
     mass = np.repeat(network.mass, network.dim)[inside]
@@ -261,7 +261,7 @@ def highest_frequency(network: Network, *, tolerance: float = 0.0) -> float:
 
 def _dynamical_matrix(network: Network) -> csr_array:
     """M^(-1/2) K M^(-1/2) on the free components."""
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     if not len(free):
         raise ProblemError("natural frequencies: every component is held; nothing can move")
     scale = diags_array(1 / np.sqrt(np.repeat(network.mass, network.dim)[free]))
@@ -340,11 +340,11 @@ def _smallest_by_multigrid(
     A = restrained_tangent(at)
     cycle = cycle or make_cycle(A, at)
     if cycle.indefinite_motion is None:
-        inside = np.flatnonzero(~network.held.ravel())
+        inside = np.flatnonzero(~network.fixed.ravel())
         root, of_stiffness = np.sqrt(np.repeat(network.mass, network.dim)[inside]), cycle
 
         def applied(residual: Array) -> Array:
-            force = np.zeros(network.held.size)
+            force = np.zeros(network.fixed.size)
             force[inside] = root * residual.ravel()
             return np.asarray(root * of_stiffness(force)[inside])
 

@@ -92,7 +92,7 @@ class Motion:
         self._waves, self._ground, self._breakage = waves, ground, breakage
         self._sweep: Sweep | None = None
         self._shared: Threads | None = None
-        self._held = np.flatnonzero(network.held)
+        self._held = np.flatnonzero(network.fixed)
 
     @property
     def path(self) -> Path:
@@ -139,7 +139,7 @@ class Motion:
             once = np.ones(len(force))
             self.advance(np.array(displacement, dtype=float), force, 0 * once, once, 0.0, 1)
             force *= network.mass[:, None]
-        force[network.held] = 0.0
+        force[network.fixed] = 0.0
         return force
 
     def advance(

@@ -55,7 +55,7 @@ class Sweep:
         self._order = order = self.layout.order if len(self.layout.order) else np.arange(n)
         self._rest, self._still = network.points[order], _zeros(n, 2 * self._half)
         with np.errstate(over="ignore", divide="ignore"):  # the motion that it gives is refused
-            self._still[:, :d] = np.where(network.held[order], 0.0, 1 / network.mass[order, None])
+            self._still[:, :d] = np.where(network.fixed[order], 0.0, 1 / network.mass[order, None])
         self._still[:, self._half : self._half + d] = network.force[order]
         self._mass = network.mass[order]
         self._straight = network.law.straight

@@ -187,7 +187,7 @@ def _grid(network: Network, shape: tuple[int, ...], order: Index, ways: list[_Wa
         weight[kind, : len(way.weight)] = way.weight
     stiffness = stiffness.reshape(-1, 3 * len(groups))
     with np.errstate(over="ignore", divide="ignore"):  # the motion that it gives is refused
-        mobility = np.where(network.held, 0.0, 1 / network.mass[:, None])
+        mobility = np.where(network.fixed, 0.0, 1 / network.mass[:, None])
     special = (weight[stiffness.any(axis=0)] != 1).reshape(-1, pitch // WIDTH, WIDTH)
     return Grid(
         shape=shape,

@@ -224,7 +224,7 @@ def frequency_bound(network: Network) -> float:
 
     Source: [Gershgorin1931].
     """
-    free = ~network.held.ravel()
+    free = ~network.fixed.ravel()
     mass = np.repeat(network.mass, network.dim)[free]
     rows = abs(csr_array(Configuration(network).tangent())) @ free.astype(float)
     with np.errstate(over="ignore"):  # infinite is a bound too

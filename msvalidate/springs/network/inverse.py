@@ -92,7 +92,7 @@ class Regular:
         if not is_certain(soft):  # so little may be rounding: a purer motion tells
             purer = softest_motion(found.A, self.at)
             if purer.any():
-                soft, mode = self._judged(purer[~self.at.network.held.ravel()])
+                soft, mode = self._judged(purer[~self.at.network.fixed.ravel()])
         _refuse_unsettled(told)
         return soft, mode
 
@@ -101,7 +101,7 @@ class Regular:
 
         A motion without stiffness is refused.
         """
-        free = ~self.at.network.held.ravel()
+        free = ~self.at.network.fixed.ravel()
         mode, met = np.zeros(free.shape), np.zeros(free.shape)
         mode[free], met[free] = direction, self.diagonal
         soft = relative_stiffness(self.at, mode, met)
@@ -116,13 +116,13 @@ class Solver:
     Raises `ProblemError` if there is no such solver.
 
     `network`: others with the same points, springs and supports may be asked about as well.
-    `wanted`: "direct", "multigrid", or "auto", which counts what a factor takes. `cycle`: of a
+    `purpose`: "direct", "multigrid", or "auto", which counts what a factor takes. `cycle`: of a
     place close by, for the first multigrid.
     """
 
     def __init__(self, network: Network, purpose: str = "auto", cycle: Cycle | None = None) -> None:
         require_one_of("solver", purpose, SOLVERS)
-        self.wanted, self._network = purpose, network
+        self.purpose, self._network = purpose, network
         self.is_indefinite = False
         """True if multigrid stopped at a tangent that is not positive definite."""
         self._cycle = cycle
@@ -145,7 +145,7 @@ class Solver:
         Raises `SolverError` if some motion meets no stiffness, or memory does not suffice.
         """
         K = at.tangent() if K is None else K
-        diagonal = K.diagonal()[~at.network.held.ravel()]
+        diagonal = K.diagonal()[~at.network.fixed.ravel()]
         found = Regular(at, self.inverse(at, K, mend=self.is_direct), diagonal)
         if self.is_direct:
             _ = found.softness  # a mechanism is refused here
@@ -172,7 +172,7 @@ class Solver:
         component, or memory does not suffice.
         """
         network, alone = at.network, K.diagonal()
-        inside = np.flatnonzero(~network.held.ravel())
+        inside = np.flatnonzero(~network.fixed.ravel())
         if not alone[inside].all():  # nothing at all is in the way
             mode = np.zeros(len(alone))
             mode[inside[alone[inside] == 0][0]] = 1.0
@@ -182,7 +182,7 @@ class Solver:
         if self._order is None:
             self._order = dissection(self._network).order
         A = csr_array(K)[inside][:, inside]
-        return factorise(A, free_unknowns(self._order, network.held), mend=mend)
+        return factorise(A, free_unknowns(self._order, network.fixed), mend=mend)
 
     def fall_back_to_factor(self, error: SolverError, most: float = np.inf) -> None:
         """Use a factor from now on, because multigrid failed.
@@ -191,7 +191,7 @@ class Solver:
 
         `most` entries are the largest that is taken.
         """
-        if self.wanted != "auto" or self.is_direct:
+        if self.purpose != "auto" or self.is_direct:
             raise SolverError(f"{error}; take solver 'direct'") from error
         self.refuse_too_large(str(error), most)
         self._cycle = self._last = None
@@ -199,7 +199,7 @@ class Solver:
 
     def refuse_too_large(self, what: str, most: float = np.inf) -> None:
         """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
-        if self.wanted == "direct":
+        if self.purpose == "direct":
             return
         entries = self._network.dim**2 * dissection(self._network).entries
         if entries > min(most, choice.MOST_IN_NEED):
@@ -209,8 +209,8 @@ class Solver:
             )
 
     def _chosen(self) -> Choice:
-        if self.wanted != "auto":
-            return Choice(self.wanted, QUESTIONS)
+        if self.purpose != "auto":
+            return Choice(self.purpose, QUESTIONS)
         network, d = self._network, self._network.dim
         entries = d**2 * len(network.blocks.column)
         chosen, found = choose(network.points, connected_pairs(network), d, entries)
@@ -220,7 +220,7 @@ class Solver:
     def _multigrid(self, at: Configuration, K: bsr_array) -> Cycles:
         last = self._last.cycle if self._last else self._cycle
         A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
-        restrain_in_place(A, ~at.network.held)
+        restrain_in_place(A, ~at.network.fixed)
         self._last = Cycles(A, at, last or make_cycle(A, at), last is None)
         return self._last
 
@@ -244,7 +244,7 @@ class Once(Solver):
 
 def elimination_order(network: Network) -> Index:
     """Free components (f,) of a network in the order to eliminate them."""
-    return free_unknowns(dissection(network).order, network.held)
+    return free_unknowns(dissection(network).order, network.fixed)
 
 
 def dissection(network: Network) -> Dissection:

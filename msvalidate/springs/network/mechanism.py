@@ -25,7 +25,7 @@ def relative_stiffness(at: Configuration, motion: Array, stiffness: Array) -> fl
     `stiffness` (n·d,) in N/m is what each component meets on its own, the tangent's diagonal. A
     point is judged by all of its free ones: a motion across its only spring has none of its own.
     """
-    held = at.network.held
+    held = at.network.fixed
     way = motion.reshape(held.shape)
     own = np.where(held, 0.0, np.abs(stiffness).reshape(held.shape)).sum(axis=1)
     apart = float((way**2).sum(axis=1) @ own)

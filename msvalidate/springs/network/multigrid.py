@@ -89,7 +89,7 @@ class Cycles:
         if not largest:
             return np.zeros(len(right))
         size = 2.0 ** math.frexp(largest)[1]
-        found = self._settled(right / size, part)
+        found = self._iterate(right / size, part)
         if found.negative or not found.reduction <= part * min(found.lowest, 1.0):
             raise NotConvergedError(
                 f"multigrid: {found.reduction:.1g} of the residual is left after {found.steps} "
@@ -129,10 +129,10 @@ class Cycles:
         """Another step of inverse iteration from a motion (f,); whether it was told."""
         weight = self.A.diagonal()[self._free]
         load = weight / weight.max() * (mode / np.abs(mode).max())
-        found = self._settled(load, ROUGHLY)
+        found = self._iterate(load, ROUGHLY)
         return found.solution[self._free], not found.negative and found.reduction <= ROUGHLY
 
-    def _settled(self, right: Array, part: float) -> Iterated:
+    def _iterate(self, right: Array, part: float) -> Iterated:
         """Solve for a load (f,) by conjugate gradients, with a new cycle if needed."""
         while True:
             load = np.zeros(self.A.shape[0])
@@ -146,7 +146,7 @@ class Cycles:
 
     @cached_property
     def _free(self) -> Mask:
-        return np.asarray(~self.at.network.held.ravel())
+        return np.asarray(~self.at.network.fixed.ravel())
 
 
 def refuse_mechanism_motion(A: bsr_array, at: Configuration) -> None:
@@ -162,7 +162,7 @@ def refuse_mechanism_motion(A: bsr_array, at: Configuration) -> None:
 def restrained_tangent(at: Configuration) -> bsr_array:
     """The tangent there, its free part left: see `restrain_in_place`."""
     K = at.tangent()
-    restrain_in_place(K, ~at.network.held)
+    restrain_in_place(K, ~at.network.fixed)
     return K
 
 
@@ -171,7 +171,7 @@ def make_cycle(A: bsr_array, at: Configuration) -> Cycle:
 
     `A` is `restrained_tangent` there. The same system has the same cycle, to the last digit.
     """
-    network, free = at.network, ~at.network.held
+    network, free = at.network, ~at.network.fixed
     centred = network.points - network.points.mean(axis=0)
     centred += at.displacement - at.displacement.mean(axis=0)
     rigid = rigid_motions(centred / np.abs(centred).max()).reshape(free.size, -1)
@@ -209,7 +209,7 @@ def softest_motion(A: bsr_array, at: Configuration) -> Array:
     data = A.data.copy()
     data[A.indices == row] += LOOSE * A.data.max() * (met.reshape(-1, d, 1) * np.eye(d))
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
-    free = ~at.network.held
+    free = ~at.network.fixed
     cycle = make_cycle(stiffened, at)
     mode = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0).ravel()
     unsettled = 0
@@ -233,13 +233,13 @@ def force_against(at: Configuration, motion: Array) -> Array:
 
     By the springs' own vectors: sums of large entries would lose what meets little.
     """
-    held = at.network.held
+    held = at.network.fixed
     return np.where(held, 0.0, -at.force_change(motion.reshape(held.shape))).ravel()
 
 
 def free_force(at: Configuration, mode: Array) -> Array:
     """As `force_against`, of and on what is free (f,)."""
-    free = ~at.network.held.ravel()
+    free = ~at.network.fixed.ravel()
     motion = np.zeros(free.shape)
     motion[free] = mode
     return force_against(at, motion)[free]

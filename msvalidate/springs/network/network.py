@@ -70,7 +70,7 @@ class Network:
         Rest lengths (m), shape (m,), > 0. For zero-length springs it is only a length scale.
     mass
         Masses (kg), shape (n,), > 0.
-    held
+    fixed
         Mask (n, d) of the components with prescribed displacement.
     displacement
         Prescribed displacements (m), shape (n, d), 0 where the component is free.
@@ -95,7 +95,7 @@ class Network:
     stiffness: Array
     rest_length: Array
     mass: Array
-    held: Mask
+    fixed: Mask
     displacement: Array
     force: Array
     volumes: Volumes | None = None
@@ -117,13 +117,13 @@ class Network:
         ):
             need = f"this network needs {shape}"
             object.__setattr__(self, name, checked(name, getattr(self, name), *shape, need=need))
-        held, moved = boolean_mask("held", self.held, (n, d)), self.displacement
+        fixed, moved = boolean_mask("fixed", self.fixed, (n, d)), self.displacement
         require_type("law", self.law, SpringLaw)
         below = (self.stiffness < 0) & self.law.rests
         need = f"N/m; it must be 0 or more by the {self.law.name} law"
         refuse_first_bad("stiffness", self.stiffness, below, need)
         refuse_first_bad(
-            "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
+            "displacement", moved[~fixed], moved[~fixed] != 0, "m of what is not fixed; fix it too"
         )
         refuse_first_bad(
             "rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0"
@@ -137,14 +137,14 @@ class Network:
         # Below 1/LONGEST a distance is rounded away when it is squared.
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
         refuse_first_bad("spring length", distance, together, "m; its two points coincide")
-        object.__setattr__(self, "held", held)
+        object.__setattr__(self, "fixed", fixed)
         if self.volumes is not None:
             require_type("volumes", self.volumes, Volumes)
             if not np.array_equal(self.volumes.points, self.points):
                 raise ProblemError("volumes: of other points than the network's; give its own")
         if self.cells is not None:
             object.__setattr__(self, "cells", check_cells(self.cells, n, d))
-        for array in (self.springs, self.held):
+        for array in (self.springs, self.fixed):
             array.setflags(write=False)
 
     @property
@@ -291,7 +291,7 @@ def spring_network(
     *,
     rest_length: ArrayLike | None = None,
     mass: ArrayLike = 1.0,
-    held: ArrayLike | None = None,
+    fixed: ArrayLike | None = None,
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
@@ -313,7 +313,7 @@ def spring_network(
         the network has no prestress.
     mass
         Masses (kg) of the points, shape (n,) or one number, > 0.
-    held
+    fixed
         Components with prescribed displacement, boolean array of shape (n, d). Default: none.
     displacement
         Prescribed displacements (m), shape (n, d), 0 where the component is free. Default: zero.
@@ -358,7 +358,7 @@ def spring_network(
         if rest_length is None
         else broadcast_values("rest_length", rest_length, len(pairs)),
         mass=broadcast_values("mass", mass, len(x)),
-        held=boolean_mask("held", zero if held is None else held, x.shape),
+        fixed=boolean_mask("fixed", zero if fixed is None else fixed, x.shape),
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
         volumes=volumes,

@@ -25,7 +25,7 @@ def is_unloaded(network: Network) -> bool:
 
     In balance to rounding, as a form that was found under tension is.
     """
-    acting = network.force[~network.held], network.displacement, network.rest_force[~network.held]
+    acting = network.force[~network.fixed], network.displacement, network.rest_force[~network.fixed]
     return not any(each.any() for each in acting)
 
 
@@ -74,7 +74,7 @@ def force_scale(at: Configuration) -> float:
     network = at.network
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
         met = np.linalg.norm(network.force, axis=1) + at.force_magnitudes()
-    scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
+    scale = float(met[~network.fixed.all(axis=1)].max(initial=0.0))
     if not math.isfinite(scale):
         raise SolverError(
             "network: forces beyond all numbers meet at a point; choose units that give ordinary "

@@ -168,8 +168,8 @@ def propagate_crack(
             "breaking: springs that are stretched or pressed at rest; take rest lengths that are "
             "the distances of their points, or a motion"
         )
-    refuse_free_motions("network", network.points, network.held)
-    if not (network.force[~network.held].any() or network.displacement.any()):
+    refuse_free_motions("network", network.points, network.fixed)
+    if not (network.force[~network.fixed].any() or network.displacement.any()):
         raise ProblemError("breaking: nothing is raised; give loads or prescribed displacements")
     if finite_number("raised", raised) <= 0:
         raise ProblemError(f"raised: {raised:g}; give a factor of the loads above 0")
@@ -239,7 +239,7 @@ class BreakingPath:
         """Work (J) of loads and supports up to a factor of 1, twice."""
         pull = (self.stiffness * self.elongation(self.unit))[:, None] * self.along
         inner = self.network.assemble_forces(pull)
-        outer = np.where(self.network.held, -inner, self.network.force)
+        outer = np.where(self.network.fixed, -inner, self.network.force)
         return float((outer * self.unit).sum())
 
     def elongation(self, u: Array, springs: Index | slice = slice(None)) -> Array:
@@ -335,7 +335,7 @@ class BreakingPath:
 
     def _solve(self, springs: Index) -> tuple[Array, Array]:
         """Displacements (b, n, d) due to unit pulls, and the compliance (b, b)."""
-        free = ~self.network.held
+        free = ~self.network.fixed
         columns = np.zeros((len(springs), *self.unit.shape))
         for column, spring in zip(columns, springs if free.any() else NONE, strict=False):
             inverse = self.solver.regular(self._at).inverse
@@ -363,12 +363,12 @@ class BreakingPath:
         size = np.abs(modes).max(axis=(1, 2), keepdims=True)
         self.loose |= (np.abs(modes) > LOOSE * size).any(axis=(0, 2))
         which = qr(modes.reshape(len(modes), -1), mode="r", pivoting=True)[1][: len(modes)]
-        held = self.network.held.copy()
+        held = self.network.fixed.copy()
         held.ravel()[which] = True
-        self.network = replace(self.network, held=held)
+        self.network = replace(self.network, fixed=held)
         self._factorise()
         # Without a force where the loads leave them: the rest of their pieces comes along.
-        moved = np.where(held & ~self.initial_network.held, at, 0.0)
+        moved = np.where(held & ~self.initial_network.fixed, at, 0.0)
         alone = replace(self.network, force=0 * self.initial_network.force, displacement=moved)
         self.still = refine_linear(alone, self.solver).solution
 
@@ -379,7 +379,7 @@ class BreakingPath:
             self.network,
             stiffness=self.stiffness.copy(),
             force=load * self.initial_network.force,
-            displacement=np.where(self.network.held, load * self.unit + self.still, 0.0),
+            displacement=np.where(self.network.fixed, load * self.unit + self.still, 0.0),
         )
         u, choice = load * self.unit + self.still, self.solver.choice
         return FractureResult(

@@ -165,7 +165,7 @@ def solve_contact(
     require_one_of("geometry", geometry, ("linear", "nonlinear"))
     each = (touching,) if isinstance(touching, ContactCandidates) else tuple(touching)
     _refuse_other(network, each, geometry)
-    refuse_free_motions("network", network.points, network.held)
+    refuse_free_motions("network", network.points, network.fixed)
     way = _ContactPath(network, each, geometry)
     part, done = 1.0, 0.0
     while done < 1:
@@ -288,7 +288,7 @@ class _ContactPath:
     def _still(self, normal: Array) -> Mask:
         """Candidates (c,) that supports hold along their normals (c, d)."""
         return np.asarray(
-            (np.abs(normal) * ~self.network.held[self.points]).max(axis=1) < CONSTRAINED
+            (np.abs(normal) * ~self.network.fixed[self.points]).max(axis=1) < CONSTRAINED
         )
 
     def lower(self, part: float) -> None:

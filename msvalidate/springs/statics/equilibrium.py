@@ -137,7 +137,7 @@ def equilibrium(
     4.000000e-04 m
     """
     require_type("network", network, Network)
-    refuse_free_motions("network", network.points, network.held)
+    refuse_free_motions("network", network.points, network.fixed)
     require_one_of("geometry", geometry, ("linear", "nonlinear"))
     require_type("allow_folded", allow_folded, bool)
     if geometry == "linear" and not (path is None and start is None):
@@ -206,8 +206,8 @@ def equilibrium_at(
     return Equilibrium(
         displacement=displacement,
         position=position,
-        reaction=np.where(network.held, -left, 0.0),
-        residual=max_abs(left[~network.held]),
+        reaction=np.where(network.fixed, -left, 0.0),
+        residual=max_abs(left[~network.fixed]),
         iterations=iterations,
         error=error,
         folded=count_folded(network.simplices, position),
@@ -233,7 +233,7 @@ def _solve_by(solver: Solver, solve: Callable[[], Equilibrium]) -> Equilibrium:
 
 def _solve_linear(network: Network, solver: Solver) -> Equilibrium:
     found = refine_linear(network, solver)
-    choice = None if network.held.all() else solver.choice
+    choice = None if network.fixed.all() else solver.choice
     u, steps = found.solution, 1 + found.steps
     return equilibrium_at(network, u, steps, error=found.error, solver=choice, linear=True)
 
@@ -250,7 +250,7 @@ def _solve_nonlinear(
         found.solves + end.steps,
         error=end.error,
         passed_limit=found.passed_limit,
-        solver=None if network.held.all() else solver.choice,
+        solver=None if network.fixed.all() else solver.choice,
     )
 
 
@@ -305,7 +305,7 @@ def _explain_failure(network: Network, solver: Solver, result: PathResult) -> st
 
 def _explain_pivots(network: Network, solver: Solver) -> str:
     """Why the signs of pivots may be rounding at the reference points; empty where they are not."""
-    if network.held.all():
+    if network.fixed.all():
         return ""
     try:
         found = solver.regular(Configuration(network))

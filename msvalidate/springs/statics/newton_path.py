@@ -149,7 +149,7 @@ def _newton_along(
     force, target = path.force(t), path.prescribed(t)
     first, calm = None, True
     for iteration in range(steps):
-        ahead = np.where(network.held, target - u, 0.0)
+        ahead = np.where(network.fixed, target - u, 0.0)
         try:
             at = Configuration(network, u)
             balance = at.force() + force
@@ -162,12 +162,12 @@ def _newton_along(
         result.solves += 1
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
         arrived = max_abs(ahead) <= _rounding(u)
-        if arrived and (np.abs(balance) <= small)[~network.held].all():
+        if arrived and (np.abs(balance) <= small)[~network.fixed].all():
             if not _is_stable(K):
                 return None
             there = PathPoint(t, u)
             smooth = first is None or (calm and _is_smooth(path, start, there, first, K))
-            return Arrival(there, smooth, K.found)
+            return Arrival(there, smooth, K.factorised)
         try:
             move = K.move(balance, ahead)
         except SolverError:  # multigrid met what is not positive, where a factor would go on
@@ -208,7 +208,7 @@ def _is_smooth(path: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tang
     if path.present is not None:
         load = load + Configuration(network, b.displacement).force()
         load = load - Configuration(path.network_at(a.t), b.displacement).force()
-    last = K.move(load, np.where(network.held, change, 0.0))
+    last = K.move(load, np.where(network.fixed, change, 0.0))
     size = spring(change)
     size = np.maximum(size, SMALL * size.max(initial=0.0) + _rounding(b.displacement) / MISSED)
     if (spring(change - (first + last) / 2) > BENT * size).any():

@@ -117,7 +117,7 @@ def load_path(
     begun = LoadPath(network, u, stops, given, start is not None, present)
     left = Configuration(begun.network_at(0.0), u).force() + begun.load(0.0)
     rounding = 4 * network.rounding(network.size + max_abs(u))
-    left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
+    left = np.where(network.fixed | (np.abs(left) <= rounding), 0.0, left)
     return replace(begun, released=left)
 
 
@@ -157,8 +157,8 @@ def _evaluate_path(network: Network, applied: Callable[[float], Applied], t: flo
     force = finite(f"path: force at t = {t:g}", force, *shape, need=need)
     name = f"path: displacement at t = {t:g}"
     displacement = finite_coordinates(name, displacement, *shape, need=need)
-    if displacement[~network.held].any():
-        point = int(np.flatnonzero((~network.held & (displacement != 0)).any(axis=1))[0])
+    if displacement[~network.fixed].any():
+        point = int(np.flatnonzero((~network.fixed & (displacement != 0)).any(axis=1))[0])
         raise ProblemError(
             f"path: displacement at t = {t:g} of point {point}, which is not held; return 0 there"
         )

@@ -56,7 +56,7 @@ class _System:
 
     def __init__(self, network: Network, factorised: Regular, *, linear: bool) -> None:
         self.network, self.factorised, self.linear = network, factorised, linear
-        self.free = ~network.held
+        self.free = ~network.fixed
 
     def residual(self, u: Array, network: Network | None = None) -> Array:
         """Residual force (n, d) in N on the free components.
@@ -125,7 +125,7 @@ def refine_linear(network: Network, solver: Solver) -> Refined:
     left.
     """
     prescribed = np.array(network.displacement)
-    if network.held.all():
+    if network.fixed.all():
         return Refined(prescribed, 0.0, 0)
     found = solver.regular(Configuration(network))
     why = explain_rounding(network, found.softness)
@@ -158,8 +158,8 @@ def refine_equilibrium(
     are left.
     """
     title = "nonlinear equilibrium"
-    u = np.where(network.held, network.displacement, displacement)
-    if network.held.all() or (is_unloaded(network) and not u.any()):
+    u = np.where(network.fixed, network.displacement, displacement)
+    if network.fixed.all() or (is_unloaded(network) and not u.any()):
         return Refined(u, 0.0, 0)
     before, best, steps = Configuration(network, u), math.inf, 0
     for _ in range(FACTORS):
@@ -194,9 +194,9 @@ def error_of_displacement(
     makes one, by `cycle` if that is one of a tangent close by, and a factor where it does not.
     """
     size = max_abs(displacement)
-    if network.held.all():
+    if network.fixed.all():
         return 0.0
-    force = np.where(network.held, 0.0, out_of_balance_force(network, displacement))
+    force = np.where(network.fixed, 0.0, out_of_balance_force(network, displacement))
     if not size:
         return math.inf if force.any() else 0.0
     at, solver = Configuration(network, displacement), Solver(network, cycle=cycle)

@@ -28,14 +28,14 @@ CLOSE = 1e-4
 
 def impose_supports(network: Network, displacement: Array) -> Array:
     """Displacement (n, d) in m with the prescribed values imposed on a given one."""
-    ahead = np.where(network.held, network.displacement - displacement, 0.0)
+    ahead = np.where(network.fixed, network.displacement - displacement, 0.0)
     i, j = network.springs.T
     change = ((ahead[j] - ahead[i]) ** 2).sum(axis=1)
     x = network.points + displacement
     if (change > ALONE**2 * ((x[j] - x[i]) ** 2).sum(axis=1)).any():
         ahead = _harmonic_extension(network, ahead)
     moved = displacement + ahead
-    moved[network.held] = network.displacement[network.held]
+    moved[network.fixed] = network.displacement[network.fixed]
     return np.asarray(moved)
 
 
@@ -50,7 +50,7 @@ def _harmonic_extension(network: Network, ahead: Array) -> Array:
     out = np.array(ahead)
     for axis in range(network.dim):
         # Points without stiffness stay: no equation asks them to move.
-        free = np.flatnonzero(~network.held[:, axis] & (met > 0))
+        free = np.flatnonzero(~network.fixed[:, axis] & (met > 0))
         if not len(free) or not ahead[:, axis].any():
             continue
         pull = joined[free] @ ahead[:, axis]

@@ -33,7 +33,7 @@ class Tangent:
 
     free: Index
     K: bsr_array
-    found: Regular | None
+    factorised: Regular | None
 
     @property
     def is_stable(self) -> bool:
@@ -41,7 +41,7 @@ class Tangent:
 
         The signs of the pivots decide where they are no rounding.
         """
-        return self.found is None or negative_modes(self.found) == 0
+        return self.factorised is None or negative_modes(self.factorised) == 0
 
     @property
     def no_pivot_negative(self) -> bool:
@@ -49,11 +49,11 @@ class Tangent:
 
         Multigrid has no pivots: it does not solve with what it finds to be negative.
         """
-        if self.found is None or not isinstance(self.found.inverse, Factor):
+        if self.factorised is None or not isinstance(self.factorised.inverse, Factor):
             return True
-        if self.found.negative == 0:
+        if self.factorised.negative == 0:
             return True
-        return not is_certain(self.found.softness)
+        return not is_certain(self.factorised.softness)
 
     def move(self, load: Array, fixed: Array) -> Array:
         """Motion (n, d) in m that balances a load (n, d) in N.
@@ -62,9 +62,9 @@ class Tangent:
         """
         move = np.array(fixed, dtype=float).ravel()
         move[self.free] = 0.0
-        if self.found is not None:
+        if self.factorised is not None:
             right = load.ravel() - self.K @ move if move.any() else load.ravel()
-            move[self.free] = self.found.inverse.solve(right[self.free])
+            move[self.free] = self.factorised.inverse.solve(right[self.free])
         return move.reshape(load.shape)
 
 
@@ -73,7 +73,7 @@ def tangent_at(at: Configuration, solver: Solver) -> Tangent:
 
     Raises `SolverError` if some motion meets no stiffness.
     """
-    free = np.flatnonzero(~at.network.held.ravel())
+    free = np.flatnonzero(~at.network.fixed.ravel())
     K = at.tangent()
     return Tangent(free, K, solver.regular(at, K) if len(free) else None)
 
@@ -86,7 +86,7 @@ def is_stable(at: Configuration, cycle: Cycle | None = None) -> bool:
     factor. `cycle` is a multigrid cycle of the same network close by, where there is one.
     """
     require_type("configuration", at, Configuration)
-    if at.network.held.all():
+    if at.network.fixed.all():
         return True
     try:
         return negative_modes(Solver(at.network, cycle=cycle).regular(at)) == 0
@@ -100,7 +100,7 @@ def refuse_mechanism(network: Network) -> None:
     Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
     it does name meets none.
     """
-    if network.held.all():
+    if network.fixed.all():
         return
     at, solver = Configuration(network), Solver(network)
     if solver.is_direct:

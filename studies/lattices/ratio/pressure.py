@@ -130,7 +130,7 @@ def push_row(todo: tuple[str, int]) -> dict[str, object]:
     springs = calibrate(2 * (1 + 1 / 3), 1 / 3, lattice).constants
     plain = lattice_network(problem, lattice, springs)
     whole = lattice_network(problem, lattice, springs, volume=1.0)
-    free = np.flatnonzero(~plain.held.ravel())
+    free = np.flatnonzero(~plain.fixed.ravel())
     K = tangent(plain, plain.points)[free][:, free].toarray()
     added = tangent(whole, whole.points)[free][:, free].toarray() - K
     squares = eigh(added, K, eigvals_only=True)[::-1]

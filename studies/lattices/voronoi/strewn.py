@@ -90,7 +90,7 @@ def stretch_body(body: Strewn, ends: str = "slide") -> tuple[kit.Problem, kit.Ne
     pull = STRAIN * gauge(body)
     move = np.zeros(x.shape)
     move[right, 0] = pull
-    network = spring_network(x, body.cells.springs, body.stiffness, held=held, displacement=move)
+    network = spring_network(x, body.cells.springs, body.stiffness, fixed=held, displacement=move)
     across = 0.0 if ends == "clamped" else None
     supports = [kit.Support(box.side("left"), (0.0, across))]
     supports.append(kit.Support(box.side("right"), (pull, across)))

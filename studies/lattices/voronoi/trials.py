@@ -119,11 +119,11 @@ def stop(load: str, damping: int, seed: int) -> tuple[float, float, float]:
     left, right = body.ends("left", "right")
     if load == "pulled":
         # The same ends, each point drawn by the force that held it.
-        held = np.array(network.held)
+        held = np.array(network.fixed)
         held[right, 0] = False
         force = np.where(right[:, None], static.reaction, 0.0)
         still = np.zeros(held.shape)
-        network = replace(network, held=held, displacement=still, force=np.array(force))
+        network = replace(network, fixed=held, displacement=still, force=np.array(force))
     lowest, highest = extreme_frequencies(network)
     seen: list[float] = []
     fastest = 0.0

@@ -55,7 +55,7 @@ def spring_tangent(seed, dim, push):
     held = np.zeros(points.shape, dtype=bool)
     held[:dim] = True
     stiffness = 10.0 ** rng.uniform(-1, 1, len(springs))
-    network = spring_network(points, springs, stiffness, rest_length=push * length, held=held)
+    network = spring_network(points, springs, stiffness, rest_length=push * length, fixed=held)
     free = ~held.ravel()
     return tangent(network, points)[free][:, free]
 

@@ -171,7 +171,7 @@ def on_edges(times=None, mass=lambda m: m):
             length = np.linalg.norm(np.diff(points[edges.springs], axis=1)[:, 0], axis=1)
             k = np.full(len(k), times * law.E * length.mean())
         force = request.force + np.outer(mass(request.mass), request.gravity)
-        fixed = {"held": request.held, "displacement": request.value}
+        fixed = {"fixed": request.held, "displacement": request.value}
         network = spring_network(points, edges.springs, k, mass=request.mass, force=force, **fixed)
         return equilibrium(network).displacement
 

@@ -95,7 +95,7 @@ def test_another_unit(name, factor, unit):
     (lambda move, _: move.T, "shape (2, 45); give displacements (45, 2) in m at network.points"),
     (lambda move, _: move.T, "(this is the transpose)"),
     (lambda move, _: move.ravel(), "(this is flat; reshape it to (45, 2))"),
-    (lambda move, n: move[~n.held], "(these are free components alone)"),
+    (lambda move, n: move[~n.fixed], "(these are free components alone)"),
     (lambda move, _: np.pad(move, ((0, 0), (0, 1))), "(leave the third component out)"),
     (lambda move, _: move[:-1], "shape (44, 2); give displacements (45, 2) in m"),
     (lambda *_: None, "None; return displacements (45, 2) in m at network.points"),

@@ -98,7 +98,7 @@ def test_steps_are_those_of_bodies(lattice):
         own.append(spectrum.highest_frequency(network))
     assert max(own) <= 1.008 * advice.omega  # of BLOCK
     assert max(own) >= 0.97 * advice.omega  # the side that is held is one of several
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     K = tangent(network, network.points).toarray()[np.ix_(free, free)]
     mass = np.repeat(network.mass, pattern.dim)[free]
     largest = []

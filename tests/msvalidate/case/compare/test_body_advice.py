@@ -50,7 +50,7 @@ def test_a_step_holds_to_its_limit_and_not_beyond(case, scheme):
     (found,) = advise_body(case, answer)
     network = replace(answer.network, force=0 * answer.network.force)
     noise = 1e-6 * answer.spacing * np.random.default_rng(0).normal(size=network.points.shape)
-    noise[network.held] = 0.0
+    noise[network.fixed] = 0.0
 
     def grown(part):
         state = State(network.points + noise, 0 * noise)

@@ -91,7 +91,7 @@ def test_springs_on_cut_cells_are_linear_elements_node_for_node(element):
         assert (found.network.stiffness < 0).any()
     # Corners of cut cells lie on the file's own circles.
     radius = np.linalg.norm(mesh.points[:, :2], axis=1) / SIZE
-    rim = mesh.points[found.network.held.all(axis=1)]
+    rim = mesh.points[found.network.fixed.all(axis=1)]
     assert np.linalg.norm(rim[:, :2], axis=1) == pytest.approx(SIZE, rel=1e-4)
     assert radius.min() == pytest.approx(1.0, rel=1e-4)
 

@@ -93,7 +93,7 @@ def test_files_rebuild_the_network_and_other_code_finds_its_rest(tmp_path, case,
     for name, values in {
         "": network.points,
         "force_": network.force,
-        "held_": network.held,
+        "held_": network.fixed,
     }.items():
         np.testing.assert_array_equal(points[f"{name}x"], values[:, 0])
     wanted = found.rest.displacement
@@ -110,7 +110,7 @@ def test_files_rebuild_the_network_and_other_code_finds_its_rest(tmp_path, case,
     for nodes, by in pulls:
         slope = springs_from_files.measure(network.points[nodes], under=False)[1]
         np.add.at(left, nodes, by[:, None, None] * slope)
-    assert np.abs(left[~network.held]).max() <= 1e-9 * np.abs(springs["force"]).max()
+    assert np.abs(left[~network.fixed]).max() <= 1e-9 * np.abs(springs["force"]).max()
 
 
 def export(folder, words, *changes):

@@ -30,7 +30,7 @@ def test_stretched_film_between_sliding_sides_rests_as_it_is(stretch):
     body = slab(4.0, 2.0, 4, prestretch=stretch, sides="sliding")
     points = body.network.points
     assert points.max(axis=0) == pytest.approx([4 * stretch, 2 * relaxed_thickness(stretch)])
-    force = internal_force(body.network, points)[~body.network.held]
+    force = internal_force(body.network, points)[~body.network.fixed]
     assert force == pytest.approx(0, abs=1e-14)
     assert np.abs(internal_force(body.network, points)).max() > 0.01  # the walls bear the stretch
 
@@ -92,23 +92,23 @@ def test_electrodes_keep_apart(small):
 
 
 def test_a_free_body_and_a_solid_are_refused(small):
-    refused("network: ", network=replace(small.network, held=np.zeros((21, 2), dtype=bool)))
+    refused("network: ", network=replace(small.network, fixed=np.zeros((21, 2), dtype=bool)))
     n = 4
     solid = spring_network(
         np.vstack([np.zeros(3), np.eye(3)]),
         [(0, 1), (0, 2), (0, 3)],
         1.0,
-        held=np.ones((n, 3), bool),
+        fixed=np.ones((n, 3), bool),
     )
     refused("one in space", network=solid)
 
 
 def test_parallel_plates_need_a_flat_held_bottom(small):
-    held = np.array(small.network.held)
+    held = np.array(small.network.fixed)
     held[3] = False
     refused(
         "flat and held",
-        network=replace(small.network, held=held),
+        network=replace(small.network, fixed=held),
         model="parallel_plates",
     )
 
@@ -120,7 +120,7 @@ def test_arrays_are_read_only(small):
 
 def test_without_tips_holds_points_near_the_edges():
     body = slab(6.0, 2.0, 4, covered=1 / 3)
-    held = fix_near_tips(body, 0.5).network.held & ~body.network.held
+    held = fix_near_tips(body, 0.5).network.fixed & ~body.network.fixed
     there = body.network.points[held.all(axis=1)]
     edges = np.array([[2.0, 2.0], [4.0, 2.0]])
     away = np.linalg.norm(there[:, None] - edges, axis=2).min(axis=1)

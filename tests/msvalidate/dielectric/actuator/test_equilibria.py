@@ -43,7 +43,7 @@ def test_free_sides_of_a_stretched_film_draw_back():
 
 def test_what_is_not_stable_without_a_voltage_is_refused():
     body = slab(2.0, 1.0, 2)
-    force = np.where(body.network.held, 0.0, [0.0, -5.0])  # many times the springs' own strength
+    force = np.where(body.network.fixed, 0.0, [0.0, -5.0])  # many times the springs' own strength
     pressed = replace(body.network, force=force)
     with pytest.raises(SolverError, match=r"no stable equilibrium at 0 V; lower"):
         at_voltage(replace(body, network=pressed), 1.0)

@@ -18,7 +18,7 @@ def disturbed(body, size=0.03):
     network = body.network
     spacing = network.rest_length.min()
     away = size * spacing * np.random.default_rng(7).normal(size=network.points.shape)
-    return network.points + np.where(network.held, 0.0, away)
+    return network.points + np.where(network.fixed, 0.0, away)
 
 
 def potential_energy(body, x, volts):
@@ -29,7 +29,7 @@ def potential_energy(body, x, volts):
 def test_forces_are_the_slope_of_the_energy(body):
     x, volts, step = disturbed(body), 0.4, 1e-5
     force = residual_force(body, x - body.network.points, charge_actuator(body, x, volts))
-    for point, axis in np.argwhere(~body.network.held)[::3]:
+    for point, axis in np.argwhere(~body.network.fixed)[::3]:
         beside = np.zeros(x.shape)
         beside[point, axis] = step
         up, down = (potential_energy(body, x + s * beside, volts) for s in (1, -1))
@@ -40,7 +40,7 @@ def test_forces_are_the_slope_of_the_energy(body):
 def slopes(body, step):
     """Central differences of forces in free components, and the stiffness they are to be."""
     x, volts = disturbed(body), 0.4
-    free = ~body.network.held
+    free = ~body.network.fixed
     K = stiffness(body, x, charge_actuator(body, x, volts)).toarray()
     found = np.empty_like(K)
     for column, (point, axis) in enumerate(np.argwhere(free)):

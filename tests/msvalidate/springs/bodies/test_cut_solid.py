@@ -116,7 +116,7 @@ def test_parts_of_faces_of_a_box_and_broken_layers_take_loads_and_supports():
     wanted = [area * 0.235, area * 0.35 - 0.55, area + 3.0]
     np.testing.assert_allclose(network.force.sum(axis=0), wanted, rtol=1e-12)
     # The face lies amid a layer: its points above, and those half a cell below.
-    heights = np.unique(lattice.points[network.held[:, 0], 2])
+    heights = np.unique(lattice.points[network.fixed[:, 0], 2])
     np.testing.assert_allclose(heights, [0.5, 0.6], rtol=1e-12)
 
 

@@ -35,7 +35,7 @@ def antiplane(radius):
     place = np.column_stack([x[:, 0] + (2 * n + 3) * x[:, 1], 0 * w])
     held = np.column_stack([rim, np.ones(len(x), dtype=bool)])
     network = spring_network(
-        place, springs, np.where(behind, 0.0, 1.0), held=held,
+        place, springs, np.where(behind, 0.0, 1.0), fixed=held,
         displacement=np.where(held, np.column_stack([w, 0 * w]), 0.0),
     )  # fmt: skip
     stretch = np.where(rim[springs].all(axis=1), np.inf, 1 / network.distance)

@@ -28,7 +28,7 @@ def body(dim=2, rest=1.0, seed=0):
     rng = np.random.default_rng(seed)
     held = np.repeat((lattice.points[:, 0] == 0)[:, None], dim, axis=1)
     network = spring_network(
-        lattice.points, lattice.springs, rng.uniform(1, 2, len(lattice.springs)), held=held,
+        lattice.points, lattice.springs, rng.uniform(1, 2, len(lattice.springs)), fixed=held,
         mass=rng.uniform(1, 2, len(lattice.points)),
     )  # fmt: skip
     network = replace(network, rest_length=rest * network.rest_length)
@@ -40,7 +40,7 @@ def body(dim=2, rest=1.0, seed=0):
 @pytest.mark.parametrize("path", ["auto", "plain"])
 def test_compiled_breaks_what_plain_steps_break(dim, rest, path):
     network, start = body(dim, rest)
-    pulled = replace(network, force=np.where(network.held, 0.0, 1e-3))
+    pulled = replace(network, force=np.where(network.fixed, 0.0, 1e-3))
     plain, fast, parts = (Breakage(network, 0.1) for _ in range(3))
     known = euler_cromer(pulled, start, 0.05, 120, 0.1, path="plain", breakage=plain)
     now = other = start
@@ -77,7 +77,7 @@ def test_a_look_at_forces_breaks_nothing():
 
 def test_a_body_at_rest_beyond_its_critical_stretch_breaks_at_once():
     rod = spring_network(
-        [[0, 0], [1, 0], [2, 0.0]], [[0, 1], [1, 2]], [1.0, 2.0], held=[[1, 1], [0, 1], [1, 1]],
+        [[0, 0], [1, 0], [2, 0.0]], [[0, 1], [1, 2]], [1.0, 2.0], fixed=[[1, 1], [0, 1], [1, 1]],
         displacement=[[0, 0], [0, 0], [0.3, 0.0]],
     )  # fmt: skip
     start = State(rod.points + np.array([[0, 0], [0.2, 0], [0.3, 0]]), np.zeros((3, 2)))
@@ -91,7 +91,7 @@ def test_a_body_at_rest_beyond_its_critical_stretch_breaks_at_once():
 @pytest.mark.parametrize("rate", [0.05, 1.0])
 def test_the_ledger_closes_with_the_square_of_the_step(rate):
     network, start = body()
-    network = replace(network, force=np.where(network.held, 0.0, [1e-3, 0.0]))
+    network = replace(network, force=np.where(network.fixed, 0.0, [1e-3, 0.0]))
     books = []
     for k in range(4):
         dt, broken = 0.08 / 2**k, Breakage(network, 0.1)

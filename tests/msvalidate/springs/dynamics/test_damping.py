@@ -16,10 +16,10 @@ from tests.table import table
 
 
 def one_spring(size=1.0, k=3.0, mass=0.5, force=1.0, **named):
-    held = named.pop("held", [[1, 1], [0, 1]])
+    held = named.pop("fixed", [[1, 1], [0, 1]])
     load = [[0, 0], [force, 0]]
     points = [[0.0, 0.0], [size, 0.0]]
-    return spring_network(points, [[0, 1]], k, mass=mass, held=held, force=load, **named)
+    return spring_network(points, [[0, 1]], k, mass=mass, fixed=held, force=load, **named)
 
 
 @table(
@@ -77,14 +77,14 @@ STEADY = "quickest damping: no load or prescribed displacement acts on what is f
     ("network", "accuracy", "error", "message"),
     [
         (one_spring(force=0.0), 1e-3, ProblemError, STEADY),
-        (one_spring(held=np.ones((2, 2))), 1e-3, ProblemError, STEADY),
+        (one_spring(fixed=np.ones((2, 2))), 1e-3, ProblemError, STEADY),
         (one_spring(), 0.0, ProblemError, "accuracy of rest: 0; give a part of the way, 1e-6"),
-        (one_spring(held=[[1, 1], [0, 0]]), 1e-3, ProblemError, "leave the body free: rotation"),
-        (one_spring(held=[[1, 1], [0, 1]], k=0.0), 1e-3, SolverError, "nothing resists point 1"),
+        (one_spring(fixed=[[1, 1], [0, 0]]), 1e-3, ProblemError, "leave the body free: rotation"),
+        (one_spring(fixed=[[1, 1], [0, 1]], k=0.0), 1e-3, SolverError, "nothing resists point 1"),
         (
             spring_network(
                 [[0, 0], [1, 0], [2, 0]], [[0, 1], [1, 2]], 1.0, rest_length=1.5,
-                held=[[1, 1], [0, 0], [1, 1]], force=[[0, 0], [1, 0], [0, 0]],
+                fixed=[[1, 1], [0, 0], [1, 1]], force=[[0, 0], [1, 0], [0, 0]],
             ),
             1e-3, SolverError, "unstable at its reference points; relieve its prestress",
         ),

@@ -28,7 +28,7 @@ def loaded(force, x=0.0):
     """One mass on one spring along x, whose held end is at (x, x), under a load (N)."""
     held = [[True, True], [False, True]]
     return spring_network(
-        [[x, x], [x + 1, x]], [[0, 1]], 1.0, held=held, force=[[0, 0], [force, 0]]
+        [[x, x], [x + 1, x]], [[0, 1]], 1.0, fixed=held, force=[[0, 0], [force, 0]]
     )
 
 
@@ -75,7 +75,7 @@ def test_uneven_springs_do_not_make_a_motion_too_small():
         [[0, 0], [1e-3, 0], [1, 0]],
         [[0, 1], [1, 2]],
         1.0,
-        held=held,
+        fixed=held,
         force=[[0, 0]] * 2 + [[3e-14, 0]],
     )
     end = euler_cromer(network, still(network), DT, 1)

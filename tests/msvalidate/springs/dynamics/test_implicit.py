@@ -18,7 +18,7 @@ def tightened_string(far=0.0):
     """A point between two supports 1 m off, free to move sideways: its force begins as a cubic."""
     points = far + np.array([[-1.0, 0], [0, 0], [1, 0]])
     held = [[True, True], [True, False], [True, True]]
-    return spring_network(points, [[0, 1], [1, 2]], STIFFNESS, mass=MASS, held=held)
+    return spring_network(points, [[0, 1], [1, 2]], STIFFNESS, mass=MASS, fixed=held)
 
 
 def acceleration_of(network):

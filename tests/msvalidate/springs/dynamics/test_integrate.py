@@ -26,7 +26,7 @@ examples = settings(max_examples=25, deadline=None)
 def oscillator(stiffness=4.0, mass=1.0):
     """One point on one spring along x: its frequency is √(k/m)."""
     held = [[True, True], [False, True]]
-    return spring_network([[0, 0], [1, 0]], [[0, 1]], stiffness, mass=mass, held=held)
+    return spring_network([[0, 0], [1, 0]], [[0, 1]], stiffness, mass=mass, fixed=held)
 
 
 def along_x(value):

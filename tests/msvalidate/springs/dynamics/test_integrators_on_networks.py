@@ -73,7 +73,7 @@ def after_half_kicks(network, start, rate, dt, steps):
 def half_kick(network, state, rate, dt):
     """(dt/2)(a - c v), zero at held points."""
     a = NetworkAcceleration(network)(state.position - network.points)
-    return np.where(network.held, 0.0, 0.5 * dt * (a - rate[:, None] * state.velocity))
+    return np.where(network.fixed, 0.0, 0.5 * dt * (a - rate[:, None] * state.velocity))
 
 
 @true_schemes
@@ -94,7 +94,7 @@ def string(n=12):
     held = np.ones((n, 2), dtype=bool)
     held[1:-1, 0] = False
     return spring_network(
-        points, [[i, i + 1] for i in range(n - 1)], 3.0, mass=np.linspace(1, 2, n), held=held
+        points, [[i, i + 1] for i in range(n - 1)], 3.0, mass=np.linspace(1, 2, n), fixed=held
     )
 
 
@@ -105,7 +105,7 @@ an error is less than a tenth of the first, and halving the step shows the order
 
 def exact_motion(network, state, rate, dt):
     """Positions and velocities (2, f) along x of a linear string, one step after the other."""
-    free = ~network.held[:, 0]
+    free = ~network.fixed[:, 0]
     K = tangent(network, network.points).toarray()[::2, ::2][np.ix_(free, free)]
     zero, one = np.zeros_like(K), np.eye(len(K))
     matrix = np.block([[zero, one], [-K / network.mass[free, None], -rate * one]])
@@ -118,7 +118,7 @@ def exact_motion(network, state, rate, dt):
 def along(network, state):
     """Displacements and velocities (2, f) along x of the free points."""
     both = np.array([state.position - network.points, state.velocity])
-    return both[:, ~network.held[:, 0], 0]
+    return both[:, ~network.fixed[:, 0], 0]
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.3])
@@ -128,8 +128,8 @@ def along(network, state):
 def test_positions_and_velocities_have_the_order_that_is_claimed(name, speed, points, rate):
     """By the largest error of a motion that is continued half-way; Euler-Cromer has order one."""
     network, scheme = string(points), INTEGRATORS[name]
-    aside = 0.1 * np.arange(points)[:, None] * ~network.held
-    state, errors = State(network.points + aside, speed * np.cos(aside) * ~network.held), []
+    aside = 0.1 * np.arange(points)[:, None] * ~network.fixed
+    state, errors = State(network.points + aside, speed * np.cos(aside) * ~network.fixed), []
     for steps in (STEPS, 2 * STEPS):
         dt, error = TIME / steps, np.zeros(2)
         exact = exact_motion(network, state, rate, dt)
@@ -197,7 +197,7 @@ def test_recommended_steps_are_stable_with_a_rate_a_point(name, most):
     """By the spectral radius of the whole network's step; Verlet's limit is lowest in between."""
     network = string()
     rates = np.linspace(0.0, most * 2.0, 12)
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     K = tangent(network, network.points).toarray()[np.ix_(free, free)]
     mass, c = np.repeat(network.mass, 2)[free], np.repeat(rates, 2)[free]
     h = recommended_time_step(network, INTEGRATORS[name], damping=rates) / SAFETY
@@ -239,7 +239,7 @@ def test_a_step_beyond_all_numbers_is_told_how_long_it_may_be():
 def test_a_motion_that_grows_below_the_limit_of_small_ones_is_told_so():
     """A string that is a hundredth too short: aside by ten lengths it is ten times as fast."""
     points, held = [[-1, 0], [0, 0], [1, 0]], [[1, 1], [1, 0], [1, 1]]
-    tight = spring_network(points, [[0, 1], [1, 2]], 3.0, mass=2.0, rest_length=0.99, held=held)
+    tight = spring_network(points, [[0, 1], [1, 2]], 3.0, mass=2.0, rest_length=0.99, fixed=held)
     dt = recommended_time_step(tight, EULER_CROMER)
     aside = State(tight.points + np.array([[0, 0], [0, 10.0], [0, 0]]), np.zeros((3, 2)))
     with pytest.raises(SolverError, match="s, is that of small motions: take smaller"):

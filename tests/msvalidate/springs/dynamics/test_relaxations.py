@@ -65,7 +65,7 @@ def test_it_rests_in_nonlinear_equilibrium(method, lattice_body, independent, ca
 @every_method
 def test_a_body_without_a_load_or_held_everywhere_rests_at_once(method, lattice_body):
     assert not relax(sheet(lattice_body), method).equilibrium.displacement.any()
-    held = replace(sheet(lattice_body, PUSH), held=np.ones((45, 2), dtype=bool))
+    held = replace(sheet(lattice_body, PUSH), fixed=np.ones((45, 2), dtype=bool))
     assert relax(held, method).steps == 0
 
 
@@ -141,7 +141,7 @@ def test_a_mechanism_is_refused_by_what_asks_for_frequencies(hinged_blocks):
 
 @every_method
 def test_free_motions_are_refused_by_name(method):
-    free = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, held=[[True, True], [False, False]])
+    free = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, fixed=[[True, True], [False, False]])
     with pytest.raises(ProblemError, match="leave the body free"):
         relax(free, method)
 
@@ -168,7 +168,7 @@ def test_a_column_beyond_its_euler_load_does_not_rest_straight(method, lattice_b
 def plain(network, displacement):
     """Acceleration (n, d) by the plain NumPy form."""
     force = internal_force(network, network.points + displacement) + network.force
-    return np.where(network.held, 0.0, force) / network.mass[:, None]
+    return np.where(network.fixed, 0.0, force) / network.mass[:, None]
 
 
 def after(method, network, steps):
@@ -216,7 +216,7 @@ def test_kinetic_damping_is_that_of_the_paper(lattice_body):
 def test_adaptive_relaxation_is_that_of_the_paper(lattice_body):
     """Forty steps written from Underwood: lumped row sums, local stiffness, Rayleigh's quotient."""
     network = sheet(lattice_body, PUSH)
-    free = ~network.held
+    free = ~network.fixed
     rows = np.abs(tangent(network, network.points).toarray()).sum(axis=1).reshape(45, 2)
     mass = rows / (4 * 0.9**2)
     u, v, before = np.zeros((45, 2)), np.zeros((45, 2)), None
@@ -253,7 +253,7 @@ def test_conjugate_gradients_follow_a_network_that_softens(force):
         [[-1, 0], [0, 0.1], [1, 0]],
         [[0, 1], [1, 2]],
         1.0,
-        held=[[True, True], [True, False], [True, True]],
+        fixed=[[True, True], [True, False], [True, True]],
         force=[[0, 0], [0, -force], [0, 0]],
     )
     height = 0.1 + relax(arch, RELAXATIONS["conjugate_gradients"]).equilibrium.displacement[1, 1]
@@ -294,7 +294,7 @@ def test_steps_of_dynamic_relaxation(lattice_body, n, steps):
     network = replace(network, mass=np.ones(len(network.points)))
     lowest, highest = extreme_frequencies(network)
     method = viscous(LEAPFROG, dt=2 / np.hypot(lowest, highest), damping=2 * lowest)
-    first = float(np.linalg.norm(network.force[~network.held]))
+    first = float(np.linalg.norm(network.force[~network.fixed]))
     left = []
 
     def watch(run):

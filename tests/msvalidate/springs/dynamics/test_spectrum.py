@@ -33,7 +33,7 @@ def chain(count, stiffness=3.0, mass=0.5):
     springs = np.stack([np.arange(count + 1), np.arange(1, count + 2)], axis=1)
     held = np.zeros(points.shape, dtype=bool)
     held[[0, -1], 0], held[:, 1] = True, True
-    return spring_network(points, springs, stiffness, mass=mass, held=held)
+    return spring_network(points, springs, stiffness, mass=mass, fixed=held)
 
 
 def test_modes_of_a_tetrahedral_network_against_independent_values(independent):
@@ -78,7 +78,7 @@ def test_a_tolerance_that_is_no_relative_error_is_refused(tolerance, message):
 
 def test_a_free_body_has_its_rigid_motions_at_zero(lattice_body):
     network = lattice_body((2.0, 1.0), (8, 4))
-    free = replace(network, held=np.zeros(network.points.shape, dtype=bool))
+    free = replace(network, fixed=np.zeros(network.points.shape, dtype=bool))
     with pytest.raises(ProblemError, match="free to move as a rigid body in 3 ways; hold one"):
         natural_frequencies(free, 4)
     lowest, highest = natural_frequencies(free, 4, rigid=True)
@@ -97,7 +97,7 @@ def test_a_free_part_is_named_beside_one_that_is_held():
         np.concatenate([points, points + 2.0]),
         np.concatenate([springs, springs + 3]),
         2.0,
-        held=held,
+        fixed=held,
     )
     with pytest.raises(ProblemError, match=r"the part of point 3 is free to move .* in 3 ways"):
         natural_frequencies(network, 1)
@@ -112,9 +112,9 @@ def test_a_free_part_is_named_beside_one_that_is_held():
 def test_an_unstable_position_is_refused():
     # A chain free across, its springs too long for their places: it buckles sideways.
     straight = chain(40)
-    held = straight.held.copy()
+    held = straight.fixed.copy()
     held[1:-1, 1] = False
-    crowded = replace(straight, held=held, rest_length=1.02 * straight.rest_length)
+    crowded = replace(straight, fixed=held, rest_length=1.02 * straight.rest_length)
     with pytest.raises(SolverError, match=r"omega² = -.*the network is unstable there"):
         natural_frequencies(crowded, 3)
 
@@ -136,7 +136,7 @@ def test_a_count_outside_the_free_components_is_refused(count):
 
 def test_a_network_held_everywhere_has_no_frequencies():
     network = chain(5)
-    fixed = replace(network, held=np.ones(network.points.shape, dtype=bool))
+    fixed = replace(network, fixed=np.ones(network.points.shape, dtype=bool))
     with pytest.raises(ProblemError, match="every component is held; nothing can move"):
         natural_frequencies(fixed, 1)
 
@@ -152,7 +152,7 @@ def test_what_multigrid_cannot_tell_from_rounding_is_left_to_a_factor(solver):
     )
     stiffness = 10.0 ** (9 * np.random.default_rng(1).random(len(springs)))
     held = np.repeat(points[:, :1] < 0.2, 2, axis=1)
-    network = spring_network(points, springs, stiffness, held=held)
+    network = spring_network(points, springs, stiffness, fixed=held)
     expected, _ = natural_frequencies(network, 3, solver="direct")
     found, _ = natural_frequencies(network, 3)
     np.testing.assert_array_equal(found, expected)

@@ -40,13 +40,13 @@ def chain(count=9):
     held = np.zeros(points.shape, dtype=bool)
     held[[0, -1], 0], held[:, 1] = True, True
     force = np.where(held, 0.0, 0.01)
-    return spring_network(points, springs, 1.0, held=held, force=force)
+    return spring_network(points, springs, 1.0, fixed=held, force=force)
 
 
 def oscillator():
     """One point of 1 kg on one spring of 1 N/m, pulled: ω = 1 rad/s."""
     held = [[True, True], [False, True]]
-    return spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, held=held, force=[[0, 0], [0.1, 0]])
+    return spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, fixed=held, force=[[0, 0], [0.1, 0]])
 
 
 # Where it rests -------------------------------------------------------------------------------
@@ -80,13 +80,13 @@ def test_what_it_returns_describes_where_it_is(lattice_body):
     run = algorithm1(network)
     rest = run.equilibrium
     np.testing.assert_array_equal(rest.position, network.points + rest.displacement)
-    np.testing.assert_array_equal(rest.position[network.held], network.start[network.held])
+    np.testing.assert_array_equal(rest.position[network.fixed], network.start[network.fixed])
     balance = internal_force(network, rest.position) + network.force
     # Positions are rounded; reactions and residual are those of the displacement.
     rounding = 4 * network.rounding(np.abs(network.points).max()).max()
-    expected = np.where(network.held, -balance, 0.0)
+    expected = np.where(network.fixed, -balance, 0.0)
     np.testing.assert_allclose(rest.reaction, expected, rtol=0, atol=rounding)
-    assert rest.residual == pytest.approx(np.abs(balance[~network.held]).max(), abs=rounding)
+    assert rest.residual == pytest.approx(np.abs(balance[~network.fixed]).max(), abs=rounding)
     assert run.steps == rest.iterations == run.history[-1, 0]
 
 
@@ -202,7 +202,7 @@ def test_a_number_of_steps_is_whole(max_steps):
 
 
 def test_bad_options_are_refused_even_with_nothing_to_move():
-    network = replace(oscillator(), held=np.ones((2, 2), dtype=bool))
+    network = replace(oscillator(), fixed=np.ones((2, 2), dtype=bool))
     for options in ({"damping": -1.0}, {"dt": NAN}, {"max_steps": 0}):
         with pytest.raises(ProblemError):
             algorithm1(network, **options)
@@ -228,7 +228,7 @@ def test_an_unstable_start_is_refused():
         [[0, 1], [1, 2]],
         1.0,
         rest_length=[1.1, 1.1],
-        held=[[True, True], [False, False], [True, True]],
+        fixed=[[True, True], [False, False], [True, True]],
     )
     with pytest.raises(SolverError, match="the network is unstable there"):
         algorithm1(string)

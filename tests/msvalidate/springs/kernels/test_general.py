@@ -78,7 +78,7 @@ def grid(
         rest_length=length * (rng.uniform(0.95, 1.05, len(springs)) if jitter else 1.0),
         mass=rng.uniform(1, 2, len(points)),
         force=0.01 * rng.normal(size=points.shape),
-        held=rng.random(points.shape) < 0.05,
+        fixed=rng.random(points.shape) < 0.05,
         volumes=volumes,
     )
 
@@ -87,7 +87,7 @@ def start(network, seed=1):
     """Displacement, velocity, keep and push; what is held is at rest."""
     rng = np.random.default_rng(seed)
     u, v = 0.05 * rng.normal(size=(2, *network.points.shape))
-    u[network.held] = v[network.held] = 0.0
+    u[network.fixed] = v[network.fixed] = 0.0
     return u, v, rng.uniform(0.98, 1, len(u)), rng.uniform(0.01, 0.02, len(u))
 
 
@@ -128,7 +128,7 @@ def test_forces_and_steps_are_those_of_the_plain_form(dim, cells, shuffled):
 def test_trajectories_of_all_paths_agree_after_2000_steps(dim):
     """Plain, general, lattice and threads, within 1e-12 of the largest displacement."""
     network = grid(dim, jitter=0.0, sides=(9, 8) if dim == 2 else (5, 4, 4))
-    network = replace(network, held=network.points[:, :1].repeat(dim, axis=1) < 0.5)
+    network = replace(network, fixed=network.points[:, :1].repeat(dim, axis=1) < 0.5)
     u, v, *_ = start(network)
     state = State(network.points + 0.1 * u, 0.1 * v)
     plain = euler_cromer(network, state, 0.02, 2000, 0.2, path="plain")
@@ -218,7 +218,9 @@ def test_threads_report_the_same_steps_and_kinetic_energy():
 def test_a_body_moved_as_a_whole_feels_no_force(dim, path, threads, far):
     """Wherever it goes: tables are filled up with springs that must not meet a point there."""
     network = grid(dim, jitter=0.0, sides=(5, 4, 6)[:dim])
-    network = replace(network, held=np.zeros_like(network.held), force=np.zeros_like(network.force))
+    network = replace(
+        network, fixed=np.zeros_like(network.fixed), force=np.zeros_like(network.force)
+    )
     size = np.ptp(network.points, axis=0).max()
     motion, out = kernels.Motion(network, path=path, threads=threads), np.empty_like(network.points)
     for corner in network.points:
@@ -238,7 +240,7 @@ def test_arrays_of_any_order_in_memory_are_moved_in_place(path, threads):
     motion = kernels.Motion(network, path=path, threads=threads)
     expected = moved(motion, network, 5)
     u, v, keep, push = start(network)
-    v[network.held] = 1.0  # which must not matter
+    v[network.fixed] = 1.0  # which must not matter
     u, v = np.asfortranarray(u), np.repeat(v, 2, axis=1)[:, ::2]
     keep, push = np.repeat(keep, 3)[::3], push.copy()
     push.setflags(write=False)
@@ -267,7 +269,7 @@ def test_a_motion_that_blows_up_is_refused(path, threads):
 @pytest.mark.parametrize(("path", "threads"), EVERY_WAY)
 def test_what_is_no_number_stays_none(path, threads, bad):
     network = grid(2, jitter=0.0)
-    network = replace(network, held=np.zeros_like(network.held))
+    network = replace(network, fixed=np.zeros_like(network.fixed))
     motion = kernels.Motion(network, path=path, threads=threads)
     u, v, keep, push = start(network)
     u[len(u) // 2, 1] = bad
@@ -283,10 +285,10 @@ def test_what_is_no_number_stays_none(path, threads, bad):
 def test_a_relaxation_that_runs_away_is_refused(name, jitter):
     """By the stencil and by the sweep: loads that tear the body apart."""
     network = grid(2, jitter=jitter)
-    held = np.zeros_like(network.held)
+    held = np.zeros_like(network.fixed)
     held[:3] = True
     # A stiffness that the frequencies given deny makes each step too long by far.
-    network = replace(network, held=held, stiffness=1e8 * network.stiffness)
+    network = replace(network, fixed=held, stiffness=1e8 * network.stiffness)
     assert kernels.Motion(network).path == ("general" if jitter else "lattice")
     with pytest.raises(SolverError, match=r"^[^\n]*(grew|diverged|beyond)[^\n]*$"):
         relax(network, RELAXATIONS[name], frequencies=(0.1, 1.0))

@@ -55,7 +55,7 @@ def lattice(shape, rng, *, ways=None, shuffled=False, stress=0.0) -> Network:
         rest_length=length[order],
         mass=rng.uniform(1, 2, n),
         force=rng.normal(size=(n, d)) * 0.1,
-        held=rng.random((n, d)) < 0.1,
+        fixed=rng.random((n, d)) < 0.1,
     )
 
 
@@ -84,7 +84,7 @@ def motion(network, seed=0):
     rng = np.random.default_rng(seed)
     shape = network.points.shape
     u, v = 0.02 * rng.normal(size=shape), 0.1 * rng.normal(size=shape)
-    u[network.held] = v[network.held] = 0.0
+    u[network.fixed] = v[network.fixed] = 0.0
     push = rng.uniform(0.01, 0.02, shape[0])
     return u, v, rng.uniform(0.9, 1, shape[0]), push
 
@@ -144,7 +144,7 @@ def test_balance_is_the_force_that_a_step_goes_by(network):
     before = u.copy()
     known, found = (Motion(network, path=path).balance(u) for path in ("general", "lattice"))
     np.testing.assert_allclose(found, known, rtol=0, atol=1e-13)
-    assert not found[network.held].any()
+    assert not found[network.fixed].any()
     np.testing.assert_array_equal(u, before)
 
 

@@ -94,7 +94,7 @@ def test_a_prism_in_walls_that_follow_a_linear_displacement_follows_it():
     lattice = cut_lattice(patterns.cubic18(), mesh, 0.05)
     network = cut_network(whole, lattice)
     found = equilibrium(network).displacement
-    assert (~network.held).sum() > 1000
+    assert (~network.fixed).sum() > 1000
     np.testing.assert_allclose(found, lattice.points @ slope, rtol=0, atol=1e-13)
 
 
@@ -122,7 +122,7 @@ def test_bent_walls_of_a_solid_hold_the_points_of_the_cells_they_run_through():
     lattice = cut_lattice(patterns.cubic18(), mesh, 0.1)
     assert lattice.point_volume.sum() == pytest.approx(np.pi / 4 * 0.75 * 0.2, rel=2e-3)
     solid = Isotropic(E=1.0, nu=1 / 4, state="solid")
-    held = cut_network(Problem(mesh, solid, supports), lattice).held.all(axis=1)
+    held = cut_network(Problem(mesh, solid, supports), lattice).fixed.all(axis=1)
     radius = np.linalg.norm(lattice.points[:, :2], axis=1)
     above = lattice.points[:, 2] > 0.05
     # Corners of cells with body on both sides of the circle, and of no others.

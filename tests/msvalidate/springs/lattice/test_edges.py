@@ -238,7 +238,7 @@ def test_springs_of_no_rest_length_are_elements_node_for_node(shape, seed, scale
     network = lattice_network(problem, lattice, found)
     body = mesh_discretisation(mesh)
     law = neo_hookean(material)
-    solid = Solid(body, law, network.held, material.thickness)
+    solid = Solid(body, law, network.fixed, material.thickness)
     random = scale * 0.01 * np.random.default_rng(1).normal(size=mesh.points.shape)
     force, _ = solid.internal_force(random)
     own = Configuration(network, random).force()
@@ -260,7 +260,7 @@ def test_springs_under_tension_of_two_materials_are_elements():
     lattice = mesh_lattice(mesh, "cotangent", positive=False)
     found = calibrate_zones(problem, lattice, route="neo-Hookean")
     network, body = lattice_network(problem, lattice, found), mesh_discretisation(mesh)
-    solid = Solid(body, laws_of(problem, body), network.held, 1.0)
+    solid = Solid(body, laws_of(problem, body), network.fixed, 1.0)
     theirs = deform(solid, network.displacement, np.zeros(mesh.points.shape), allow_locked=True)
     ours = equilibrium(network, "nonlinear").displacement
     np.testing.assert_allclose(ours, theirs.displacement, atol=1e-12)

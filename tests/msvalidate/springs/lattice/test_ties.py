@@ -57,7 +57,7 @@ def test_fitted_constants_are_those_of_renumbered_networks():
     force = np.where(lattice.points[:, :1] == 0.74, [0.3, 0.1], 0.0)
 
     def network(order, stiffness):
-        springs, given = np.argsort(order)[lattice.springs], {"held": held, "force": force}
+        springs, given = np.argsort(order)[lattice.springs], {"fixed": held, "force": force}
         given = {name: array[order] for name, array in given.items()}
         return spring_network(lattice.points[order], springs, stiffness * lattice.share, **given)
 
@@ -102,7 +102,7 @@ def test_a_cut_body_is_the_same_whatever_its_outline_rounds_to(seed):
     lattice, network = body(diamond())
     other, again = body(diamond(np.random.default_rng(seed)))
     assert len(other.points) == len(lattice.points)
-    np.testing.assert_array_equal(again.held, network.held)
+    np.testing.assert_array_equal(again.fixed, network.fixed)
     np.testing.assert_array_equal(again.springs, network.springs)
     np.testing.assert_allclose(again.stiffness, network.stiffness, rtol=1e-9)
     np.testing.assert_allclose(again.force, network.force, atol=1e-9 * 50)

@@ -73,7 +73,7 @@ def test_solvers_agree_to_what_they_state(name, geometry):
     apart = np.abs(one.displacement - two.displacement).max() / largest
     assert max(one.error, two.error) < 1e-12
     assert apart <= one.error + two.error
-    held = network.held
+    held = network.fixed
     met = np.abs(one.reaction).max()
     np.testing.assert_allclose(two.reaction[held], one.reaction[held], rtol=0, atol=1e-9 * met)
 
@@ -90,7 +90,7 @@ def test_a_factor_of_small_and_slender_bodies_multigrid_of_others():
 def test_components_are_in_the_order_of_their_points():
     network = BODIES["prescribed"]()
     order = elimination_order(network)
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     assert np.array_equal(np.sort(order), np.arange(len(free)))
     points = free[order] // 3
     assert np.count_nonzero(np.diff(points)) == len(np.unique(points)) - 1
@@ -113,12 +113,12 @@ def hinged_cubes(cells):
     number[new] = n + np.arange(np.count_nonzero(new))
     points = np.concatenate([network.points, across[new]])
     held = np.zeros(points.shape, dtype=bool)
-    held[:n] = network.held
+    held[:n] = network.fixed
     return spring_network(
         points,
         np.concatenate([network.springs, number[network.springs]]),
         np.tile(network.stiffness, 2),
-        held=held,
+        fixed=held,
         force=np.where(points[:, :1] > 1.9, [0.0, 0.0, -1e-4], 0.0),
     )
 
@@ -148,7 +148,7 @@ def test_multigrid_tells_what_prestress_makes_unstable(strain, stable):
     network = block((20.0, 1.0, 1.0), (40, 2, 2), load=(0.0, 0.0, -1e-9))
     squeezed = replace(network, rest_length=(1 + strain) * network.rest_length)
     x = squeezed.points
-    free = np.flatnonzero(~squeezed.held.ravel())
+    free = np.flatnonzero(~squeezed.fixed.ravel())
     pivots = factorise(tangent(squeezed, x)[free][:, free], elimination_order(squeezed))
     assert (pivots.negative == 0) is stable
     assert (Solver(squeezed).regular(configuration_at(squeezed, x)).negative == 0) is stable
@@ -196,7 +196,7 @@ def test_an_answer_does_not_hang_on_the_size_where_multigrid_begins(monkeypatch)
     points = np.array([[0.0, 0.0], [1.0, 0.1], [2.0, 0.0]])
     held = np.array([[True, True], [False, False], [True, True]])
     force = np.array([[0.0, 0.0], [0.0, -2e-3], [0.0, 0.0]])
-    arch = spring_network(points, [[0, 1], [1, 2]], 1.0, held=held, force=force)
+    arch = spring_network(points, [[0, 1], [1, 2]], 1.0, fixed=held, force=force)
     expected = equilibrium(arch, "nonlinear")
     assert expected.passed_limit is not None
     monkeypatch.setattr(choice, "MOST_PRODUCTS", 0)

@@ -87,7 +87,7 @@ def under_tension(dim, mu=0.8, lam=1.7, place=0.0):
     volumes = Volumes(points, cells, np.full(len(cells), lam), LOGARITHMIC, mu)
     held = np.zeros(points.shape, dtype=bool)
     held[grid[:, 0] == 0] = True
-    return spring_network(points, springs, stiffness, volumes=volumes, held=held, law=ZERO_LENGTH)
+    return spring_network(points, springs, stiffness, volumes=volumes, fixed=held, law=ZERO_LENGTH)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -148,7 +148,7 @@ def test_relaxations_come_to_the_equilibrium_by_every_law(method, law):
         network = replace(
             network, law=GREEN, stiffness=np.full(len(network.springs), 20.0), volumes=None
         )
-    load = np.where(network.held, 0.0, [0.002, -0.004])
+    load = np.where(network.fixed, 0.0, [0.002, -0.004])
     network = replace(network, force=load)
     rest = relax(network, RELAXATIONS[method], tolerance=1e-9).equilibrium.displacement
     wanted = equilibrium(network, "nonlinear").displacement

@@ -50,7 +50,7 @@ def test_cycles_of_a_solution_and_of_a_verdict_do_not_grow(lattice_body):
     for n in (12, 48):
         network = sheet(lattice_body, n)
         A, cycle = system(network)
-        force = np.where(network.held, 0.0, network.force).ravel()
+        force = np.where(network.fixed, 0.0, network.force).ravel()
         cycles.append(conjugate_gradients(A, force, cycle, 1e-8).steps)
     assert cycles[1] <= cycles[0] + 6  # a digit takes one and a half cycles or two
     assert cycles[1] < 24
@@ -61,7 +61,7 @@ def test_newton_solves_no_further_than_the_next_tangent_can_use(lattice_body):
     network = sheet(lattice_body, 32)
     network = replace(network, force=0.02 * network.force)
     A, cycle = system(network)
-    force = np.where(network.held, 0.0, network.force).ravel()
+    force = np.where(network.fixed, 0.0, network.force).ravel()
     one = conjugate_gradients(A, force, cycle, 1e-12).steps
     run = relax(network, MULTIGRID)
     assert run.steps >= 3
@@ -84,13 +84,13 @@ def test_numbers_of_points_are_no_matter(lattice_body):
         network.points[old],
         new[network.springs],
         network.stiffness,
-        held=network.held[old],
+        fixed=network.fixed[old],
         force=network.force[old],
     )
     cycles = []
     for one in (network, moved):
         A, cycle = system(one)
-        force = np.where(one.held, 0.0, one.force).ravel()
+        force = np.where(one.fixed, 0.0, one.force).ravel()
         cycles.append(conjugate_gradients(A, force, cycle, 1e-8).steps)
     assert cycles[1] <= cycles[0] + 2
     np.testing.assert_allclose(
@@ -124,7 +124,7 @@ def column(lattice_body, over, cells=(80, 8)):
 @pytest.mark.parametrize(("over", "stable"), [(0.5, True), (0.9, True), (1.2, False), (5, False)])
 def test_a_column_is_stable_up_to_its_euler_load(lattice_body, over, stable):
     network, straight = column(lattice_body, over)
-    free = np.flatnonzero(~network.held.ravel())
+    free = np.flatnonzero(~network.fixed.ravel())
     K = tangent(network, straight)[free][:, free]
     assert (factorise(K).negative == 0) is stable  # the pivots' verdict
     assert is_stable(configuration_at(network, straight)) is stable
@@ -186,7 +186,7 @@ def test_a_point_on_one_spring_is_named(lattice_body, turn):
         np.vstack([block.points, [1.05, 0.5]]) @ [[c, s], [-s, c]],
         np.vstack([block.springs, [n // 2, n]]),
         np.append(block.stiffness, 1.0),
-        held=np.vstack([block.held, [False, False]]),
+        fixed=np.vstack([block.fixed, [False, False]]),
         force=np.vstack([block.force, [0.001 * -s, 0.001 * c]]),
     )
     with pytest.raises(SolverError, match=f"nothing resists point {n} at"):
@@ -213,7 +213,7 @@ def test_prestress_alone_may_make_a_network_stable():
     held = np.zeros(points.shape, dtype=bool)
     held[[0, -1]] = True
     for rest, stable in ((1.0, False), (0.9, True), (1.1, False)):
-        string = spring_network(points, springs, 2.0, rest_length=rest, held=held)
+        string = spring_network(points, springs, 2.0, rest_length=rest, fixed=held)
         assert is_stable(Configuration(string)) is stable
 
 
@@ -227,7 +227,7 @@ def test_the_verdict_at_rest_is_that_of_the_pivots(lattice_body, independent):
 def test_a_matrix_that_is_negative_is_told_by_its_motion():
     """Two points on a line, one spring that pushes: its motion across falls."""
     pair = spring_network(
-        [[0, 0], [1, 0]], [[0, 1]], 1.0, rest_length=2.0, held=[[True, True], [False, False]]
+        [[0, 0], [1, 0]], [[0, 1]], 1.0, rest_length=2.0, fixed=[[True, True], [False, False]]
     )
     A, cycle = system(pair)
     assert cycle.indefinite_motion is not None

@@ -144,7 +144,7 @@ def test_a_network_keeps_copies_that_cannot_be_changed():
     network = spring_network(given_points, TRIANGLE["springs"], 1.0)
     given_points[0] = 9.0
     np.testing.assert_array_equal(network.points[0], [0, 0])
-    for name in ("points", "springs", "stiffness", "rest_length", "mass", "held", "force"):
+    for name in ("points", "springs", "stiffness", "rest_length", "mass", "fixed", "force"):
         with pytest.raises(ValueError, match="read-only"):
             getattr(network, name)[0] = 0
 

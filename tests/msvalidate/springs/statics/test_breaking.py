@@ -40,7 +40,7 @@ def random_body(dim=2, size=0.37, loaded=False, seed=0):
     else:
         moved[high] = size * np.eye(dim)[-1] + 0.2 * size * np.eye(dim)[0]
     k = rng.uniform(0.5, 2, len(pairs))
-    return spring_network(x, pairs, k, held=held, displacement=moved, force=force)
+    return spring_network(x, pairs, k, fixed=held, displacement=moved, force=force)
 
 
 def densely(network, stretch, events):
@@ -50,7 +50,7 @@ def densely(network, stretch, events):
     B = np.zeros((m, n, d))
     B[np.arange(m), network.springs[:, 1]] += b
     B[np.arange(m), network.springs[:, 0]] -= b
-    B, free = B.reshape(m, -1), ~network.held.ravel()
+    B, free = B.reshape(m, -1), ~network.fixed.ravel()
     k, load, found = network.stiffness.copy(), 0.0, []
 
     def whole():
@@ -110,7 +110,7 @@ def strip(crack=5, nx=12, ny=7):
     k = np.array([2.0, 1.0])[lattice.kind] * boundary_weights(lattice, "shared")
     held = np.repeat(np.isin(x[:, 1], [0, ny])[:, None], 2, axis=1)
     moved = np.where(held, (x - [0, ny / 2]) * [0, 1], 0.0)
-    network = spring_network(x, lattice.springs, k, held=held, displacement=moved)
+    network = spring_network(x, lattice.springs, k, fixed=held, displacement=moved)
     over = np.prod(ends[:, :, 1] - ny / 2, axis=1) < 0
     return network, np.flatnonzero(over & (ends[:, :, 0].max(axis=1) <= crack))
 
@@ -122,7 +122,7 @@ def test_neither_numbering_nor_solver_nor_side_matter(solver, monkeypatch):
     p, s = rng.permutation(len(network.points)), rng.permutation(len(network.springs))
     other = spring_network(
         network.points[p] * [-1, 1], np.argsort(p)[network.springs][s], network.stiffness[s],
-        held=network.held[p], displacement=network.displacement[p],
+        fixed=network.fixed[p], displacement=network.displacement[p],
     )  # fmt: skip
     found = propagate_crack(network, 0.01, crack=crack)
     if solver == "multigrid":
@@ -141,7 +141,7 @@ def test_neither_numbering_nor_solver_nor_side_matter(solver, monkeypatch):
 def test_own_energy_is_a_part_of_what_a_spring_releases():
     """A rod of two springs between walls: k e²/2 / (1 - k/(k + k'))."""
     rod = spring_network(
-        [[0, 0], [1, 0], [2, 0.0]], [[0, 1], [1, 2]], [1.0, 2.0], held=[[1, 1], [0, 1], [1, 1]],
+        [[0, 0], [1, 0], [2, 0.0]], [[0, 1], [1, 2]], [1.0, 2.0], fixed=[[1, 1], [0, 1], [1, 1]],
         displacement=[[0, 0], [0, 0], [1, 0.0]],
     )  # fmt: skip
     found = propagate_crack(rod, 0.1, 10.0)
@@ -154,7 +154,7 @@ def test_own_energy_is_a_part_of_what_a_spring_releases():
 
 def test_a_load_that_would_fall_ends_it():
     rope = spring_network(
-        [[0, 0], [1, 0.0]], [[0, 1]], 1.0, held=[[1, 1], [0, 1]], force=[[0, 0], [1, 0.0]]
+        [[0, 0], [1, 0.0]], [[0, 1]], 1.0, fixed=[[1, 1], [0, 1]], force=[[0, 0], [1, 0.0]]
     )
     found = propagate_crack(rope, 0.1, 10.0)
     assert (found.ended, found.breaks, found.load) == ("falls", (), pytest.approx(0.1))
@@ -181,7 +181,7 @@ def test_a_soft_spring_holds_and_a_force_on_what_is_loose_falls():
     held = [[1, 1], [0, 0], [1, 1], [1, 1]]
     for soft in (1e-3, 1e-6, 1e-9):
         beside = spring_network(
-            x, [[0, 1], [1, 2], [1, 3]], [1.0, soft, 1.0], held=held,
+            x, [[0, 1], [1, 2], [1, 3]], [1.0, soft, 1.0], fixed=held,
             force=[[0, 0], [1e-3, 0], [0, 0], [0, 0.0]],
         )  # fmt: skip
         found = propagate_crack(beside, [1e-4, np.inf, np.inf])
@@ -199,14 +199,14 @@ def test_a_soft_spring_holds_and_a_force_on_what_is_loose_falls():
 def test_a_loose_piece_stays_where_it_was():
     rope = spring_network(
         [[0, 0], [1, 0], [2, 0], [3, 0.0]], [[0, 1], [1, 2], [2, 3]], [1.0, 1.0, 2.0],
-        held=[[1, 1], [0, 1], [0, 1], [1, 1]], displacement=[[0, 0], [0, 0], [0, 0], [1, 0.0]],
+        fixed=[[1, 1], [0, 1], [0, 1], [1, 1]], displacement=[[0, 0], [0, 0], [0, 0], [1, 0.0]],
     )  # fmt: skip
     found = propagate_crack(rope, [0.1, 0.1, np.inf], 10.0)
     assert [list(one.springs) for one in found.breaks] == [[0, 1]]
     assert list(found.loose) == [1]
     assert found.equilibrium.displacement[1, 0] == pytest.approx(0.1, rel=1e-12)
     # All else is held: nothing to invert.
-    whole = replace(rope, held=np.ones((4, 2)))
+    whole = replace(rope, fixed=np.ones((4, 2)))
     assert list(propagate_crack(whole, 0.1, 10.0).broken) == [2]
 
 
@@ -224,10 +224,10 @@ def test_units_and_a_body_far_from_the_origin():
 def test_one_clear_line():
     network, _ = strip()
     tight = spring_network(network.points, network.springs, network.stiffness, rest_length=0.9,
-                           held=network.held, displacement=network.displacement)  # fmt: skip
+                           fixed=network.fixed, displacement=network.displacement)  # fmt: skip
     cells = Volumes(np.array([[0, 0], [1, 0], [0, 1.0]]), np.array([[0, 1, 2]]), np.ones(1))
     three = spring_network(
-        cells.points, [[0, 1], [1, 2], [0, 2]], 1.0, volumes=cells, held=np.ones((3, 2))
+        cells.points, [[0, 1], [1, 2], [0, 2]], 1.0, volumes=cells, fixed=np.ones((3, 2))
     )
     none = replace(network, displacement=0 * network.points)
     for words, given, how in (
@@ -244,13 +244,13 @@ def test_one_clear_line():
         ("crack: springs 1000000 to 1000000; there are", network, {"crack": [10**6]}),
         ("crack: ", network, {"crack": [1.5]}),
         ("crack: ", network, {"crack": np.ones(len(network.springs), dtype=bool)}),
-        ("leave the body free", replace(none, held=np.zeros_like(network.held)), {}),
+        ("leave the body free", replace(none, fixed=np.zeros_like(network.fixed)), {}),
     ):  # fmt: skip
         with pytest.raises(ProblemError, match=re.escape(words)):
             propagate_crack(given, **{"critical_stretch": 0.01, **how})
     half = network.points[:, 1] < 4
     cut = np.flatnonzero(half[network.springs[:, 0]] != half[network.springs[:, 1]])
     force = np.where(half[:, None], 0.0, [0.0, 1.0])
-    free = replace(none, held=network.held & half[:, None], force=force)
+    free = replace(none, fixed=network.fixed & half[:, None], force=force)
     with pytest.raises(ProblemError, match="nothing holds what it leaves of a loaded part"):
         propagate_crack(free, 0.01, crack=cut)

@@ -42,7 +42,7 @@ def pressed(obstacle=DISC, cells=12, loads=(), clamped="bottom", **how):
 
 def densely(network, touching):
     """Forces by the compliance of all candidates and least squares: another algorithm."""
-    free, (one,) = ~network.held.ravel(), touching
+    free, (one,) = ~network.fixed.ravel(), touching
     x, d = network.points[one.points], network.dim
     normal = one.obstacle.normal(x, one.depth)
     N = np.zeros((network.points.size, len(x)))
@@ -91,7 +91,7 @@ def test_every_order_of_points_and_solver_give_the_same_forces(monkeypatch):
     place = np.argsort(order)
     other = replace(
         network, points=network.points[order], springs=place[network.springs],
-        mass=network.mass[order], held=network.held[order], force=network.force[order],
+        mass=network.mass[order], fixed=network.fixed[order], force=network.force[order],
         displacement=network.displacement[order], cells=None,
     )  # fmt: skip
     again = solve_contact(other, replace(touching, points=place[touching.points]))
@@ -171,8 +171,8 @@ def test_contacts_that_cannot_be_are_refused():
     with refused("contact: none; give one, or take equilibrium"):
         solve_contact(network, ())
     with refused("the supports leave the body free"):
-        solve_contact(replace(network, held=np.zeros_like(network.held)), one)
-    still = replace(network, held=np.ones_like(network.held))
+        solve_contact(replace(network, fixed=np.zeros_like(network.fixed)), one)
+    still = replace(network, fixed=np.ones_like(network.fixed))
     with refused("is held inside the obstacle; give a part of the surface that may move"):
         solve_contact(still, one)
     side = Contact(BOX.side("top"), DISC, 0.01)

@@ -97,7 +97,7 @@ def test_equilibrium_does_not_depend_on_numbering_or_place(independent, geometry
         np.argsort(order)[network.springs[listed]][:, ::-1],
         network.stiffness[listed],
         rest_length=network.rest_length[listed],
-        held=network.held[order],
+        fixed=network.fixed[order],
         force=network.force[order],
     )
     found = equilibrium(moved, geometry).displacement
@@ -109,7 +109,7 @@ def test_a_body_held_everywhere_only_reacts():
         [[0, 0], [1, 0]],
         [[0, 1]],
         2.0,
-        held=np.ones((2, 2), dtype=bool),
+        fixed=np.ones((2, 2), dtype=bool),
         displacement=[[0, 0], [0.5, 0]],
         force=[[0, 0], [0, 3.0]],
     )

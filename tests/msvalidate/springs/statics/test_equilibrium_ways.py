@@ -18,7 +18,7 @@ def rope():
         [[0, 1], [1, 2]],
         STIFFNESS,
         rest_length=TIGHT * 0.37,
-        held=np.array([[True, True], [False, False], [True, True]]),
+        fixed=np.array([[True, True], [False, False], [True, True]]),
         force=[[0.0, 0.0], [0.0, 0.3], [0.0, 0.0]],
     )
 
@@ -32,7 +32,7 @@ def test_a_rest_inside_out_is_refused_unless_it_is_asked_for():
     # A triangle on a held side of 0.37 m: its apex rests as well mirrored to the other side.
     corners = 0.37 * np.array([[0.0, 0.0], [1.0, 0.0], [0.4, 0.7]])
     held = np.array([[True, True], [True, True], [False, False]])
-    network = spring_network(corners, [[0, 1], [1, 2], [0, 2]], STIFFNESS, held=held)
+    network = spring_network(corners, [[0, 1], [1, 2], [0, 2]], STIFFNESS, fixed=held)
     over = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, -2 * corners[2, 1]]])
     with pytest.raises(SolverError, match="nonlinear equilibrium: "):
         equilibrium(network, "nonlinear", start=over)

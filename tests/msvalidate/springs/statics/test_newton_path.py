@@ -35,7 +35,7 @@ def truss(force):
         [[-HALF, 0], [0, RISE], [HALF, 0]],
         [[0, 1], [1, 2]],
         STIFFNESS,
-        held=[[True, True], [True, False], [True, True]],
+        fixed=[[True, True], [True, False], [True, True]],
         force=[[0, 0], [0, -force], [0, 0]],
     )
 
@@ -68,7 +68,7 @@ def test_a_small_arch_within_a_large_body_is_noticed(lattice_body):
         np.concatenate([block.points, arch.points + np.array([9.0, 0.0])]),
         np.concatenate([block.springs, arch.springs + n]),
         np.concatenate([block.stiffness, arch.stiffness]),
-        held=np.concatenate([block.held, arch.held]),
+        fixed=np.concatenate([block.fixed, arch.fixed]),
         force=np.concatenate([block.force, arch.force]),
     )
     found = equilibrium(both, "nonlinear")
@@ -96,14 +96,14 @@ def tight(seed, kind):
         springs,
         10 ** rng.uniform(-2, 2, len(springs)) if kind == "stiffness" else 1.0,
         rest_length=length * (rng.uniform(0.7, 0.9, len(springs)) if part is None else part),
-        held=np.repeat(np.arange(len(points))[:, None] < len(frame), 2, axis=1),
+        fixed=np.repeat(np.arange(len(points))[:, None] < len(frame), 2, axis=1),
     )
 
 
 def at_least_energy(network):
     """Positions (n, d) in m by L-BFGS on the springs' energy alone, over its stiffest spring."""
     i, j = network.springs.T
-    free, x0 = ~network.held, np.array(network.points)
+    free, x0 = ~network.fixed, np.array(network.points)
     # In units of √(stiffness met) components are alike.
     met = np.zeros(len(x0))
     np.add.at(met, i, network.stiffness)
@@ -139,12 +139,12 @@ def test_prestress_that_no_rest_bears_names_prestress():
         [[0, 1], [1, 2]],
         1.0,
         rest_length=0.5,
-        held=[[True, True], [False, True], [True, True]],
+        fixed=[[True, True], [False, True], [True, True]],
     )
     free = np.array([[True, True], [False, False], [True, True]])
     assert equilibrium(long, "nonlinear").position[1, 0] == pytest.approx(0.37)
     with pytest.raises(SolverError) as caught:
-        equilibrium(replace(long, held=free), "nonlinear")
+        equilibrium(replace(long, fixed=free), "nonlinear")
     assert "reduce the load" not in str(caught.value)
     assert "rest lengths" in str(caught.value)
 

@@ -109,7 +109,7 @@ def truss(force):
         [[-0.37, 0], [0, 0.037], [0.37, 0]],
         [[0, 1], [1, 2]],
         3.0,
-        held=[[True, True], [True, False], [True, True]],
+        fixed=[[True, True], [True, False], [True, True]],
         force=[[0, 0], [0, -force], [0, 0]],
     )
 

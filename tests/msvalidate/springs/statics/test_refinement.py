@@ -58,7 +58,7 @@ def braced(cells, size, rng, *, decades=0.0, far=0.0, prestress=0.0, load=1e-3, 
         springs,
         k,
         rest_length=distance * (1 - prestress * rng.uniform(0, 1, len(k))),
-        held=held,
+        fixed=held,
         force=force,
     )
 
@@ -103,7 +103,7 @@ def test_a_load_far_below_balanced_prestress_keeps_its_digits():
         [[0, 1], [1, 2]],
         3.0,
         rest_length=0.3,
-        held=[[True, True], [False, False], [True, True]],
+        fixed=[[True, True], [False, False], [True, True]],
         force=[[0, 0], [0, 1e-6], [0, 0]],
     )
     found = equilibrium(network)
@@ -201,7 +201,7 @@ def test_a_form_in_balance_under_its_own_tension_stays_where_it_is(geometry):
     rest = np.array([1.0, 1.0, 1.0, 1.0, np.sqrt(2), np.sqrt(2)]) * 0.37
     rest += np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0]) * [*[1e-3] * 4, *[1e-3 * np.sqrt(2)] * 2]
     # Sides pull by k times 1 mm, diagonals push by √2 of it.
-    found = equilibrium(spring_network(corners, pairs, 1.0, rest_length=rest, held=held), geometry)
+    found = equilibrium(spring_network(corners, pairs, 1.0, rest_length=rest, fixed=held), geometry)
     assert not found.displacement.any()
     assert found.error == 0.0
 
@@ -215,7 +215,7 @@ def test_the_error_of_a_displacement_is_what_it_is_off_by(size, products, monkey
     """By a factor, and by multigrid."""
     network = braced((6, 2), (1.48, 0.37), np.random.default_rng(7), load=1e-3)
     rest = equilibrium(network, "nonlinear").displacement
-    shift = np.where(network.held, 0.0, np.random.default_rng(8).normal(size=rest.shape))
+    shift = np.where(network.fixed, 0.0, np.random.default_rng(8).normal(size=rest.shape))
     off = rest + size * np.abs(rest).max() * shift / np.abs(shift).max()
     error = np.abs(off - rest).max() / np.abs(rest).max()
     monkeypatch.setattr(choice, "MOST_PRODUCTS", products)

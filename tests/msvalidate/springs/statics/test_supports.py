@@ -26,7 +26,7 @@ def squeezed(lattice_body, cells, part):
 
 def least_energy(network, part):
     """Energy (J) of the rest near uniform compression, by L-BFGS on the springs' energy alone."""
-    free = ~network.held
+    free = ~network.fixed
     uniform = network.points * [1 - part, 1.0]
 
     def value(x):

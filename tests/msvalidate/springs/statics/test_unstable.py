@@ -18,7 +18,7 @@ GEOMETRIES = ["linear", "nonlinear"]
 
 def free_tangent(network, position):
     """Dense tangent on the free components."""
-    free = ~network.held.ravel()
+    free = ~network.fixed.ravel()
     return tangent(network, position).toarray()[np.ix_(free, free)]
 
 
@@ -38,7 +38,7 @@ def compressed_string(shortening):
         [[0, 1], [1, 2]],
         1.0,
         rest_length=[0.9, 0.9],
-        held=held,
+        fixed=held,
         displacement=[[0, 0], [0, 0], [-shortening, 0]],
     )
 
@@ -52,7 +52,7 @@ def test_what_nonlinear_returns_is_stable(independent, lattice_body, name):
     }[name]()
     position = equilibrium(network, "nonlinear").position
     np.testing.assert_allclose(
-        np.where(network.held, 0, internal_force(network, position) + network.force), 0, atol=1e-10
+        np.where(network.fixed, 0, internal_force(network, position) + network.force), 0, atol=1e-10
     )
     assert np.linalg.eigvalsh(free_tangent(network, position))[0] > 0
 
@@ -95,7 +95,7 @@ def test_two_held_points_pushed_into_one_are_refused():
         [[0, 0], [1, 0]],
         [[0, 1]],
         1.0,
-        held=np.ones((2, 2), dtype=bool),
+        fixed=np.ones((2, 2), dtype=bool),
         displacement=[[0, 0], [-1, 0]],
     )
     with pytest.raises((ProblemError, SolverError)):
@@ -111,7 +111,7 @@ def test_an_unsupported_network_is_refused_by_its_motions(geometry):
     message = "translation along x; translation along y; rotation about (0.333333, 0.333333)"
     with pytest.raises(ProblemError, match=re.escape(f"leave the body free: {message}. Hold one")):
         equilibrium(free, geometry)
-    hinged = replace(free, held=np.array([[True, True], [False, False], [False, False]]))
+    hinged = replace(free, fixed=np.array([[True, True], [False, False], [False, False]]))
     with pytest.raises(ProblemError, match=re.escape("free: rotation about (0, 0). Hold one")):
         equilibrium(hinged, geometry)
 
@@ -136,13 +136,13 @@ def test_a_point_without_springs_is_named(geometry):
         [[0, 0], [1, 0], [0, 1], [3, 3]],
         [[0, 1], [1, 2], [2, 0]],
         1.0,
-        held=[[True, True], [False, True], [False, False], [False, False]],
+        fixed=[[True, True], [False, True], [False, False], [False, False]],
     )
     message = r"a mechanism: nothing resists point 3 at \(3, 3\) moving along .*add springs"
     with pytest.raises(SolverError, match=message):
         equilibrium(network, geometry)
     # Held, it is in nobody's way.
-    pinned = replace(network, held=network.held | [[False], [False], [False], [True]])
+    pinned = replace(network, fixed=network.fixed | [[False], [False], [False], [True]])
     assert equilibrium(pinned, geometry).residual < 1e-15  # N: the rest length √2 is rounded
 
 
@@ -167,7 +167,7 @@ def test_a_strut_that_prestress_buckles_is_told_what_to_change(load, remedy):
         [[0, 1], [1, 2]],
         1.0,
         rest_length=0.5,
-        held=held,
+        fixed=held,
         force=force,
     )
     with pytest.raises(SolverError, match=remedy):
