@@ -134,7 +134,7 @@ def run_adapter(block):
     parts = re.split(r"^(?=# [123]\. )", adapter_template("mine"), flags=re.MULTILINE)
     Path("own.py").write_text("".join([*parts[:2], block, parts[3]]), encoding="utf-8")
     moved = Program("own.py")(rest).displacement
-    np.testing.assert_allclose(moved[~rest.fixed], rest.force[~rest.fixed] / 1e6, rtol=1e-6, atol=0)
+    np.testing.assert_allclose(moved[~rest.held], rest.force[~rest.held] / 1e6, rtol=1e-6, atol=0)
     start = rest.mesh.points + 1e-3
     answer = Program("own.py")(motion(rest, start))
     assert (answer.velocity < 0).all()

@@ -128,7 +128,7 @@ def test_the_network_is_our_own(tmp_path, nu, dim):
         springs.stiffness,
         rest_length=springs.length,
         mass=asked.mass,
-        held=asked.held,
+        fixed=asked.held,
         displacement=asked.value,
         force=asked.force + asked.mass[:, None] * asked.gravity,
     )
@@ -175,7 +175,7 @@ def test_bonds_of_lammps_join_the_springs_ends_counted_from_one():
     held = np.array([[True, True], [True, True], [False, False]])
     force = np.array([[0.0, 0.0], [0.0, 0.0], [1e-3, 0.0]])
     points, springs = np.array([[0.0, 0], [1, 0], [0, 1]]), np.array([[0, 2], [1, 2]])
-    net = spring_network(points, springs, np.array([1.0, 2.0]), held=held, force=force)
+    net = spring_network(points, springs, np.array([1.0, 2.0]), fixed=held, force=force)
     lines = lammps_files(net, equilibrium(net), "two")["springs.data"].decode().splitlines()
     first = lines.index("Bonds") + 2
     assert lines[first : first + 2] == ["1 1 1 3", "2 2 2 3"]
