@@ -65,3 +65,8 @@ def stored_rows(name: str) -> Any:
 def refused(message: str) -> pytest.RaisesExc[ProblemError]:
     """As `pytest.raises` of bad input whose line has this message in it."""
     return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def undated(reasons):
+    """Lines of a file of reasons without their dates and commits."""
+    return re.sub(r"(?m)^- \d{4}-\d\d-\d\d(, commit \w+)?: ", "- ", reasons)

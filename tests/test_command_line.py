@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.forked import completed
-from tests.table import stored_rows
+from tests.table import stored_rows, undated
 
 ROOT = Path(__file__).parents[1]
 PROGRAM = [sys.executable, "-m", "msvalidate.study"]
@@ -481,7 +481,8 @@ def test_interrupt_ends_quietly(tmp_path):
         # A shell's background job ignores interrupts, and its children with it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
     )
-    assert process.stderr.readline().startswith("poisson: "), "the study has begun"
+    begun = next(line for line in process.stderr if line != "loading libraries\n")
+    assert begun.startswith("poisson: "), "the study has begun"
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
@@ -526,9 +527,8 @@ def test_check_holds_against_its_own_baseline(checked):
     assert (
         checked / "base" / "quick" / "poisson" / "t.csv"
     ).read_text() == "x,word\n1.0,a\n2.0,b\n"
-    assert "- Baseline (quick): first\n" in (checked / "base/REASONS.md").read_text(
-        encoding="utf-8"
-    )
+    reasons = undated((checked / "base/REASONS.md").read_text(encoding="utf-8"))
+    assert "- baseline (quick): first; poisson/t is new\n" in reasons
     done = run("check", "--junit", "j.xml", cwd=checked, script=small())
     assert done.returncode == 0, done.stderr
     assert "poisson: 2 of 2 held, " in done.stderr

@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("", "docs/**/", "checker/**/", "cases/", "simulators/", "examples/")
 PAGES = {path.relative_to(ROOT).as_posix() for each in FOLDERS for path in ROOT.glob(f"{each}*.md")}
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-OTHER_LANGUAGES = {"", "sh", "text", "toml"}
+OTHER_LANGUAGES = {"", "sh", "text", "toml", "yaml"}
 SOLVER = """
 import runpy
 example = runpy.run_path({path!r})["solve"]

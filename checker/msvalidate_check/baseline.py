@@ -12,8 +12,10 @@ import csv
 import io
 import math
 import re
+import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +32,8 @@ hundred; no digit that a reader of a table sees."""
 OF_RANGE = 1e-9
 """atol over the largest distance between a column's values: a value near zero is known no better
 than the large ones that it is a difference of."""
+MOVES = 5
+"""Maximum number of moved tables that a line of the file of reasons names."""
 MISSING = {"", "nan", "inf", "-inf"}
 """No numbers: among them, failures even where the baseline has the same."""
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
@@ -233,8 +237,9 @@ def differences(
     *,
     relative: float = RELATIVE,
     absolute: Mapping[str, float] | None = None,
+    hint: str = "",
 ) -> list[str]:
-    """What keeps a table from being the one that was kept, one line each; none if nothing does.
+    """Describe how a table differs from its baseline, one line per difference.
 
     Parameters
     ----------
@@ -244,6 +249,8 @@ def differences(
         As for `farthest`.
     absolute
         The same by column; 0 for columns that are not in it.
+    hint
+        Remedy for numbers that are compared with a column of zeros, which leaves no tolerance.
     """
     lines = [f"column {column}: missing" for column in reference if column not in seen]
     lines += [f"column {column}: new" for column in seen if column not in reference]
@@ -255,7 +262,8 @@ def differences(
             room = (absolute or {}).get(column, 0.0)
             found = farthest(seen[column], reference[column], relative=relative, absolute=room)
             if found and found.off:
-                lines.append(f"{column}, {_moved(found)}")
+                exact = not found.words and not found.limit
+                lines.append(f"{column}, {_moved(found)}{hint if exact else ''}")
     return lines
 
 
@@ -277,24 +285,31 @@ def table_file(folder: Path, name: str) -> Path:
     return folder / PYTEST / f"{name}.csv"
 
 
-def reasons_with(path: Path, what: str, names: Sequence[str], reason: str) -> bytes:
-    """The file of reasons with one more line.
+def reasons_with(
+    path: Path, what: str, names: Sequence[str], reason: str, moves: Sequence[str] = ()
+) -> bytes:
+    """Content of the file of reasons with one more line.
+
+    The line has the date, the commit of the working directory if there is one, what was renewed,
+    the reason and what moved by how much.
 
     Parameters
     ----------
     path
         The file; it may be missing.
     what
-        `PYTEST`, "quick" or "full".
+        `PYTEST`, "quick", "full" or the name of a command.
     names
-        Tables or studies that were renewed; none for all of them.
+        Tables or studies that were renewed; empty if all of them were.
     reason
-        Why, in one line.
+        Reason in one line.
+    moves
+        Results of `describe_move`; empty ones are left out.
 
     Raises
     ------
     BaselineError
-        If there is one that is not UTF-8.
+        If the file is not UTF-8.
     """
     try:
         text = path.read_bytes().decode("utf-8") if path.is_file() else HEADING
@@ -303,13 +318,44 @@ def reasons_with(path: Path, what: str, names: Sequence[str], reason: str) -> by
             f"{path.name}: not UTF-8 at byte {error.start}; save it as UTF-8"
         ) from error
     end = "" if text.endswith("\n") else "\n"
-    return f"{text}{end}{reason_line(what, names, reason)}\n".encode()
-
-
-def reason_line(what: str, names: Sequence[str], reason: str) -> str:
-    """The line that says why a baseline was renewed; see `reasons_with`."""
     whose = f"{what}; {', '.join(names)}" if names else what
-    return f"- Baseline ({whose}): {reason}"
+    when = ", ".join(filter(None, (f"{datetime.now(UTC):%Y-%m-%d}", _commit())))
+    shown = [move for move in moves if move]
+    shown[MOVES:] = [f"and {len(shown) - MOVES} more tables"] if len(shown) > MOVES else []
+    line = "; ".join([f"- {when}: baseline ({whose}): {reason}", *shown])
+    return f"{text}{end}{line}\n".encode()
+
+
+def _commit() -> str:
+    """Commit of the working directory, "" outside a repository or without git."""
+    try:
+        answer = subprocess.run(
+            ["git", "rev-parse", "--short=12", "HEAD"],
+            capture_output=True, text=True, check=True, timeout=5.0,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return f"commit {answer.stdout.strip()}"
+
+
+def describe_move(name: str, table: bytes, reference: bytes | None) -> str:
+    """Describe in a few words how a table differs from its baseline, "" if it does not.
+
+    Parameters
+    ----------
+    name
+        Name of the table.
+    table, reference
+        The table as it is and as it was, as CSV; None if the table is new.
+    """
+    if reference is None:
+        return f"{name} is new"
+    try:
+        lines = differences(read_columns(table), read_columns(reference))
+    except ValueError:
+        return f"{name} could not be read before"
+    more = f", and {len(lines) - 1} more differences" if len(lines) > 1 else ""
+    return f"{name}: {lines[0]}{more}" if lines else ""
 
 
 def _number(text: str) -> float:

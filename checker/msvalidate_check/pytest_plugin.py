@@ -21,6 +21,7 @@ from msvalidate_check.baseline import (
     RELATIVE,
     BaselineError,
     check_name,
+    describe_move,
     differences,
     make_columns,
     read_columns,
@@ -153,7 +154,8 @@ def _compared(
     except ValueError as error:
         return [f"the file cannot be read: {' '.join(str(error).split())}"]
     room = dict.fromkeys(columns, absolute)
-    return differences(columns, kept, relative=relative, absolute=room)
+    hint = "; a reference of 0 leaves no tolerance, so pass absolute= to check"
+    return differences(columns, kept, relative=relative, absolute=room, hint=hint)
 
 
 RECORDING = pytest.StashKey[Recording]()
@@ -237,11 +239,14 @@ def _write(folder: Path, tables: Mapping[str, bytes], reason: str) -> None:
     names = sorted(tables)
     path = folder / REASONS
     files = {".": {f"{name}.csv": tables[name] for name in names}}
+    kept = {name: table_file(folder, name) for name in names}
+    before = {name: path.read_bytes() for name, path in kept.items() if path.is_file()}
+    moves = [describe_move(name, tables[name], before.get(name)) for name in names]
     exchange.replace_folder(
         folder / PYTEST,
         files,
         keep=True,
-        beside=(path, lambda: reasons_with(path, PYTEST, names, reason)),
+        beside=(path, lambda: reasons_with(path, PYTEST, names, reason, moves)),
     )
 
 

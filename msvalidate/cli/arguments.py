@@ -16,7 +16,7 @@ from msvalidate import __version__
 from msvalidate.bench.judging import catalogue
 from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
 
-HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
+HELD, MISSED, USAGE, FAILED, NOTHING, UNCONVERGED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 DOCUMENTED = "python -m msvalidate.study"
 """The program's name in files, whose reader may have started it otherwise."""
 CALLS = {"msvalidate": "msvalidate", "__main__": "python -m msvalidate"}
@@ -216,8 +216,6 @@ def check_studies(parser: argparse.ArgumentParser, args: argparse.Namespace) -> 
             "candidate" in given and not args.named,
         "--questions are those of one study; name it alone":
             "questions" in given and not (args.named and len(args.studies) == 1),
-        '--update and --reason "..." go together; give both or none':
-            args.update != (args.reason is not None),
     })  # fmt: skip
     args.out = args.out or (CANDIDATES if args.candidate else LATEST)
     args.form = "quick" if args.quick or (checks and not args.full) else "full"
@@ -284,7 +282,11 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
         parser.error(f"unrecognized arguments: {' '.join(left)}{unit}")
     if of_studies:
         check_studies(parser, args)
-    elif verb == "advise":
+    elif "update" in args and args.update and not args.baseline:
+        parser.error("--update: no --baseline DIR to write to; name one")
+    if "update" in args and args.update != (args.reason is not None):
+        parser.error('--update and --reason "..." go together; give both or none')
+    if verb == "advise":
         check_advise(parser, args)
     elif "scheduler" in args:
         check_sweep(parser, args)

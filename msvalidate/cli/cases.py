@@ -9,11 +9,13 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
+import pandas as pd
 
 from msvalidate.bench.judging.workers import Cluster, Workers, run_all
 from msvalidate.bench.output.stored import csv_bytes, draw_files
@@ -24,6 +26,7 @@ from msvalidate.case.file.schema import CaseFile
 from msvalidate.case.judge.results import Result, read_result
 from msvalidate.case.report import files, run, screen, sweep
 from msvalidate.case.springs import lattice_springs, network_files
+from msvalidate.cli import gating
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import (
@@ -45,6 +48,8 @@ from msvalidate_check.verdict import AGREES
 
 COMMAND = ("msvalidate", "case", "judge", "FILE", "RESULT")
 PAGE = "case.html"
+STORED = ("quantities", "constants")
+"""Tables of a case that a baseline stores; of a field, the first."""
 SWEPT = (sweep.ROWS, "sweep.csv", "sweep.png", "sweep.svg")
 """Entries of a sweep's folder."""
 SWEEP_CODES = {sweep.REFUSED: USAGE} | dict.fromkeys((sweep.FAILED, sweep.LATE, sweep.DIED), FAILED)
@@ -117,16 +122,17 @@ def run_cases(args: argparse.Namespace) -> int:
     """Each case in turn: one that is refused does not keep the others from being solved."""
     if args.set:
         return _sweep(args)
-    codes, folders = [], dict[str, Path]()
+    gating.refuse_outputs(args, gating.CASES)
+    codes, results = [], dict[str, gating.Judged]()
     for file in args.files:
         name = files.folder_name(file.stem)
-        if name in folders:
-            said = f"case {file.name}: results of {folders[name]} go to the same folder {name}"
+        if name in results:
+            said = f"case {file.name}: results of another case go to the same folder {name}"
             codes.append(tell_error(f"{said}; run it with another --out", USAGE))
             continue
-        folders[name] = file
-        codes.append(attempt(partial(_solve, file, args.out / name, args)))
-    return max(codes)
+        codes.append(attempt(partial(_solve, file, args.out / name, args, results)))
+        results.setdefault(name, gating.unfinished(name, f"no result, exit code {codes[-1]}"))
+    return gating.conclude(args, gating.CASES, [*results.values()], max(codes), many=True)
 
 
 def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Progress:
@@ -134,7 +140,10 @@ def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Progress:
     return Progress(file.stem, shown=not args.quiet, log=log_path(folder))
 
 
-def _solve(file: Path, folder: Path, args: argparse.Namespace) -> int:
+def _solve(
+    file: Path, folder: Path, args: argparse.Namespace, results: dict[str, gating.Judged]
+) -> int:
+    """Solve a case, write its files, print its first screen and add it to the results."""
     began = time.perf_counter()
     with of_case(file):
         files.refuse_foreign(folder, file.name)
@@ -146,8 +155,30 @@ def _solve(file: Path, folder: Path, args: argparse.Namespace) -> int:
     verdict = json.loads(content["verdict.json"])
     verdict["reasons"] += body_lines(found.advice)
     lines = screen.case_lines(found, chosen, verdict)
-    seconds = f"{time.perf_counter() - began:.1f} s"
-    return _print_screen(case.name, verdict, lines, folder, [seconds], args)
+    seconds = time.perf_counter() - began
+    results[folder.name] = _judged(folder.name, verdict, content, STORED, seconds)
+    return _print_screen(case.name, verdict, lines, folder, [f"{seconds:.1f} s"], args)
+
+
+def _judged(
+    name: str,
+    verdict: Mapping[str, Any],
+    content: Mapping[str, bytes],
+    stored: Sequence[str],
+    seconds: float,
+) -> gating.Judged:
+    """Return a judged case or field: its verdict, then one row per quantity."""
+    word, band = verdict["verdict"], verdict["band"]
+    rows = [gating.row("verdict", "verdict", word, " ".join(verdict["reasons"]))]
+    for each in verdict["quantities"]:
+        candidate = next(each[key] for key in ("springs", "found") if key in each)
+        reference = next(each[key] for key in ("elasticity", "wanted") if key in each)
+        numbers = {"observed": candidate, "reference": reference, "error": each["difference"]}
+        kind = each["quantity"], each["verdict"], verdict["headline"]
+        rows.append(gating.row("agreement", *kind, **numbers, limit=band, unit=each["unit"]))
+    frame = pd.DataFrame(rows).astype(dict.fromkeys(("observed", "reference", "error"), float))
+    tables = {each: pd.read_csv(BytesIO(content[f"{each}.csv"])) for each in stored}
+    return gating.Judged(name, frame, verdict, tables, seconds=seconds)
 
 
 def _print_screen(
@@ -160,7 +191,7 @@ def _print_screen(
 ) -> int:
     """Print a first screen, reasons if they are requested, and notes; return the exit code."""
     word = verdict["verdict"]
-    if not args.quiet:
+    if not (args.quiet or args.json):
         reasons = [f"  {each}" for each in verdict["reasons"]] if args.verbose else []
         print_lines([*lines, f"page: {folder / PAGE}", *reasons])
     for note in notes if not args.quiet else [word] if word != AGREES else []:
@@ -177,6 +208,7 @@ def _code(word: str) -> int:
 def judge_file(args: argparse.Namespace) -> int:
     """Displacements from a file beside a case's elasticity."""
     folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
+    gating.refuse_outputs(args, gating.CASES)
     with of_case(args.file), progress_of(args.file, folder, args):
         with contextlib.suppress(ValueError):
             args.unit = float(args.unit)
@@ -207,12 +239,16 @@ def judge_and_tell(
 
     The sentences `first` are printed after the verdict.
     """
+    began = time.perf_counter()
     found, content = run.judged_files(case, result, plots=args.plots, **options)
     files.publish(folder, content, whose)
     verdict = json.loads(content["verdict.json"])
     lines = screen.field_lines(found, verdict, first)
     notes = (*notes, *found.matched.notes)
-    return _print_screen(result.name, verdict, lines, folder, notes, args)
+    code = _print_screen(result.name, verdict, lines, folder, notes, args)
+    seconds = time.perf_counter() - began
+    judged = _judged(folder.name, verdict, content, STORED[:1], seconds)
+    return gating.conclude(args, gating.CASES, [judged], code)
 
 
 def _sweep(args: argparse.Namespace) -> int:

@@ -93,7 +93,7 @@ def run_task(task: Task) -> Outcome:
         evidence, verdict = _judged(task)
         seconds = _since(started)
         if task.against:
-            rows = baseline.compare(evidence, task.against / task.name)
+            rows = baseline.compare(evidence.tables, task.against / task.name, evidence.rounding)
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
         origin = _origin(task, started, seconds)

@@ -19,7 +19,8 @@ from msvalidate.bench.judging.evidence import is_missed
 from msvalidate.bench.judging.summary import NAME as SUMMARY
 from msvalidate.bench.output import baseline, junit, report, summary
 from msvalidate.bench.output.results import Results
-from msvalidate.bench.output.stored import Result, Stored
+from msvalidate.bench.output.stored import Result, Stored, verdict_json
+from msvalidate.cli import gating
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, USAGE
 from msvalidate.cli.candidates import check_candidate
 from msvalidate.cli.jobs import run_tasks
@@ -68,6 +69,8 @@ def run_studies(args: argparse.Namespace) -> int:
     stored = report.publish(finished, args.out, late)
     if args.junit:
         exchange.replace_file(args.junit, lambda: junit.junit_xml(stored))
+    if args.json:
+        print_lines([verdict_json(stored).decode()])
     results = [outcome.result for outcome in outcomes if outcome.result]
     codes.append(print_lines([line for result in results for line in _lines(result, args)]))
     made = {"verdict"}.union(*(result.evidence.tables for result in results))
@@ -87,19 +90,7 @@ def run_studies(args: argparse.Namespace) -> int:
 def _refuse(args: argparse.Namespace) -> None:
     """Raise `ProblemError` or ImportError, before the work, for what cannot be."""
     report.refuse_unwritable(args.out, args.studies)
-    if args.junit:
-        report.refuse_place("--junit", args.junit, args.out)
-    if args.baseline:
-        report.refuse_folder("--baseline", args.baseline, args.out, written=args.update)
-        baseline.check_home(args.baseline)
-        against = baseline.baseline_folder(args.form, args.baseline)
-        if not (args.update or against.is_dir()):
-            raise ProblemError(
-                f"--baseline {args.baseline}: no {args.form} baseline in it; make one with check "
-                f'--update --reason "first" --baseline {args.baseline}'
-            )
-    if args.update:
-        baseline.reasons(args.baseline, args.form, args.reason)
+    gating.refuse_outputs(args, args.form)
     if args.tables:
         _refuse_unknown_tables(args)
     for name in args.studies:
@@ -202,8 +193,8 @@ def _update(results: Sequence[Result], args: argparse.Namespace, failed: Sequenc
         return tell_error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
-    found = {result.name: result.evidence for result in results}
-    reason = baseline.renew(args.baseline, args.form, found, args.reason, named=args.named)
+    tables = {result.name: result.evidence.tables for result in results}
+    reason = baseline.renew(args.baseline, args.form, tables, args.reason, named=args.named)
     whose = f" of {', '.join(args.studies)}" if args.named else ""
     tell(f"{args.form} baseline{whose} renewed; {reason.name} says why")
     return HELD

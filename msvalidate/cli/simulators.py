@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from msvalidate.bench.judging import catalogue
 from msvalidate.bench.output.provenance import collect_provenance
@@ -22,7 +23,8 @@ from msvalidate.case.file import building
 from msvalidate.case.file.case import Case
 from msvalidate.case.judge.results import Result
 from msvalidate.case.report import files
-from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
+from msvalidate.cli import gating
+from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, UNCONVERGED
 from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_of, request_of
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
@@ -42,16 +44,20 @@ from msvalidate.simulators.exchange.protocol import (
     stated_residual_motion,
 )
 from msvalidate.simulators.gate.gate import convergence_tests
+from msvalidate.simulators.gate.rows import LENGTH, MOVING, PASSED, STEP, STOPPED, TOLD
+from msvalidate.simulators.probe.reading import BAND
 from msvalidate.simulators.verdict.causes import convergence_causes
-from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
+from msvalidate.simulators.verdict.judgement import PARTS, Judgement, judge_simulator
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
+from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate.simulators.verdict.sheet import sheet_of
-from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
 from msvalidate_check.text import WIDTH
-from msvalidate_check.verdict import AGREES
+from msvalidate_check.verdict import AGREES, NOT_AT_REST, NOT_RESOLVED
 
+GATE, BODIES = ["question", "verdict"], ["body", "mesh", "error", "unexplained"]
+"""Columns of the tables that a baseline stores."""
 RUN = "-run"
 """End of the name of the folder in which the latest question stays, beside its page."""
 
@@ -61,6 +67,7 @@ def simulate(args: argparse.Namespace) -> int:
     """Ask, judge, and write the page; what the adapter left stays beside it."""
     told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
     folder = args.out / _name(args, told)
+    gating.refuse_outputs(args, gating.CASES)
     with of_case(args.file), progress_of(args.file, folder, args):
         whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *told])
         files.refuse_foreign(folder, whose)
@@ -153,10 +160,11 @@ def print_laws(_args: argparse.Namespace) -> int:
 
 @overflowing
 def check_adapter(args: argparse.Namespace) -> int:
-    """Ask ten to two hundred questions, write what came of them, and tell it."""
+    """Test a simulator with ten to two hundred questions, write the results and report them."""
     with naming("adapter check"):
         name = label_of(args.adapter)
         args.law = _known_law(args.law)
+        gating.refuse_outputs(args, gating.SIMULATORS)
         folder = _folder_of_check(args, name)
         kept = folder and folder.with_name(f"{folder.name}{RUN}")
         material = Isotropic(args.modulus, args.ratio, "solid", args.density)
@@ -171,35 +179,99 @@ def check_adapter(args: argparse.Namespace) -> int:
                 )
                 sheet = sheet_of(found, asked, parts)
                 record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
-                text = f"{json_of(record)}\n".encode()
-                if args.json is not None:
-                    exchange.replace_file(args.json, lambda: text)
+                seconds = (datetime.now(UTC) - started).total_seconds()
                 if folder is not None:
                     report_step("page")
-                    seconds = (datetime.now(UTC) - started).total_seconds()
                     command = ("msvalidate", "adapter", "check", "ADAPTER")
                     origin = collect_provenance(command, 0, started, seconds, form="check")
                     shown = {key: str(value) for key, value in settings.items()}
                     own = sheet_files(name, found, sheet, shown, origin, plots=args.plots)
-                    content = {**own, "check.json": text}
-                    files.publish(folder, content, format_value(args.adapter))
+                    text = f"{json_of(record)}\n".encode()
+                    files.publish(folder, {**own, "check.json": text}, format_value(args.adapter))
         except NoAnswerError as error:
             where = f" ({kept / OUT / LOG})" if kept else ""
-            return tell_error(f"{name}: {error}{where}", FAILED)
-    code = HELD if found.word == AGREES else MISSED
-    if asked.failures or not asked.answers:
-        code = FAILED if asked.failures else NOTHING
-    if args.quiet:
-        if code != HELD:
-            tell(f"{name}: {sheet.word}")
-        return code
-    if code == NOTHING:
-        return tell_error(f"{name}: cannot represent: {asked.refusals[-1]}", NOTHING)
-    wrap = partial(textwrap.wrap, width=WIDTH, subsequent_indent="    ", break_on_hyphens=False)
-    printed = print_lines([each for line in sheet.lines(name) for each in wrap(line) or [""]])
-    if folder is not None:
+            code = tell_error(f"{name}: {error}{where}", FAILED)
+            return gating.conclude(
+                args, gating.SIMULATORS, [gating.unfinished(name, str(error))], code
+            )
+    code = _code(found, asked)
+    if args.quiet and code != HELD:
+        tell(f"{name}: {sheet.word}")
+    elif code == NOTHING:
+        tell_error(f"{name}: cannot represent: {asked.refusals[-1]}", NOTHING)
+    elif not (args.quiet or args.json):
+        wrap = partial(textwrap.wrap, width=WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+        print_lines([each for line in sheet.lines(name) for each in wrap(line) or [""]])
+    if folder is not None and not args.quiet:
         tell(f"{name}: {folder / PAGE}")
-    return printed or code
+    result = _judged(name, found, sheet.word, accepted=code == HELD)
+    result = replace(result, record=record, seconds=seconds)
+    return gating.conclude(args, gating.SIMULATORS, [result], code)
+
+
+def _code(judgement: Judgement, questions: Asked) -> int:
+    """Return the exit code of a judged simulator.
+
+    A documented law (`--law`) that the simulator meets is accepted in place of the requested solid.
+    """
+    if questions.failures or not questions.answers:
+        return FAILED if questions.failures else NOTHING
+    if judgement.word == AGREES or judgement.is_accepted:
+        return HELD
+    first = judgement.causes[0].kind if judgement.causes else ""
+    return UNCONVERGED if judgement.word == NOT_AT_REST or first in (LENGTH, STEP) else MISSED
+
+
+GATE_WORDS = {PASSED: "pass", TOLD: "pass", STOPPED: "fail", MOVING: NOT_AT_REST}
+"""Verdict of a row of the gate -> verdict of a judged quantity."""
+BASELINE_TOLERANCE = 1e-3
+"""Tolerance of a baseline, relative to E, to 1 and to the largest displacement.
+
+A fifth of the error of a reading, and above the rounding of single precision."""
+
+
+def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> gating.Judged:
+    """Return the rows of a simulator, and the tables that a baseline stores of it."""
+    because = " ".join([word, *(each.said for each in judgement.causes)])
+    rows = [gating.row("verdict", "verdict", "pass" if accepted else "fail", because)]
+    rows += [
+        gating.row(
+            "gate", each.name, GATE_WORDS.get(each.verdict, NOT_RESOLVED), text_of(each.because),
+            observed=each.value, reference=0.0, error=each.value, limit=each.limit,
+        )
+        for each in judgement.gate.rows
+    ]  # fmt: skip
+    E, nu = judgement.predicted or (judgement.asked.E, judgement.asked.nu)
+    tables = {
+        "gate": pd.DataFrame([(e.name, e.verdict) for e in judgement.gate.rows], columns=GATE)
+    }
+    rounding = {
+        "E": BASELINE_TOLERANCE * E,
+        "nu": BASELINE_TOLERANCE,
+        "error": BASELINE_TOLERANCE,
+        "unexplained": BASELINE_TOLERANCE,
+    }
+    law = judgement.reading
+    if law is not None and law.E is not None and law.nu is not None:
+        for quantity, unit, value, expected, size in (
+            ("E", "Pa", law.E, E, E),
+            ("nu", "1", law.nu, nu, 1),
+        ):
+            error = abs(value - expected) / size
+            rows.append(gating.row(
+                "law", quantity, "pass" if error <= BAND else "fail", word,
+                observed=value, reference=expected, error=error, limit=BAND, unit=unit,
+            ))  # fmt: skip
+        tables["law"] = pd.DataFrame({"E": [law.E], "nu": [law.nu]})
+    parts = [math.nan if each.factors is None else each.factors.apart for each in judgement.bodies]
+    for each, part in zip(judgement.bodies, parts, strict=True):
+        verdict = "pass" if each.is_explained or each.is_rounded else "fail"
+        numbers = {"observed": part, "reference": 0.0, "error": part, "limit": BAND}
+        rows.append(gating.row("body", f"{each.body}, {each.mesh}", verdict, word, **numbers))
+    if judgement.bodies:
+        named = [(e.body, e.mesh, e.error, p) for e, p in zip(judgement.bodies, parts, strict=True)]
+        tables["bodies"] = pd.DataFrame(named, columns=BODIES)
+    return gating.Judged(name, pd.DataFrame(rows), {}, tables, rounding)
 
 
 def _known_law(given: str) -> str:
@@ -211,9 +283,7 @@ def _known_law(given: str) -> str:
 
 
 def _folder_of_check(args: argparse.Namespace, name: str) -> Path | None:
-    """Folder of the page, if page and record are writable."""
-    if args.json is not None and not args.json.parent.is_dir():
-        raise ProblemError(f"--json {args.json}: no folder {args.json.parent}; make it first")
+    """Folder of the page, if it is writable."""
     if args.out is None:
         return None
     folder: Path = args.out / files.folder_name(f"{name}-check")

@@ -11,7 +11,7 @@ import pytest
 
 from msvalidate_check import exchange
 from msvalidate_check.baseline import HEADING, make_columns
-from tests.table import stored_rows, table
+from tests.table import stored_rows, table, undated
 
 PLUGIN = ("-p", "msvalidate_check.pytest_plugin", "-p", "xdist", "-p", "no:cacheprovider")
 FOLDER = ("--msvalidate-baseline", "base")
@@ -40,7 +40,7 @@ def project(pytester, monkeypatch):
 
     run.folder = pytester.path / "base"
     run.files = lambda: {
-        path.relative_to(run.folder).as_posix(): path.read_text(encoding="utf-8")
+        path.relative_to(run.folder).as_posix(): undated(path.read_text(encoding="utf-8"))
         for path in sorted(run.folder.rglob("*"))
         if path.is_file()
     }
@@ -52,7 +52,7 @@ def test_first_numbers_are_written_with_their_reason(project):
     project.first.assert_outcomes(passed=2)
     project.first.stdout.fnmatch_lines(["baseline renewed: rows, tip; REASONS.md says why"])
     assert project.files() == {
-        "REASONS.md": f"{HEADING}- Baseline (pytest; rows, tip): so\n",
+        "REASONS.md": f"{HEADING}- baseline (pytest; rows, tip): so; rows is new; tip is new\n",
         "pytest/rows.csv": "x,u\n0,0.5\n1,0.25\n2,-2.0\n",
         "pytest/tip.csv": "u,kind\n0.0001,tet4\n",
         "quick/bar/t.csv": "x\n1\n",
@@ -99,7 +99,8 @@ def test_only_what_moved_is_renewed_and_only_if_all_passes(project):
     done.stdout.fnmatch_lines(["baseline left as it was: not all tests passed; mend that first"])
     assert project.files() == before
     assert project(*UPDATE, "-k", "tip", tests=moved).ret == 0
-    line = "- Baseline (pytest; tip): so\n"
+    line = "- baseline (pytest; tip): so; tip: u, row 0: was 0.0001, is 0.0002, moved by 0.0001 "
+    line += "(100 %), allowed 1e-10\n"
     renewed = {"pytest/tip.csv": "u,kind\n0.0002,tet4\n", "REASONS.md": before["REASONS.md"] + line}
     assert project.files() == before | renewed
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from msvalidate.bench.judging.columns import column_key
-from msvalidate.bench.judging.evidence import UNGATED, Evidence, Observed, Tolerance, judge_one
+from msvalidate.bench.judging.evidence import UNGATED, Observed, Tolerance, judge_one
 from msvalidate.bench.output.stored import csv_bytes
 from msvalidate.problem import ProblemError
 from msvalidate_check import exchange
@@ -21,6 +21,7 @@ from msvalidate_check.baseline import (
     REASONS,
     RELATIVE,
     BaselineError,
+    describe_move,
     differences,
     read_columns,
     reasons_with,
@@ -61,15 +62,27 @@ def unknown_folders(folder: Path, studies: list[str]) -> list[str]:
 
 
 def reasons(
-    home: Path | None, form: str, reason: str, studies: Sequence[str] = ()
+    home: Path | None, form: str, reason: str, names: Sequence[str] = (), moves: Sequence[str] = ()
 ) -> tuple[Path, bytes]:
-    """The file that says why a baseline was renewed, and its content with one more line.
+    """Return the path of the file of reasons, and its content with one more line.
 
-    `home` is the folder of a baseline of the user's own, None for ours; the form "quick" or "full";
-    the reason is one line, of some studies or, where none are named, of all.
+    Parameters
+    ----------
+    home
+        Folder of a user's own baseline, None for the built-in one.
+    form
+        Subfolder of the baseline: "quick", "full", "case" or "simulator".
+    reason
+        Reason in one line.
+    names
+        Studies, cases or simulators that are renewed; empty if all of them are.
+    moves
+        Descriptions of what moved.
 
-    Raises `ProblemError` if it cannot be read, or an installed package's own baseline would be
-    renewed.
+    Raises
+    ------
+    ProblemError
+        If the file cannot be read, or an installed package's own baseline would be renewed.
     """
     if home is None and not _is_checkout():
         raise ProblemError(
@@ -77,31 +90,46 @@ def reasons(
         )
     path = (home or CHECKOUT) / REASONS
     try:
-        return path, reasons_with(path, form, studies, reason)
+        return path, reasons_with(path, form, names, reason, moves)
     except BaselineError as error:
         raise ProblemError(str(error)) from error
 
 
 def renew(
-    home: Path | None, form: str, found: Mapping[str, Evidence], reason: str, *, named: bool
+    home: Path | None,
+    form: str,
+    tables: Mapping[str, Mapping[str, pd.DataFrame]],
+    reason: str,
+    *,
+    named: bool,
 ) -> Path:
-    """Make what studies found the baseline of a form, and say why; the file that says so.
+    """Replace a baseline by tables, and return the path of the file of reasons.
 
-    All is as for `reasons`. The baselines of other studies stay if these were `named` one by one.
+    Parameters
+    ----------
+    home, form, reason
+        As for `reasons`.
+    tables
+        Study, case or simulator -> its tables by name.
+    named
+        True if the tables of all others stay.
     """
-    tables = {name: baseline_files(evidence) for name, evidence in found.items()}
-    names = list(found) if named else []
-    place, content = reasons(home, form, reason, names)
+    files = {name: baseline_files(each) for name, each in tables.items()}
+    folder, moves = baseline_folder(form, home), []
+    for name, contents in files.items():
+        for file, content in contents.items():
+            path = folder / name / file
+            before = path.read_bytes() if path.is_file() else None
+            moves.append(describe_move(f"{name}/{path.stem}", content, before))
+    place, text = reasons(home, form, reason, list(tables) if named else [], moves)
     # The reason first: a number never moves without one. It follows at once.
-    exchange.replace_folder(
-        baseline_folder(form, home), tables, keep=named, beside=(place, lambda: content)
-    )
+    exchange.replace_folder(folder, files, keep=named, beside=(place, lambda: text))
     return place
 
 
-def baseline_files(evidence: Evidence) -> dict[str, bytes]:
-    """A study's tables as a baseline keeps them."""
-    return {f"{name}.csv": _kept(table) for name, table in evidence.tables.items()}
+def baseline_files(tables: Mapping[str, pd.DataFrame]) -> dict[str, bytes]:
+    """Return tables as the CSV files of a baseline."""
+    return {f"{name}.csv": _kept(table) for name, table in tables.items()}
 
 
 def tables(study: str) -> set[str]:
@@ -113,34 +141,48 @@ def tables(study: str) -> set[str]:
     }
 
 
-def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
-    """Rows of a verdict, layer "baseline": one a table that is as it was, one a difference else.
+def compare(
+    tables: Mapping[str, pd.DataFrame], folder: Path, rounding: Mapping[str, float]
+) -> list[dict[str, object]]:
+    """Compare tables with those of a folder of a baseline.
 
-    None if there is no folder of the study in the baseline.
+    Parameters
+    ----------
+    tables
+        Name -> table.
+    folder
+        Folder of the study, case or simulator in the baseline.
+    rounding
+        Column or "table.column" -> absolute tolerance in the unit of the column.
+
+    Returns
+    -------
+    list
+        Rows of a verdict of layer "baseline", one per unchanged table or difference. Empty if the
+        folder has no table.
     """
     kept = {path.stem: path for path in folder.glob("*.csv")}
     rows = []
-    for name in sorted({*kept, *evidence.tables} if kept else ()):
+    for name in sorted({*kept, *tables} if kept else ()):
         if name not in kept:
             lines = ["the table is new"]
-        elif name not in evidence.tables:
+        elif name not in tables:
             lines = ["the table is missing"]
         else:
-            table = evidence.tables[name]
-            keys = {str(each): column_key(name, str(each), evidence.rounding) for each in table}
-            rounding = {each: evidence.rounding.get(key, 0.0) for each, key in keys.items()}
-            lines = _moved(table, kept[name].read_bytes(), rounding)
+            keys = {str(each): column_key(name, str(each), rounding) for each in tables[name]}
+            absolute = {each: rounding.get(key, 0.0) for each, key in keys.items()}
+            lines = _moved(tables[name], kept[name].read_bytes(), absolute)
         rows += [_row(name, line) for line in lines or [""]]
     return rows
 
 
-def _moved(table: pd.DataFrame, kept: bytes, rounding: Mapping[str, float]) -> list[str]:
+def _moved(table: pd.DataFrame, kept: bytes, absolute: Mapping[str, float]) -> list[str]:
     """Describe how a table differs from its baseline, one line per difference."""
     try:
         reference = read_columns(kept)
     except ValueError as error:
         return [f"the baseline cannot be read: {' '.join(str(error).split())}"]
-    return differences(read_columns(_kept(table)), reference, absolute=rounding)
+    return differences(read_columns(_kept(table)), reference, absolute=absolute)
 
 
 def _row(name: str, difference: str) -> dict[str, object]:

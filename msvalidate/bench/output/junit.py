@@ -3,20 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 from xml.etree import ElementTree as ET
 
+import pandas as pd
+
 from msvalidate.bench.judging.evidence import HELD, OPEN
-from msvalidate.bench.output.stored import Stored
 
 
-def junit_xml(studies: Sequence[Stored]) -> bytes:
-    """A test suite a study; a study that did not finish is an error, a missed limit a failure.
+class Suite(Protocol):
+    """Judged quantities of one study, case or simulator."""
 
-    What is not resolved is skipped: it neither held nor failed.
+    @property
+    def name(self) -> str:
+        """Name of the suite."""
+
+    @property
+    def verdict(self) -> pd.DataFrame:
+        """One row per judged quantity."""
+
+    @property
+    def error(self) -> str:
+        """Reason why the suite did not finish, or ""."""
+
+    @property
+    def seconds(self) -> float:
+        """Duration, s."""
+
+
+def junit_xml(suites: Sequence[Suite]) -> bytes:
+    """Write one test suite per study, case or simulator, as XML.
+
+    A suite that did not finish is an error, and a missed limit a failure. A quantity that is not
+    resolved is skipped.
     """
     root = ET.Element("testsuites", name="msvalidate")
-    for study in studies:
+    for study in suites:
         rows = [] if study.error else study.verdict.to_dict("records")
         failed = sum(row["verdict"] not in (*HELD, *OPEN) for row in rows)
         left_open = sum(row["verdict"] in OPEN for row in rows)

@@ -35,7 +35,7 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
         return _converge(found)
     if "units" in kinds:
         return _advice("give units")
-    if found.word == AGREES:
+    if found.word == AGREES or found.is_accepted:
         rest = " --only ".join(part for part in PARTS if part not in parts)
         return _advice("ask the rest", rest=rest) if rest else _advice("own body")
     return _of_cause(found) if found.word == CAUSE else _of_rest(found)

@@ -36,6 +36,7 @@ from msvalidate.simulators.gate.rows import Gate
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
+    CAUSE,
     is_over_density,
     rows_verdict,
     stop_verdict,
@@ -76,6 +77,12 @@ class Judgement(Verdict):
     bodies: tuple[BodyRow, ...] = ()
     large: AtLargeStrain | None = None
     notes: tuple[Note, ...] = ()
+
+    @property
+    def is_accepted(self) -> bool:
+        """True if all that differs from the requested solid is the documented law."""
+        causes = {each.kind for each in self.causes}
+        return self.word == CAUSE and self.predicted is not None and causes == {"law"}
 
 
 def judge_simulator(

@@ -126,7 +126,7 @@ def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
     if found.word == AGREES and coarse is not None and coarse.error > BAND:
         body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
         return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
-    return phrase("state", state=found.word, some=some)
+    return phrase("accepted" if found.is_accepted else "state", state=found.word, some=some)
 
 
 def _who(asked: Asked) -> Phrase:

@@ -11,11 +11,11 @@ import pytest
 
 from msvalidate.bench.judging import catalogue
 from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.bench.output import baseline
+from msvalidate.bench.output import baseline, screen
 from msvalidate.cli import program
 from msvalidate_check import exchange
 from msvalidate_check.baseline import HEADING
-from tests.table import table
+from tests.table import table, undated
 
 TABLE = pd.DataFrame(
     {
@@ -42,11 +42,12 @@ def changed(column, row, value):
 @pytest.fixture
 def kept(tmp_path):
     """A folder that keeps the table, and what is then missed with another."""
-    for name, content in baseline.baseline_files(evidence({"t": TABLE})).items():
+    for name, content in baseline.baseline_files({"t": TABLE}).items():
         (tmp_path / name).write_bytes(content)
 
     def missed(table=TABLE, **more):
-        rows = baseline.compare(evidence({"t": table}, **more), tmp_path)
+        found = evidence({"t": table}, **more)
+        rows = baseline.compare(found.tables, tmp_path, found.rounding)
         assert {(row["layer"], row["quantity"]) for row in rows} == {("baseline", "t.csv")}
         return [row["because"] for row in rows if row["verdict"] != "pass"]
 
@@ -96,13 +97,13 @@ def test_tables_that_are_new_missing_or_damaged(kept):
     (kept.folder / "u.csv").write_text("x\n1\n1,2,3\n")
     (kept.folder / "v.csv").write_text("")
     tables = dict.fromkeys("tuw", TABLE)
-    rows = baseline.compare(evidence(tables), kept.folder)
+    rows = baseline.compare(tables, kept.folder, {})
     assert [(row["quantity"], row["verdict"], row["because"]) for row in rows[1:]] == [
         ("u.csv", "fail", "the baseline cannot be read: row 1 has 3 values for 1 columns"),
         ("v.csv", "fail", "the table is missing"),
         ("w.csv", "fail", "the table is new"),
     ]
-    assert baseline.compare(evidence(tables), kept.folder / "none") == [], "nothing to compare"
+    assert baseline.compare(tables, kept.folder / "none", {}) == [], "nothing to compare"
 
 
 # --- check of some studies ------------------------------------------------------------------------
@@ -149,6 +150,7 @@ def checkout(tmp_path, monkeypatch):
     monkeypatch.setattr(catalogue, "names", lambda: STUDIES)
     monkeypatch.setattr(catalogue, "load", made.load)
     monkeypatch.setattr(gc, "freeze", lambda: None)
+    monkeypatch.setattr(screen, "bibliography", dict)  # a wheel has it below HOME
     monkeypatch.setattr(baseline, "HOME", tmp_path / "package")
     monkeypatch.setattr(baseline, "CHECKOUT", tmp_path / "base")
     assert made.check("--update", "--reason", "first") == (0, STUDIES)
@@ -185,7 +187,8 @@ def test_update_renews_the_named_studies_only(checkout, capsys):
     renewed = {Path(name, "t.csv"): b"x\n2.0\n" for name in ("stability", "damping")}
     before.pop(Path("damping", "gone.csv"))
     assert checkout.files() == before | renewed
-    assert "- Baseline (quick; stability, damping): so\n" in checkout.reasons.read_text("utf-8")
+    reasons = undated(checkout.reasons.read_text("utf-8"))
+    assert "- baseline (quick; stability, damping): so; stability/t: x, row 0: was 1.0" in reasons
     assert "quick baseline of stability, damping renewed" in capsys.readouterr().err
 
 
@@ -227,14 +230,15 @@ def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
     own, checkout.x = Path("mine") / "base", 2.0
     at = ("--baseline", str(own))
     assert checkout.check("poisson", *at) == (2, [])
-    assert 'check --update --reason "first" --baseline mine/base' in capsys.readouterr().err
+    assert 'make one by adding --update --reason "first"' in capsys.readouterr().err
     assert checkout.check("poisson", "--update", "--reason", "so", *at)[0] == 0
     (own / "pytest").mkdir()
     (own / "pytest" / "tip.csv").write_bytes(b"u\n1\n")
     assert checkout.check("damping", "--update", "--reason", "more", *at)[0] == 0
-    assert {p.relative_to(own).as_posix(): p.read_bytes() for p in own.rglob("*.*")} == {
-        "REASONS.md": HEADING.encode()
-        + b"- Baseline (quick; poisson): so\n- Baseline (quick; damping): more\n",
+    lines = ("poisson): so; poisson/t is new", "damping): more; damping/t is new")
+    reasons = "".join(f"- baseline (quick; {line}\n" for line in lines)
+    assert undated((own / "REASONS.md").read_text("utf-8")) == HEADING + reasons
+    assert {p.relative_to(own).as_posix(): p.read_bytes() for p in own.rglob("*.csv")} == {
         "pytest/tip.csv": b"u\n1\n",
         "quick/damping/t.csv": b"x\n2.0\n",
         "quick/poisson/t.csv": b"x\n2.0\n",

@@ -1,0 +1,152 @@
+"""JSON, JUnit and baseline output, with the same options in every command that judges."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from msvalidate.bench.judging.evidence import is_missed
+from msvalidate.bench.output import baseline, junit, report
+from msvalidate.cli.arguments import HELD, MISSED
+from msvalidate.cli.terminal import print_lines, tell, tell_error
+from msvalidate.problem import ProblemError
+from msvalidate.problem.records import dataclass, field, replace
+from msvalidate_check import exchange
+
+CASES, SIMULATORS = "case", "simulator"
+"""Subfolders of a baseline, beside "quick" and "full" of studies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A judged case, field or simulator.
+
+    Parameters
+    ----------
+    name
+        Name of its test suite and of its folder in a baseline.
+    verdict
+        One row per judged quantity, with the columns of `junit.failure_line`.
+    record
+        Complete result, as JSON holds it.
+    tables
+        Name -> table that a baseline stores.
+    rounding
+        Column -> absolute tolerance of a baseline, in the unit of the column.
+    seconds
+        Duration, s.
+    error
+        Reason why there is no result, or "".
+    """
+
+    name: str
+    verdict: pd.DataFrame
+    record: Any
+    tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    rounding: Mapping[str, float] = field(default_factory=dict)
+    seconds: float = 0.0
+    error: str = ""
+
+
+def unfinished(name: str, message: str) -> Judged:
+    """Return the record of a case or simulator without a result."""
+    return Judged(name, pd.DataFrame(), {"name": name, "error": message}, error=message)
+
+
+def row(
+    layer: str, quantity: str, verdict: str, because: str = "", **numbers: Any
+) -> dict[str, Any]:
+    """Return a row of a verdict, with NaN for missing numbers and unit 1."""
+    columns = dict.fromkeys(("observed", "reference", "error", "limit"), math.nan)
+    named = {"layer": layer, "quantity": quantity, "verdict": verdict, "because": because}
+    return named | columns | {"unit": "1"} | numbers
+
+
+def refuse_outputs(args: argparse.Namespace, form: str) -> None:
+    """Check the places of JUnit file and baseline before any work.
+
+    Raises
+    ------
+    ProblemError
+        If a place is not writable, or there is no baseline of this form to compare with.
+    """
+    results = args.out or Path(os.devnull)
+    if args.junit:
+        report.refuse_place("--junit", args.junit, results)
+    if args.baseline:
+        report.refuse_folder("--baseline", args.baseline, results, written=args.update)
+        baseline.check_home(args.baseline)
+        if not (args.update or baseline.baseline_folder(form, args.baseline).is_dir()):
+            raise ProblemError(
+                f"--baseline {args.baseline}: no {form} baseline in it; make one by adding "
+                '--update --reason "first"'
+            )
+    if args.update:
+        baseline.reasons(args.baseline, form, args.reason)
+
+
+def conclude(
+    args: argparse.Namespace, form: str, results: Sequence[Judged], code: int, *, many: bool = False
+) -> int:
+    """Compare with the baseline, write the JUnit file, print JSON, and return the exit code.
+
+    Parameters
+    ----------
+    args
+        Options `junit`, `json`, `baseline`, `update` and `reason`.
+    form
+        Subfolder of the baseline.
+    results
+        Judged cases or simulators.
+    code
+        Exit code so far.
+    many
+        True if the command takes several: JSON is then a list.
+    """
+    if args.baseline and not args.update:
+        results = [_compared(each, args, form) for each in results]
+        moved = [each for each in results if not each.error and is_missed(each.verdict).any()]
+        for each in moved:
+            lines = each.verdict[is_missed(each.verdict) & (each.verdict["layer"] == "baseline")]
+            for line in lines.to_dict("records"):
+                tell(f"{each.name}: baseline {line['quantity']}: {line['because']}")
+            code = max(code, MISSED if len(lines) else HELD)
+    if args.junit:
+        exchange.replace_file(args.junit, lambda: junit.junit_xml(results))
+    if args.json:
+        records = [each.record for each in results]
+        text = json.dumps(records if many else records[0], ensure_ascii=False, indent=1)
+        code = max(code, print_lines([text]))
+    if args.update:
+        code = max(code, _update(args, form, results))
+    return code
+
+
+def _compared(result: Judged, args: argparse.Namespace, form: str) -> Judged:
+    """Return a result with the rows of its comparison with the baseline."""
+    folder = baseline.baseline_folder(form, args.baseline) / result.name
+    rows = [] if result.error else baseline.compare(result.tables, folder, result.rounding)
+    if not rows and not result.error:
+        because = 'no baseline; make one by adding --update --reason "first"'
+        rows = [row("baseline", result.name, "fail", because)]
+    return replace(
+        result, verdict=pd.concat([result.verdict, pd.DataFrame(rows)], ignore_index=True)
+    )
+
+
+def _update(args: argparse.Namespace, form: str, results: Sequence[Judged]) -> int:
+    """Make the results the baseline, with a reason."""
+    failed = [each.name for each in results if each.error]
+    if failed:
+        return tell_error(f"baseline unchanged: {', '.join(failed)} has no result", MISSED)
+    tables = {each.name: each.tables for each in results}
+    reasons: Path = baseline.renew(args.baseline, form, tables, args.reason, named=True)
+    tell(f"{form} baseline of {', '.join(tables)} renewed; the reason is in {reasons.name}")
+    return HELD
