@@ -16,7 +16,7 @@ from msvalidate.case.advise.advice import (
     advise,
     constants_lines,
 )
-from msvalidate.case.advise.identify import identified_lines, identify_lattice
+from msvalidate.case.advise.identify import identified_lines, identify_lattice, mass_density
 from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
@@ -142,19 +142,16 @@ def _identify(args: argparse.Namespace) -> list[str]:
         from msvalidate.case.advise.identify_files import identify_files
 
         period = tuple(args.period) if args.period else None
-        return identified_lines(identify_files(Path(args.identify), period), thickness)
+        found = identify_files(Path(args.identify), period, args.density, thickness)
+        return identified_lines(found, thickness)
     if args.lattice is None or args.spacing is None:
         raise ProblemError("--identify: give a springs.csv, or --lattice, --k1 .. and --spacing")
     require_one_of("--lattice", args.lattice, all_patterns())
     dim = all_patterns()[args.lattice]().dim
-    if dim == 2 and args.density is not None and thickness is None:
-        raise ProblemError("--density: a plane lattice's mass takes its --thickness too; give both")
-    if dim == 3 and thickness is not None:
-        raise ProblemError("--thickness: a solid has none; leave it out")
+    density, note = mass_density(dim, args.density, thickness)
     kappa, given = args.kappa or (0.0, "")
     if ("Pa" if dim == 2 else "N/") in given:
         raise ProblemError(f"--kappa: {given}; give it in {UNIT[dim]}")
-    density = args.density and args.density * (thickness or 1.0)
     k = tuple(getattr(args, name) for name in CONSTANTS if getattr(args, name) is not None)
     found = identify_lattice(args.lattice, k, args.spacing, kappa, density)
-    return identified_lines(found, thickness)
+    return identified_lines(replace(found, whose=f"{found.whose}, {note}"), thickness)

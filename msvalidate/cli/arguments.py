@@ -138,7 +138,7 @@ TYPES: Mapping[str, Callable[[str], Any]] = {
 # What goes together -------------------------------------------------------------------------------
 
 OF_MATERIAL = {"E", "nu", "engine", "json", "state"}
-OF_LATTICE = ("lattice", "spacing", "density", *CONSTANTS, "kappa")
+OF_LATTICE = ("lattice", "spacing", *CONSTANTS, "kappa")
 
 
 def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

@@ -12,12 +12,14 @@ from msvalidate.case.advise.advice import WHOSE, block_frequency, step_limits, s
 from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.springs.constants.directions import directional_modulus
+from msvalidate.springs.constants.bounds import TensorBounds
+from msvalidate.springs.constants.directions import contraction_ratio, directional_modulus
 from msvalidate.springs.constants.homogenise import Homogenised, homogenise
 from msvalidate.springs.constants.stiffness import (
     ALIKE,
     AXES_OF,
     UNIT,
+    cubic_part,
     is_same_tensor,
     isotropic_moduli,
     isotropic_part,
@@ -28,8 +30,17 @@ from msvalidate.springs.lattice.patterns import all_patterns
 from msvalidate_check.text import WIDTH, align_table
 
 STABLE = "stable"
-ROUNDING = 1e-13
-"""Of a tensor's largest entry, shown as 0."""
+ROUNDING = 1e-12
+"""Entries of a tensor relative to the largest that are shown as 0."""
+CUBIC_DIRECTIONS: dict[int, tuple[tuple[tuple[int, ...], tuple[tuple[int, ...], ...]], ...]] = {
+    2: (((1, 0), ((0, 1),)), ((1, 1), ((1, -1),))),
+    3: (
+        ((1, 0, 0), ((0, 1, 0),)),
+        ((1, 1, 0), ((0, 0, 1), (1, -1, 0))),
+        ((1, 1, 1), ((1, -1, 0),)),
+    ),
+}
+"""Directions of tension, each with those across in which the ratio is extreme, by dimension."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +58,9 @@ class Identified:
         Whether every strain costs energy.
     omega, whose
         Highest frequency (rad/s), NaN where masses are not known, and of what.
+    bounds
+        Of an irregular piece, for one size of windows after another: the tensor is then the mean
+        of the first bounds, and the error half their distance.
     """
 
     what: str
@@ -56,6 +70,32 @@ class Identified:
     solid: bool = True
     omega: float = math.nan
     whose: str = ""
+    bounds: tuple[TensorBounds, ...] = ()
+
+
+def mass_density(
+    dim: int, density: float | None, thickness: float | None
+) -> tuple[float | None, str]:
+    """Mass of a unit of volume (kg/m³, in 2D kg/m²), None if it is not known, and a note on it.
+
+    A solid, and a plane body of known thickness (m), have the density (kg/m³) of `Isotropic` by
+    default.
+
+    Raises
+    ------
+    ProblemError
+        If the dimension and the values do not go together.
+    """
+    if dim == 3 and thickness is not None:
+        raise ProblemError("--thickness: a solid has none; leave it out")
+    if dim == 1 and density is not None:
+        raise ProblemError("--density: a chain has no volume; give a column mass in points.csv")
+    if dim == 2 and density is not None and thickness is None:
+        raise ProblemError("--density: a plane lattice's mass takes its --thickness too; give both")
+    if dim < 3 and thickness is None:
+        return None, ""
+    value = Isotropic.density if density is None else density
+    return value * (thickness or 1.0), f"{value:g} kg/m³{' (default)' * (density is None)}"
 
 
 def identify_lattice(
@@ -123,19 +163,44 @@ def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
     return Identified(what, tensor, solid.error, stable, whole)
 
 
+def with_bounds(what: str, rows: tuple[TensorBounds, ...]) -> Identified:
+    """The solid that is known by bounds, for one size of windows after another."""
+    best = rows[0]
+    mean, half = (best.upper + best.lower) / 2, np.diag(best.upper - best.lower) / 2
+    whole = bool(np.linalg.eigvalsh(best.lower)[0] > ALIKE * np.abs(mean).max())
+    stable = STABLE if whole else "the lower bound is no solid: some strain costs no energy"
+    return Identified(what, mean, float((half / np.diag(mean)).max()), stable, bounds=rows)
+
+
+def _bounds_lines(found: Identified) -> list[str]:
+    """Table of the bounds of moduli, a row for each size of windows."""
+    heads = ["windows", "points", f"E ({UNIT[AXES_OF[len(found.tensor)]]})", "nu", "Zener ratio"]
+    rows = [
+        [f"{each.windows}", f"{each.points:.0f}"]
+        + [f"{low:.4g} to {high:.4g}" for low, high in each.moduli.T.tolist()]
+        for each in found.bounds
+    ]
+    line = "bounds by uniform strain and uniform traction on windows (C is the mean of the first):"
+    return [line, *align_table(heads, rows, [True, True, False, False, False])]
+
+
 def identified_lines(found: Identified, thickness: float | None = None) -> list[str]:
     """Table of what the springs are: tensor, moduli and stable steps, with units.
 
     A thickness (m) makes moduli in N/m ones in Pa, of plane stress and of plane strain.
     """
     C, d = found.tensor, AXES_OF[len(found.tensor)]
+    if d == 1:
+        rows = [("EA", f"{C[0, 0]:.9g} N"), *_step_rows(found)]
+        return [*textwrap.wrap(found.what, WIDTH), *align_table(("property", "value"), rows)]
     unit, order = UNIT[d], {2: "xx yy xy", 3: "xx yy zz yz xz xy"}[d].split()
     shown = np.where(np.abs(C) > ROUNDING * np.abs(C).max(), C, 0.0).tolist()
-    digits = {2: 9, 3: 7}[d]
+    digits = 4 if found.bounds else {2: 9, 3: 7}[d]
     values = [[f"{each:.{digits}g}" for each in row] for row in shown]
     head = textwrap.wrap(f"{found.what}: {found.stable}", WIDTH)
     head += [f"C in {unit} (to {found.error:.1g}):"]
     head += align_table(order, values, [True] * len(order))
+    head += _bounds_lines(found) if found.bounds else []
     if not found.solid:
         return head
     return [*head, *align_table(("property", "value"), _moduli_rows(found, thickness))]
@@ -145,24 +210,66 @@ def _moduli_rows(found: Identified, thickness: float | None) -> list[tuple[str, 
     """Moduli and stable steps of a solid, as names and texts."""
     C, d = found.tensor, AXES_OF[len(found.tensor)]
     unit, mean, rows = UNIT[d], isotropic_moduli(found.tensor), []
-    solid = f"E = {mean.E:.9g} {unit}, nu = {mean.nu:.9g}"
+    digits = 4 if found.bounds else 9
+    nu = mean.nu if abs(mean.nu) > ROUNDING else 0.0
+    solid = f"E = {mean.E:.{digits}g} {unit}, nu = {nu:.{digits}g}"
     if is_same_tensor(C, isotropic_part(C)):
         rows.append(("isotropic", solid))
     else:
-        way = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
-        way = way[np.argsort((way**2).sum(axis=1), kind="stable")]  # of those alike the simplest
-        E = directional_modulus(C, way / np.linalg.norm(way, axis=1)[:, None])
-        for name, end in (("lowest E", E.min()), ("highest E", E.max())):
-            at = np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0))
-            rows.append((name, f"{E[at]:.6g} {unit} along {tuple(way[at].tolist())}"))
-        rows.append(("Zener ratio along the axes", f"{mean.zener:.6g}"))
+        rows += _directional_rows(C) if found.bounds or not _is_cubic(C) else _cubic_rows(C)
+        rows.append(("Zener ratio along the axes", f"{mean.zener:.{min(digits, 6)}g}"))
         rows.append(("nearest isotropic", solid))
+    rows += [("auxetic", "widens when it is pulled")] * (nu < 0)
     if d == 2 and thickness is not None:
         t, strain = length_in_metres("thickness", thickness), mean.nu / (1 + mean.nu)
         rows.append(("in plane stress", f"E = {mean.E / t:.6g} Pa, nu = {mean.nu:.6g}"))
         E_strain = mean.E / t * (1 - strain**2)
         rows.append(("in plane strain", f"E = {E_strain:.6g} Pa, nu = {strain:.6g}"))
-    if math.isfinite(found.omega):
-        rows.append(("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"))
-        rows.append(("step", step_words(step_limits(found.omega))))
+    return rows + _step_rows(found)
+
+
+def _is_cubic(C: Array) -> bool:
+    return is_same_tensor(C, cubic_part(C))
+
+
+def _directional_rows(C: Array) -> list[tuple[str, str]]:
+    """Directions of the lowest and the highest modulus."""
+    d = AXES_OF[len(C)]
+    lines = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
+    lines = lines[np.argsort((lines**2).sum(axis=1), kind="stable")]  # of equal ones the simplest
+    E = directional_modulus(C, lines / np.linalg.norm(lines, axis=1)[:, None])
+    rows = []
+    for name, end in (("lowest E", E.min()), ("highest E", E.max())):
+        at = np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0))
+        rows.append((name, f"{E[at]:.6g} {UNIT[d]} along {tuple(lines[at].tolist())}"))
     return rows
+
+
+def _cubic_rows(C: Array) -> list[tuple[str, str]]:
+    """Modulus and Poisson's ratios along axes and diagonals, where the lowest and highest are."""
+    d, rows = AXES_OF[len(C)], []
+    for along, across in CUBIC_DIRECTIONS[d]:
+        n, *others = (np.array(each) / np.linalg.norm(each) for each in (along, *across))
+        E = float(directional_modulus(C, n[None])[0])
+        ratios = [contraction_ratio(C, n, other) for other in others]
+        words = [
+            f"{nu if abs(nu) > ROUNDING else 0:.6g}" + f" {_index(m)}" * (len(across) > 1)
+            for nu, m in zip(ratios, across, strict=True)
+        ]
+        rows.append((f"along {_index(along)}", f"E = {E:.6g} {UNIT[d]}, nu = {', '.join(words)}"))
+    return rows
+
+
+def _index(direction: tuple[int, ...]) -> str:
+    """Miller's notation of a direction."""
+    return f"[{' '.join(map(str, direction))}]"
+
+
+def _step_rows(found: Identified) -> list[tuple[str, str]]:
+    """Highest frequency and stable steps, if masses are known."""
+    if not math.isfinite(found.omega):
+        return []
+    return [
+        ("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"),
+        ("step", step_words(step_limits(found.omega))),
+    ]

@@ -36,9 +36,9 @@ from msvalidate.springs.network.refine import LARGEST_ERROR
 
 DENSE = 300
 """Motions of a cell up to which those without stiffness are counted: dense matrices."""
-MULTIGRID = {2: 200_000, 3: 6_000}
+MULTIGRID = {1: 200_000, 2: 200_000, 3: 6_000}
 """Motions, by axes, above which conjugate gradients take less time than a factor."""
-AFFORDED = {2: 600_000, 3: 15_000}
+AFFORDED = {1: 600_000, 2: 600_000, 3: 15_000}
 """Maximum number of motions for a factor if conjugate gradients fail, by axes.
 
 It takes half a minute.
@@ -55,6 +55,8 @@ Rounding is 1e-12 of the softest.
 """
 SOFTEST = 1e-6
 """Root of a motion's stiffness over the softest spring's, below which it has none."""
+SHIFT = 1e-9
+"""Stiffness added to each component's, relative to it, where motions may be without stiffness."""
 CORRECTIONS = 8
 ENOUGH = 1e-15
 """Relative energy of a correction that ends the iteration."""
@@ -144,6 +146,20 @@ def relax_cell(
     return RelaxedCell(elongation, floppy, error, "direct")
 
 
+def shifted_solver(B: csr_array, k: Array) -> tuple[csr_array, Callable[[Array], Array]]:
+    """Stiffness of motions, and an inverse in which motions without stiffness have `SHIFT`."""
+    K = stiffness_of(B, k)
+    own = K.diagonal()
+    least = SHIFT * own.max(initial=np.finfo(float).tiny)
+    return K, factorise(csr_array(K + diags_array(SHIFT * np.maximum(own, least)))).solve
+
+
+def relax_freely(B: csr_array, k: Array, stretch: Array) -> Array:
+    """Elongations (m, v) in m of least energy, by motions some of which may have no stiffness."""
+    _, solve = shifted_solver(B, k)
+    return _relax_elongations(lambda e: -solve(B.T @ (k[:, None] * e)), B, k, stretch)[0]
+
+
 def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) -> csr_array:
     """Elongations (m, n·d) of springs along directions (m, d) by motions of a cell's points.
 
@@ -157,7 +173,7 @@ def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) 
     return csr_array((value.ravel(), (row.ravel(), column.ravel())), shape=(m, n * d))
 
 
-def _stiffness(B: csr_array, k: Array) -> csr_array:
+def stiffness_of(B: csr_array, k: Array) -> csr_array:
     """Stiffness (f, f) of motions; by roots, so that it is symmetric to the last digit."""
     rows = csr_array(diags_array(np.sqrt(k)) @ B)
     return csr_array(rows.T @ rows)
@@ -253,7 +269,7 @@ def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     """
     if not B.shape[1]:
         return lambda stretch: np.zeros((0, stretch.shape[1])), 0
-    K = _stiffness(B, k).toarray()
+    K = stiffness_of(B, k).toarray()
     with contextlib.suppress(LinAlgError):
         factor = cho_factor(K)
         if dpocon(factor[0], np.abs(K).sum(axis=0).max())[0] > WELL_POSED:
@@ -275,7 +291,7 @@ def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
 
 def _solve_by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     """By a sparse factor of the stiffness."""
-    K = _stiffness(B, k)
+    K = stiffness_of(B, k)
     try:
         factor = factorise(K)
     except SolverError as error:  # no memory
@@ -309,7 +325,7 @@ def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
     unit, least = float(k.max(initial=0.0)), energy_threshold(k)
     if not unit:
         raise SolverError(FLOPPY)
-    A, part = (_stiffness(B, k) / unit).tobsr((dim, dim)), k / unit
+    A, part = (stiffness_of(B, k) / unit).tobsr((dim, dim)), k / unit
     A.sort_indices()
     own = A.diagonal()
 

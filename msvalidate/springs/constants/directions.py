@@ -66,11 +66,25 @@ def directional_ratio(tensor: Array, angle: float) -> float:
     ProblemError
         If it is no plane tensor, is singular, or the angle is not one finite number.
     """
-    S, turn = _compliance(check_voigt(tensor, 2)), finite_angle("angle", angle)
+    turn = finite_angle("angle", angle)
     c, s = np.cos(turn), np.sin(turn)
-    along, across = voigt_directions(np.array([[c, s], [-s, c]]))
+    return contraction_ratio(check_voigt(tensor, 2), np.array([c, s]), np.array([-s, c]))
+
+
+def contraction_ratio(tensor: Array, along: Array, across: Array) -> float:
+    """Poisson's ratio in tension along one unit vector (d,), of the contraction along another.
+
+    Source: as for `directional_ratio`.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, or is singular.
+    """
+    S = _compliance(check_voigt(tensor))
+    v, w = voigt_directions(np.array([along, across]))
     with np.errstate(all="ignore"):
-        return finite_number("directional ratio", -(across @ S @ along) / (along @ S @ along))
+        return finite_number("directional ratio", -(w @ S @ v) / (v @ S @ v))
 
 
 def _compliance(C: Array) -> Array:
