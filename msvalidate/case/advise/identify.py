@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import textwrap
+from dataclasses import asdict
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from msvalidate.case.advise.advice import WHOSE, block_frequency, step_limits, step_words
-from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem import Anisotropic, Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.bounds import TensorBounds
@@ -26,7 +28,8 @@ from msvalidate.springs.constants.stiffness import (
 )
 from msvalidate.springs.constants.waves import least_stable_volume
 from msvalidate.springs.lattice import Constants
-from msvalidate.springs.lattice.patterns import all_patterns
+from msvalidate.springs.lattice.patterns import all_patterns, cubic_tensor
+from msvalidate.springs.network import Network
 from msvalidate_check.text import WIDTH, align_table
 
 STABLE = "stable"
@@ -61,6 +64,8 @@ class Identified:
     bounds
         Of an irregular piece, for one size of windows after another: the tensor is then the mean
         of the first bounds, and the error half their distance.
+    network
+        Of a finite piece in files: with the supports and forces of its table, if there are any.
     """
 
     what: str
@@ -71,6 +76,7 @@ class Identified:
     omega: float = math.nan
     whose: str = ""
     bounds: tuple[TensorBounds, ...] = ()
+    network: Network | None = None
 
 
 def mass_density(
@@ -143,6 +149,18 @@ def identify_lattice(
     return replace(found, omega=omega, whose=WHOSE)
 
 
+def identify_cubic(C11: float, C12: float, C44: float) -> Identified:
+    """The cubic solid of three constants (Pa), along its axes.
+
+    Raises
+    ------
+    ProblemError
+        If some strain costs no energy.
+    """
+    C = Anisotropic(cubic_tensor(3, C11, C12, C44)).C
+    return Identified(f"cubic solid, C11, C12, C44 = {C11:g}, {C12:g}, {C44:g} Pa", C, 0.0, STABLE)
+
+
 def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
     """Springs at rest, with κ of cells (N/m in the plane, Pa in space) beside them.
 
@@ -170,6 +188,21 @@ def with_bounds(what: str, rows: tuple[TensorBounds, ...]) -> Identified:
     whole = bool(np.linalg.eigvalsh(best.lower)[0] > ALIKE * np.abs(mean).max())
     stable = STABLE if whole else "the lower bound is no solid: some strain costs no energy"
     return Identified(what, mean, float((half / np.diag(mean)).max()), stable, bounds=rows)
+
+
+def identified_record(found: Identified) -> dict[str, Any]:
+    """Tensor, moduli, and a sentence; moduli of springs that are a solid only."""
+    record: dict[str, Any] = {"what": found.what, "tensor": found.tensor.tolist()}
+    record |= {"error": found.error, "stable": found.stable, "sentence": found.stable}
+    if not found.solid or len(found.tensor) == 1:
+        return record
+    mean, unit = isotropic_moduli(found.tensor), UNIT[AXES_OF[len(found.tensor)]]
+    ends = [each.moduli.tolist() for each in found.bounds]
+    words = f"E {mean.E:.4g} {unit}, nu {mean.nu:.3g}, Zener ratio {mean.zener:.3g}"
+    if ends:
+        (low, *_), (high, *_) = ends[0]
+        words = f"E between {low:.4g} and {high:.4g} {unit} by bounds, mean {words}"
+    return record | {"moduli": asdict(mean), "bounds": ends, "sentence": words}
 
 
 def _bounds_lines(found: Identified) -> list[str]:

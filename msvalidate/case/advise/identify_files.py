@@ -24,7 +24,7 @@ from msvalidate.springs.constants.homogenise import NO_SPRING, homogenise_networ
 from msvalidate.springs.constants.stiffness import ALIKE
 from msvalidate.springs.dynamics.spectrum import highest_frequency
 from msvalidate.springs.lattice.ties import level_numbers
-from msvalidate.springs.network import spring_network
+from msvalidate.springs.network import Network, spring_network
 from msvalidate.springs.network.checks import refuse_first_bad
 from msvalidate.springs.network.laws.volumes import Volumes
 
@@ -110,11 +110,31 @@ def identify_files(
         thickness,
         lambda: _volume_parts(x, float(length.mean())),
     )
-    if mass is None:
-        return found
-    flat = x if x.shape[1] > 1 else np.column_stack([x, np.zeros(len(x))])
-    body = spring_network(flat, pairs, k, mass=mass, volumes=volumes)
-    return replace(found, omega=highest_frequency(body), whose=f"this body, nothing held{note}")
+    body = spring_network(
+        x if x.shape[1] > 1 else np.column_stack([x, np.zeros(len(x))]),
+        pairs,
+        k,
+        mass=1.0 if mass is None else mass,
+        volumes=volumes,
+    )
+    if mass is not None:
+        whose = f"this body, nothing held{note}"
+        found = replace(found, omega=highest_frequency(body), whose=whose)
+    return replace(found, network=_with_columns(body, points))
+
+
+def _with_columns(network: Network, points: pd.DataFrame) -> Network:
+    """The network with the supports and forces of a table, where it has their columns."""
+
+    def values(prefix: str) -> Array:
+        columns = [f"{prefix}{axis}" for axis in AXES[: network.dim]]
+        if not set(columns) <= set(points):
+            return np.zeros(network.points.shape)
+        return finite(f"points.csv: {columns[0]} ..", points[columns].to_numpy())
+
+    return replace(
+        network, fixed=values("held_") != 0, displacement=values("move_"), force=values("force_")
+    )
 
 
 def _piece(
@@ -166,7 +186,7 @@ def _masses(
 def _volume_parts(x: Array, mean_length: float) -> Array:
     """Part (n,) of the volume of each point; a point apart from the body has the least."""
     volume = point_simplices(x, mean_length).volume
-    return np.maximum(volume, volume[volume > 0].min())
+    return np.asarray(np.maximum(volume, volume[volume > 0].min()))
 
 
 def _table(path: Path, need: tuple[str, ...]) -> pd.DataFrame:

@@ -244,9 +244,8 @@ def point_simplices(points: Array, mean_length: float) -> PointSimplices:
     volume = np.repeat(np.einsum("sjd,sjd->s", x, vectors) / d / (d + 1), d + 1)
     facets = np.concatenate([np.delete(corners, j, axis=1) for j in range(d + 1)])
     facets, count = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
-    return PointSimplices(
-        corners, vectors, np.bincount(corners.ravel(), volume, n), facets[count == 1]
-    )
+    own = np.asarray(np.bincount(corners.ravel(), volume, n), dtype=float)
+    return PointSimplices(corners, vectors, own, facets[count == 1])
 
 
 class _Network(NamedTuple):
@@ -271,7 +270,8 @@ def _window(network: _Network, inside: Index) -> Iterator[_Window]:
     firm = member
     while True:
         firm = firm & ~idle_points(x, springs[firm[springs].all(axis=1)])
-        both, whole = firm[springs].all(axis=1), firm[simplices.corners].all(axis=1)
+        both = firm[springs].all(axis=1)
+        whole = np.asarray(firm[simplices.corners].all(axis=1))
         if not whole.any():
             return
         moving = np.flatnonzero(np.repeat(firm, d))
