@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import asdict
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -15,13 +13,12 @@ from msvalidate.problem import Anisotropic, Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.bounds import TensorBounds
-from msvalidate.springs.constants.directions import contraction_ratio, directional_modulus
+from msvalidate.springs.constants.directions import contraction_ratios, directional_modulus
 from msvalidate.springs.constants.homogenise import Homogenised, homogenise
 from msvalidate.springs.constants.stiffness import (
     ALIKE,
     AXES_OF,
     UNIT,
-    cubic_part,
     is_same_tensor,
     isotropic_moduli,
     isotropic_part,
@@ -35,15 +32,6 @@ from msvalidate_check.text import WIDTH, align_table
 STABLE = "stable"
 ROUNDING = 1e-12
 """Entries of a tensor relative to the largest that are shown as 0."""
-CUBIC_DIRECTIONS: dict[int, tuple[tuple[tuple[int, ...], tuple[tuple[int, ...], ...]], ...]] = {
-    2: (((1, 0), ((0, 1),)), ((1, 1), ((1, -1),))),
-    3: (
-        ((1, 0, 0), ((0, 1, 0),)),
-        ((1, 1, 0), ((0, 0, 1), (1, -1, 0))),
-        ((1, 1, 1), ((1, -1, 0),)),
-    ),
-}
-"""Directions of tension, each with those across in which the ratio is extreme, by dimension."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,33 +178,6 @@ def with_bounds(what: str, rows: tuple[TensorBounds, ...]) -> Identified:
     return Identified(what, mean, float((half / np.diag(mean)).max()), stable, bounds=rows)
 
 
-def identified_record(found: Identified) -> dict[str, Any]:
-    """Tensor, moduli, and a sentence; moduli of springs that are a solid only."""
-    record: dict[str, Any] = {"what": found.what, "tensor": found.tensor.tolist()}
-    record |= {"error": found.error, "stable": found.stable, "sentence": found.stable}
-    if not found.solid or len(found.tensor) == 1:
-        return record
-    mean, unit = isotropic_moduli(found.tensor), UNIT[AXES_OF[len(found.tensor)]]
-    ends = [each.moduli.tolist() for each in found.bounds]
-    words = f"E {mean.E:.4g} {unit}, nu {mean.nu:.3g}, Zener ratio {mean.zener:.3g}"
-    if ends:
-        (low, *_), (high, *_) = ends[0]
-        words = f"E between {low:.4g} and {high:.4g} {unit} by bounds, mean {words}"
-    return record | {"moduli": asdict(mean), "bounds": ends, "sentence": words}
-
-
-def _bounds_lines(found: Identified) -> list[str]:
-    """Table of the bounds of moduli, a row for each size of windows."""
-    heads = ["windows", "points", f"E ({UNIT[AXES_OF[len(found.tensor)]]})", "nu", "Zener ratio"]
-    rows = [
-        [f"{each.windows}", f"{each.points:.0f}"]
-        + [f"{low:.4g} to {high:.4g}" for low, high in each.moduli.T.tolist()]
-        for each in found.bounds
-    ]
-    line = "bounds by uniform strain and uniform traction on windows (C is the mean of the first):"
-    return [line, *align_table(heads, rows, [True, True, False, False, False])]
-
-
 def identified_lines(found: Identified, thickness: float | None = None) -> list[str]:
     """Table of what the springs are: tensor, moduli and stable steps, with units.
 
@@ -233,24 +194,27 @@ def identified_lines(found: Identified, thickness: float | None = None) -> list[
     head = textwrap.wrap(f"{found.what}: {found.stable}", WIDTH)
     head += [f"C in {unit} (to {found.error:.1g}):"]
     head += align_table(order, values, [True] * len(order))
-    head += _bounds_lines(found) if found.bounds else []
     if not found.solid:
         return head
-    return [*head, *align_table(("property", "value"), _moduli_rows(found, thickness))]
+    return [*head, *align_table(("property", "value"), moduli_rows(found, thickness))]
 
 
-def _moduli_rows(found: Identified, thickness: float | None) -> list[tuple[str, str]]:
+def moduli_rows(found: Identified, thickness: float | None = None) -> list[tuple[str, str]]:
     """Moduli and stable steps of a solid, as names and texts."""
     C, d = found.tensor, AXES_OF[len(found.tensor)]
-    unit, mean, rows = UNIT[d], isotropic_moduli(found.tensor), []
-    digits = 4 if found.bounds else 9
+    unit, rows = UNIT[d], []
+    for each in found.bounds:
+        ends = [f"{low:.4g} to {high:.4g}" for low, high in each.moduli.T.tolist()]
+        text = f"E = {ends[0]} {unit}, nu = {ends[1]}, Zener ratio {ends[2]}"
+        rows.append((f"bounds, {each.windows} of {each.points:.0f} points", text))
+    mean, digits = isotropic_moduli(C), 4 if found.bounds else 9
     nu = mean.nu if abs(mean.nu) > ROUNDING else 0.0
     solid = f"E = {mean.E:.{digits}g} {unit}, nu = {nu:.{digits}g}"
     if is_same_tensor(C, isotropic_part(C)):
         rows.append(("isotropic", solid))
     else:
-        rows += _directional_rows(C) if found.bounds or not _is_cubic(C) else _cubic_rows(C)
-        rows.append(("Zener ratio along the axes", f"{mean.zener:.{min(digits, 6)}g}"))
+        rows += _directional_rows(C)
+        rows.append(("Zener ratio along the axes", f"{mean.zener:.6g}"))
         rows.append(("nearest isotropic", solid))
     rows += [("auxetic", "widens when it is pulled")] * (nu < 0)
     if d == 2 and thickness is not None:
@@ -261,41 +225,25 @@ def _moduli_rows(found: Identified, thickness: float | None) -> list[tuple[str, 
     return rows + _step_rows(found)
 
 
-def _is_cubic(C: Array) -> bool:
-    return is_same_tensor(C, cubic_part(C))
-
-
 def _directional_rows(C: Array) -> list[tuple[str, str]]:
-    """Directions of the lowest and the highest modulus."""
+    """Lowest and highest modulus, and along axes and diagonals the modulus and Poisson's ratios."""
     d = AXES_OF[len(C)]
     lines = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
     lines = lines[np.argsort((lines**2).sum(axis=1), kind="stable")]  # of equal ones the simplest
-    E = directional_modulus(C, lines / np.linalg.norm(lines, axis=1)[:, None])
-    rows = []
+    unit = lines / np.linalg.norm(lines, axis=1)[:, None]
+    E, rows = directional_modulus(C, unit), []
     for name, end in (("lowest E", E.min()), ("highest E", E.max())):
         at = np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0))
         rows.append((name, f"{E[at]:.6g} {UNIT[d]} along {tuple(lines[at].tolist())}"))
+    for line in np.tril(np.ones((d, d), dtype=int)):
+        at = (lines == line).all(axis=1).argmax()
+        across = np.flatnonzero(lines @ line == 0)
+        ratio = np.round(contraction_ratios(C, unit[at], unit[across]), 10) + 0.0
+        ends = dict.fromkeys((int(ratio.argmin()), int(ratio.argmax())))
+        words = [f"{ratio[i]:.6g} along {tuple(lines[across[i]].tolist())}" for i in ends]
+        text = f"E = {E[at]:.6g} {UNIT[d]}, nu = {' to '.join(words)}"
+        rows.append((f"along {tuple(line.tolist())}", text))
     return rows
-
-
-def _cubic_rows(C: Array) -> list[tuple[str, str]]:
-    """Modulus and Poisson's ratios along axes and diagonals, where the lowest and highest are."""
-    d, rows = AXES_OF[len(C)], []
-    for along, across in CUBIC_DIRECTIONS[d]:
-        n, *others = (np.array(each) / np.linalg.norm(each) for each in (along, *across))
-        E = float(directional_modulus(C, n[None])[0])
-        ratios = [contraction_ratio(C, n, other) for other in others]
-        words = [
-            f"{nu if abs(nu) > ROUNDING else 0:.6g}" + f" {_index(m)}" * (len(across) > 1)
-            for nu, m in zip(ratios, across, strict=True)
-        ]
-        rows.append((f"along {_index(along)}", f"E = {E:.6g} {UNIT[d]}, nu = {', '.join(words)}"))
-    return rows
-
-
-def _index(direction: tuple[int, ...]) -> str:
-    """Miller's notation of a direction."""
-    return f"[{' '.join(map(str, direction))}]"
 
 
 def _step_rows(found: Identified) -> list[tuple[str, str]]:

@@ -8,7 +8,6 @@ count in part: what repeats has all of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -85,38 +84,20 @@ def identify_files(
         bad = np.abs(length - rest) > SAME * length
         refuse_first_bad(f"{name}: rest_length", rest, bad, remedy)
     cells = springs.with_name("cells.csv")
+    mass, note = _masses(points, x, float(length.mean()), density, thickness, period)
     if period is not None:
         if cells.exists():
             raise ProblemError("cells.csv: a periodic sample is of springs alone; move it away")
         solid = homogenise_network(len(x), pairs, vectors, k, math.prod(period))
         found = with_cells(f"{name}: a periodic sample of {len(x)} points", solid, 0.0)
-        mass, note = _masses(
-            points,
-            x.shape[1],
-            density,
-            thickness,
-            lambda: np.full(len(x), math.prod(period) / len(x)),
-        )
         if mass is None:
             return found
         # The sum of norms in a point's row of the dynamical matrix [Gershgorin1931].
         most = 2 * np.bincount(pairs.ravel(), np.repeat(k, 2), len(x)) / mass
         return replace(found, omega=math.sqrt(most.max()), whose=f"any wave at most{note}")
     found, volumes = _piece(name, x, pairs, k, cells, ids)
-    mass, note = _masses(
-        points,
-        x.shape[1],
-        density,
-        thickness,
-        lambda: _volume_parts(x, float(length.mean())),
-    )
-    body = spring_network(
-        x if x.shape[1] > 1 else np.column_stack([x, np.zeros(len(x))]),
-        pairs,
-        k,
-        mass=1.0 if mass is None else mass,
-        volumes=volumes,
-    )
+    flat = x if x.shape[1] > 1 else np.column_stack([x, np.zeros(len(x))])
+    body = spring_network(flat, pairs, k, mass=1.0 if mass is None else mass, volumes=volumes)
     if mass is not None:
         whose = f"this body, nothing held{note}"
         found = replace(found, omega=highest_frequency(body), whose=whose)
@@ -150,6 +131,8 @@ def _piece(
         what = f"{name}: nothing repeats between {len(x)} points"
         if rows[0].idle:
             what += f", of which {rows[0].idle} without a force in any spring are left out"
+        if rows[0].points + rows[0].idle == len(x) and x.shape[1] > 1:
+            what += ", which are too few for an inside: the bounds are those of the piece"
         return with_bounds(what, rows), None
     cell, inside = repeating
     kappa, volumes = _cells(cells, ids, inside, x) if cells.exists() else (0.0, None)
@@ -169,24 +152,24 @@ def _own_axes(x: Array) -> Array:
 
 def _masses(
     points: pd.DataFrame,
-    dim: int,
+    x: Array,
+    mean_length: float,
     density: float | None,
     thickness: float | None,
-    volumes: Callable[[], Array],
+    period: tuple[float, ...] | None,
 ) -> tuple[Array | None, str]:
     """Masses (n,) in kg of a table or of a density, None if there are none, and a note."""
     if "mass" in points:
         if density is not None:
             raise ProblemError("--density: points.csv has masses; leave one of them out")
         return finite("points.csv: mass", points["mass"].to_numpy()), ""
-    per_volume, note = mass_density(dim, density, thickness)
-    return (None, "") if per_volume is None else (per_volume * volumes(), f", {note}")
-
-
-def _volume_parts(x: Array, mean_length: float) -> Array:
-    """Part (n,) of the volume of each point; a point apart from the body has the least."""
-    volume = point_simplices(x, mean_length).volume
-    return np.asarray(np.maximum(volume, volume[volume > 0].min()))
+    per_volume, note = mass_density(x.shape[1], density, thickness)
+    if per_volume is None:
+        return None, ""
+    if period is not None:
+        return np.full(len(x), per_volume * math.prod(period) / len(x)), f", {note}"
+    volume = point_simplices(x, mean_length)[1]  # points apart from the body have the least
+    return per_volume * np.maximum(volume, volume[volume > 0].min()), f", {note}"
 
 
 def _table(path: Path, need: tuple[str, ...]) -> pd.DataFrame:

@@ -6,9 +6,10 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.case.advise.identify import Identified, identified_record
+from msvalidate.case.advise.identify import Identified, moduli_rows
 from msvalidate.case.advise.identify_files import identify_files
 from msvalidate.case.judge.judgement import RATIO_NODES, Judged, judge_result
 from msvalidate.case.judge.matching import placement_tolerance
@@ -22,6 +23,7 @@ from msvalidate.problem import (
     prescribed_displacements,
 )
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.constants.stiffness import AXES_OF
 from msvalidate.springs.network import Network
 from msvalidate.springs.statics.equilibrium import equilibrium
 from msvalidate_check.causes import Cause
@@ -98,51 +100,42 @@ def judge_network(judged: Judged, folder: Path) -> OwnNetwork:
         )
     identified = identify_files(folder / "springs.csv")
     network = identified.network
-    if network is None or len(identified.tensor) == 1 or network.dim != case.problem.domain.dim:
-        dim = case.problem.domain.dim
+    dim = case.problem.domain.dim
+    if network is None or AXES_OF[len(identified.tensor)] != dim:
         raise ProblemError(f"--network: points.csv is not of the case's {dim} axes; give its own")
     elastic = judged.reference.displacement.value
-    u, reason = _elasticity(judged, identified)
-    solid = field = own = math.nan
-    causes = judged.verdict.causes
-    if u is not None:
-        solid = max_length(u - elastic) / judged.size
-        field = max_length(judged.matched.displacement - u) / judged.size
+    elastic, causes = judged.reference.displacement.value, judged.verdict.causes
+    kinds, solid, field, own, reason = ["identified"], math.nan, math.nan, math.nan, ""
     try:
         at_rest = _equilibrium(judged, network)
         own = _difference(judged, network.points, at_rest)
+        kinds.append("equilibrium" if own <= CONVERGED else "not equilibrium")
+        if own > CONVERGED:
+            result = Result("network", at_rest, network.points, None, 0.0)
+            causes = judge_result(case, result).verdict.causes
     except (ProblemError, SolverError) as error:
         reason = str(error)
-    kinds = ["identified"]
-    if math.isnan(own):
         kinds.append("no equilibrium")
-    elif own <= CONVERGED:
-        kinds.append("equilibrium")
-    else:
-        kinds.append("not equilibrium")
-        result = Result("network", at_rest, network.points, None, 0.0)
-        causes = judge_result(case, result).verdict.causes
-    if not math.isnan(solid):
-        is_other = solid > case.band + identified.error
-        kinds.append("another solid" if is_other else "same solid")
+    if identified.solid:
+        u = _elasticity(judged, identified.tensor)
+        solid = max_length(u - elastic) / judged.size
+        field = max_length(judged.matched.displacement - u) / judged.size
+        is_same = solid <= case.band + identified.error
+        kinds.append("same solid" if is_same else "another solid")
     return OwnNetwork(identified, solid, field, own, reason, causes, tuple(kinds))
 
 
-def _elasticity(judged: Judged, identified: Identified) -> tuple[Array | None, str]:
-    """Elasticity of the identified solid at the compared points (m, d) in m, or why there is none.
+def _elasticity(judged: Judged, tensor: Array) -> Array:
+    """Elasticity of a tensor (N/m or Pa) at the compared points (m, d) in m.
 
     It is the case's elasticity and the change on a coarser mesh.
     """
-    problem, reference = judged.case.problem, judged.reference
+    problem, reference, places = judged.case.problem, judged.reference, judged.matched.places
     thickness = problem.material.thickness
-    try:
-        law = Anisotropic(identified.tensor / thickness, problem.material.density, thickness)
-    except ProblemError as error:
-        return None, str(error)
+    law = Anisotropic(tensor / thickness, problem.material.density, thickness)
     plain = reference.solutions_up_to(RATIO_NODES)[-1]
     other = solve_problem(replace(problem, material=law, zones=()), plain.body)
-    places = judged.matched.places
-    return reference.displacement.value + other.at(places) - plain.at(places), ""
+    return np.asarray(reference.displacement.value + other.at(places) - plain.at(places))
 
 
 def _equilibrium(judged: Judged, network: Network) -> Array:
@@ -174,28 +167,20 @@ def _difference(judged: Judged, points: Array, displacement: Array) -> float:
 
 def network_record(own: OwnNetwork) -> dict[str, Any]:
     """Numbers, kinds, causes and sentences for verdict.json."""
-    return {
-        "solid": identified_record(own.identified),
-        "solid_difference": own.solid_difference,
-        "field_difference": own.field_difference,
-        "own_difference": own.own_difference,
+    numbers = ("solid_difference", "field_difference", "own_difference")
+    record: dict[str, Any] = {name: getattr(own, name) for name in numbers}
+    shown = {name: percent(value) for name, value in record.items()}
+    rows = dict(moduli_rows(own.identified)) if own.identified.solid else {}
+    solid = next((f"{name} {text}" for name, text in rows.items() if "otropic" in name), "")
+    shown |= {"solid": solid or own.identified.stable, "reason": own.reason}
+    lines = [SENTENCES[kind].format(**shown) for kind in own.kinds]
+    for first in own.causes[: "not equilibrium" in own.kinds]:
+        lines.append(SENTENCES["cause"].format(left=percent(first.left), cause=first))
+    return record | {
+        "tensor": own.identified.tensor.tolist(),
+        "error": own.identified.error,
+        "solid": rows,
         "kinds": own.kinds,
         "causes": [each.row() for each in own.causes],
-        "sentences": network_sentences(own),
+        "sentences": lines,
     }
-
-
-def network_sentences(own: OwnNetwork) -> list[str]:
-    """A sentence for each kind, and for the first cause in the network if it is not the solver."""
-    record = identified_record(own.identified)
-    values = {
-        "solid": record["sentence"],
-        "solid_difference": percent(own.solid_difference),
-        "own_difference": percent(own.own_difference),
-        "reason": own.reason,
-    }
-    lines = [SENTENCES[kind].format(**values) for kind in own.kinds]
-    if "not equilibrium" in own.kinds and own.causes:
-        first = own.causes[0]
-        lines.append(SENTENCES["cause"].format(left=percent(first.left), cause=first))
-    return lines

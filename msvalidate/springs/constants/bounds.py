@@ -17,23 +17,22 @@ that is the same everywhere, and come closer as windows grow. Sources: [Hill1963
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 from scipy.spatial import Delaunay, QhullError
 
+from msvalidate.linear_algebra.factor import factorise
 from msvalidate.problem import VOIGT, Array, Index, Mask, ProblemError
+from msvalidate.problem.cells import surface_facets
 from msvalidate.problem.normals import nearest_on_facets
 from msvalidate.problem.records import ReadOnly, dataclass
-from msvalidate.springs.constants.cell_at_rest import (
-    AFFORDED,
-    elongations,
-    relax_freely,
-    shifted_solver,
-)
+from msvalidate.problem.shapes import STRAIGHT, area_vectors, enclosed_volume
+from msvalidate.springs.constants.cell_at_rest import AFFORDED, elongations, stiffness_of
 from msvalidate.springs.constants.stiffness import (
     ALIKE,
     AXES_OF,
@@ -42,6 +41,8 @@ from msvalidate.springs.constants.stiffness import (
     voigt_directions,
     young_and_ratio,
 )
+from msvalidate.springs.lattice.ties import break_ties
+from msvalidate.springs.lattice.triangulation import signed_volumes
 
 LONGEST_EDGE = 4.0
 """Longest edge of a simplex relative to the mean spring: longer ones span hollows."""
@@ -51,12 +52,13 @@ ANSWERED = 0.5
 """Part of the volume that windows of one size must cover."""
 HINGED = 100.0
 """Motion under a uniform stress, relative to the median, of points on hinges."""
+SHIFT = 1e-9
+"""Stiffness added to each component's, relative to it, where motions may be without stiffness."""
 CORRECTIONS = 4
 """Solutions by the shifted stiffness, each of which leaves a small part of the load."""
 TOO_SMALL = (
-    "springs: nothing repeats between points inside, and no window has points inside that are "
-    "joined to such points alone, so there are no bounds either; give a larger piece, or a "
-    "periodic sample and its --period"
+    "points.csv: joined points with an inside are missing; give a larger piece, or a periodic "
+    "sample and its --period"
 )
 
 
@@ -87,48 +89,37 @@ class TensorBounds(ReadOnly):
 
         They are those of all isotropic tensors between the isotropic parts, and of all cubic ones.
         """
-        d = AXES_OF[len(self.lower)]
-        (K, mu), (K_upper, mu_upper) = map(invariant_moduli, (self.lower, self.upper))
-        soft, stiff = cubic_part(self.lower), cubic_part(self.upper)
-        shear = 2 * np.array([soft[-1, -1], stiff[-1, -1]])
-        across = np.array([stiff[0, 0] - stiff[0, 1], soft[0, 0] - soft[0, 1]])
-        E = [young_and_ratio(d, *each)[0] for each in ((K, mu), (K_upper, mu_upper))]
-        nu = [young_and_ratio(d, *each)[1] for each in ((K, mu_upper), (K_upper, mu))]
+        d, ends = AXES_OF[len(self.lower)], (self.lower, self.upper)
+        K, mu = np.transpose([invariant_moduli(each) for each in ends])
+        C = np.array([cubic_part(each) for each in ends])
+        across = (C[:, 0, 0] - C[:, 0, 1])[::-1]
         with np.errstate(divide="ignore", invalid="ignore"):  # a lower bound of zero
-            return np.column_stack([E, nu, shear / across])
+            zener = 2 * C[:, -1, -1] / across
+        E, nu = young_and_ratio(d, K, mu)[0], young_and_ratio(d, K, mu[::-1])[1]
+        return np.column_stack([E, nu, zener])
 
 
-class PointSimplices(NamedTuple):
-    """Delaunay simplices of a body's points.
+class _Network(NamedTuple):
+    """Points (n, d), springs (m, 2), their stiffness (m,), and simplices with volumes of points.
 
-    Parameters
-    ----------
-    corners, vectors
-        (s, d + 1) points, and (s, d + 1, d) volume times gradient of their shape functions.
-    volume
-        (n,) of each point: its part of the simplices around it.
-    surface
-        (f, d) facets of one simplex only.
+    B and stretch are the elongations (m, n·d) by motions and (m, v) by unit strains.
     """
 
-    corners: Index
-    vectors: Array
+    x: Array
+    springs: Index
+    k: Array
+    B: csr_array
+    stretch: Array
+    simplices: Index
     volume: Array
-    surface: Index
-
-
-class _Window(NamedTuple):
-    volume: float
-    upper: Array
-    compliance: Array
-    points: int
 
 
 def tensor_bounds(points: Array, springs: Index, stiffness: Array) -> tuple[TensorBounds, ...]:
     """Compute bounds of the effective tensor of a piece, for one size of windows after another.
 
-    The first window is the whole inside, as far as a factor is affordable. Of a chain (d = 1) both
-    bounds are the stiffness from end to end.
+    The first window is the whole inside, as far as a factor is affordable. A piece too small for an
+    inside is a window itself, with springs missing at its surface. Of a chain (d = 1) both bounds
+    are the stiffness from end to end.
 
     Parameters
     ----------
@@ -141,48 +132,45 @@ def tensor_bounds(points: Array, springs: Index, stiffness: Array) -> tuple[Tens
         If the piece is too small.
     """
     idle = idle_points(points, springs) & (points.shape[1] > 1)
-    stay, number = ~idle[springs].any(axis=1), np.cumsum(~idle) - 1
-    x, pairs, k = points[~idle], number[springs[stay]], stiffness[stay]
+    stay = ~idle[springs].any(axis=1)
+    x, pairs, k = points[~idle], (np.cumsum(~idle) - 1)[springs[stay]], stiffness[stay]
     n, d = x.shape
-    if not len(pairs):
-        raise ProblemError(TOO_SMALL)
     vector = x[pairs[:, 1]] - x[pairs[:, 0]]
     length = np.linalg.norm(vector, axis=1)
     B = elongations(n, pairs, vector / length[:, None])
     stretch = length[:, None] * voigt_directions(vector / length[:, None])
     if d == 1:
-        ends = [x.argmin(), x.argmax()]
-        e = relax_freely(B[:, np.delete(np.arange(n), ends)], k, stretch)
-        EA = np.array([[k @ e[:, 0] ** 2 / np.ptp(x)]])
+        inner = np.delete(np.arange(n), [x.argmin(), x.argmax()])
+        e = _relax(B[:, inner], k, stretch)
+        EA = e.T @ (k[:, None] * e) / np.ptp(x)
         return (TensorBounds(EA, EA, 1, n, 0),)
-    network = _Network(x, pairs, k, B, stretch, point_simplices(x, float(length.mean())))
+    simplices, volume = point_simplices(x, length.sum() / max(len(pairs), 1))
+    network = _Network(x, pairs, k, B, stretch, simplices, volume)
     longest = np.zeros(n)
     np.maximum.at(longest, pairs.ravel(), np.repeat(length, 2))
-    depth = nearest_on_facets(x[network.simplices.surface], x)[1]
-    inside = np.flatnonzero((depth >= longest * (1 - ALIKE)) & (network.simplices.volume > 0))
-    if not len(inside):
-        raise ProblemError(TOO_SMALL)
-    low, high = x[inside].min(axis=0), x[inside].max(axis=0)
-    place = (x[inside] - low) / np.where(high > low, high - low, 1.0)
-    near = np.argsort(np.abs(place - 0.5).max(axis=1), kind="stable")[: AFFORDED[d] // d]
-    inside, place = inside[near], place[near]
-    low, high = place.min(axis=0), place.max(axis=0)
-    rows = []
+    surface = surface_facets(simplices, STRAIGHT[d, d + 1])
+    depth = nearest_on_facets(x[surface], x)[1]
+    # Points that lie deeper than their springs are long have all their springs.
+    inside = np.flatnonzero((depth >= longest * (1 - ALIKE)) & (volume > 0))
+    away = np.abs((x - x.mean(axis=0)) / np.ptp(x, axis=0)).max(axis=1)[inside]
+    inside = inside[np.argsort(away, kind="stable")[: AFFORDED[d] // d]]
+    rows: list[TensorBounds] = []
+    place = x[inside] - x[inside].min(axis=0, initial=np.inf)
+    place /= place.max(axis=0, initial=np.finfo(float).tiny)
     for cuts in CUTS:
-        cell = np.minimum(cuts * (place - low) / np.where(high > low, high - low, 1.0), cuts - 1)
-        windows = [
-            window
-            for each in product(range(cuts), repeat=d)
-            for window in _window(network, inside[(cell.astype(int) == each).all(axis=1)])
-        ]
-        volume = np.array([each.volume for each in windows])
-        if volume.sum() < ANSWERED * network.simplices.volume[inside].sum():
+        cell = np.minimum(cuts * place, cuts - 1).astype(int)
+        parts = [inside[(cell == each).all(axis=1)] for each in product(range(cuts), repeat=d)]
+        windows = [window for part in parts for window in _window(network, part)]
+        if not windows and not rows:  # the piece itself
+            windows, inside = [*_window(network, np.arange(n))], np.arange(n)
+        share = np.array([each.volume for each in windows])
+        if share.sum() <= ANSWERED * volume[inside].sum():
             break
-        part = volume / volume.sum()
-        upper = np.einsum("w,wij->ij", part, [each.upper for each in windows])
-        lower = np.linalg.inv(np.einsum("w,wij->ij", part, [each.compliance for each in windows]))
-        size = float(np.mean([each.points for each in windows]))
+        upper, compliance = np.average([one.tensors for one in windows], axis=0, weights=share)
+        lower, size = np.linalg.inv(compliance), len(inside) / cuts**d
         rows.append(TensorBounds((lower + lower.T) / 2, upper, len(windows), size, idle.sum()))
+        if len(inside) == n:
+            break
     if not rows:
         raise ProblemError(TOO_SMALL)
     return tuple(rows)
@@ -210,8 +198,10 @@ def idle_points(points: Array, springs: Index) -> Mask:
         idle |= more
 
 
-def point_simplices(points: Array, mean_length: float) -> PointSimplices:
-    """Delaunay simplices of points (n, d) in m whose springs have a mean length (m).
+def point_simplices(points: Array, mean_length: float) -> tuple[Index, Array]:
+    """Delaunay simplices (s, d + 1) of points (n, d), and the volume (n,) of each point.
+
+    Simplices run over gaps of the springs, whose mean length is given (m), but not over hollows.
 
     Raises
     ------
@@ -220,62 +210,42 @@ def point_simplices(points: Array, mean_length: float) -> PointSimplices:
     """
     n, d = points.shape
     try:
-        corners = Delaunay(points).simplices
+        cells = Delaunay(break_ties(points)).simplices.astype(np.intp)
     except (QhullError, ValueError) as error:
-        raise ProblemError("points.csv: the points span no body; give a thicker piece") from error
-    x = points[corners]
+        raise ProblemError(TOO_SMALL) from error
+    x = points[cells]
     edge = np.linalg.norm(x[:, :, None] - x[:, None], axis=3).max(axis=(1, 2))
-    corners = corners[edge <= LONGEST_EDGE * mean_length]
-    if not len(corners):
-        raise ProblemError("springs: they are far shorter than gaps between points; add springs")
-    x = points[corners]
-    edges = x[:, 1:] - x[:, :1]
-    if d == 2:
-        turned = np.stack([edges[..., 1], -edges[..., 0]], axis=-1)
-        vectors = np.stack([turned[:, 1], -turned[:, 0]], axis=1) / 2
-    else:
-        a, b, c = edges.transpose(1, 0, 2)
-        vectors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1) / 6
-    vectors = (
-        vectors * np.copysign(1.0, np.einsum("sd,sd->s", edges[:, 0], vectors[:, 0]))[:, None, None]
-    )
-    vectors = np.concatenate([-vectors.sum(axis=1, keepdims=True), vectors], axis=1)
-    # By the divergence theorem the sum of place times vector is the volume, along each axis.
-    volume = np.repeat(np.einsum("sjd,sjd->s", x, vectors) / d / (d + 1), d + 1)
-    facets = np.concatenate([np.delete(corners, j, axis=1) for j in range(d + 1)])
-    facets, count = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
-    own = np.asarray(np.bincount(corners.ravel(), volume, n), dtype=float)
-    return PointSimplices(corners, vectors, own, facets[count == 1])
+    cells = cells[edge <= LONGEST_EDGE * mean_length]
+    turned = signed_volumes(break_ties(points)[cells]) < 0
+    cells[turned] = cells[turned][:, [1, 0, *range(2, d + 1)]]
+    if not len(cells):
+        raise ProblemError(TOO_SMALL)
+    part = signed_volumes(points[cells]) / math.factorial(d + 1)
+    return cells, np.asarray(np.bincount(cells.ravel(), np.repeat(part, d + 1), n), dtype=float)
 
 
-class _Network(NamedTuple):
-    """Points (n, d), springs (m, 2), their stiffness (m,), and simplices.
+class _Window(NamedTuple):
+    """Volume, and tensors (2, v, v): the upper bound, and the inverse of the lower one."""
 
-    B and stretch are the elongations (m, n·d) by motions and (m, v) by unit strains.
-    """
-
-    x: Array
-    springs: Index
-    k: Array
-    B: csr_array
-    stretch: Array
-    simplices: PointSimplices
+    volume: float
+    tensors: Array
 
 
 def _window(network: _Network, inside: Index) -> Iterator[_Window]:
     """Yield the bounds of a window of points, if it has an inside."""
-    x, springs, k, B, stretch, simplices = network
+    x, springs, k, B, stretch, simplices, volumes = network
     n, d = x.shape
     member = np.isin(np.arange(n), inside)
     firm = member
     while True:
         firm = firm & ~idle_points(x, springs[firm[springs].all(axis=1)])
         both = firm[springs].all(axis=1)
-        whole = np.asarray(firm[simplices.corners].all(axis=1))
+        whole = np.asarray(firm[simplices].all(axis=1))
         if not whole.any():
             return
         moving = np.flatnonzero(np.repeat(firm, d))
-        volume, load = _uniform_stress(x, simplices, whole)
+        facets = surface_facets(simplices[whole], STRAIGHT[d, d + 1])
+        volume, load = _uniform_stress(x, facets)
         u = _displacement(B[both][:, moving], k[both], load[moving])
         motion = np.abs(u).max(axis=1).reshape(-1, d).max(axis=1)
         hinged = np.flatnonzero(firm)[motion > HINGED * np.median(motion)]
@@ -284,41 +254,39 @@ def _window(network: _Network, inside: Index) -> Iterator[_Window]:
         firm[hinged] = False
     free = firm.copy()
     free[springs[~both]] = False
-    free[simplices.corners[~whole]] = False
+    free[facets] = False
     if not free.any():
         return
     # A spring with one point in the window counts half there, and follows the strain.
-    part = np.where(both, 1.0, member[springs].mean(axis=1))
-    e = stretch.copy()
-    columns = np.flatnonzero(np.repeat(free, d))
-    e[both] = relax_freely(B[both][:, columns], k[both], stretch[both])
-    size = float(simplices.volume[member].sum())
-    work = load[moving].T @ u
-    yield _Window(
-        size,
-        np.einsum("m,mv,mw->vw", part * k, e, e) / size,
-        (work + work.T) / 2 * size / volume**2,
-        int(member.sum()),
-    )
+    part, e = np.where(both, 1.0, member[springs].mean(axis=1)), stretch.copy()
+    e[both] = _relax(B[both][:, np.flatnonzero(np.repeat(free, d))], k[both], stretch[both])
+    size, work = float(volumes[member].sum()), load[moving].T @ u
+    upper = e.T @ ((part * k)[:, None] * e) / size
+    yield _Window(size, np.array([upper, (work + work.T) / 2 * size / volume**2]))
 
 
-def _uniform_stress(x: Array, simplices: PointSimplices, whole: Mask) -> tuple[float, Array]:
-    """Volume of some simplices, and the forces (n·d, v) of a unit of each component of stress."""
+def _uniform_stress(x: Array, facets: Index) -> tuple[float, Array]:
+    """Volume within facets, and the forces (n·d, v) of a unit of each component of stress."""
     d = x.shape[1]
-    corners, vectors = simplices.corners[whole], simplices.vectors[whole]
-    total = np.zeros(x.shape)
-    np.add.at(total, corners, vectors)
+    area = np.zeros(x.shape)
+    np.add.at(area, facets, area_vectors(x[facets])[1].sum(axis=1, keepdims=True) / d)
     load = np.zeros((*x.shape, len(VOIGT[d])))
     for component, (p, q) in enumerate(VOIGT[d]):
-        load[:, p, component], load[:, q, component] = total[:, q], total[:, p]
-    volume = float(np.einsum("sjd,sjd->", x[corners], vectors)) / d
-    return volume, load.reshape(x.size, -1)
+        load[:, p, component], load[:, q, component] = area[:, q], area[:, p]
+    return enclosed_volume(x[facets]), load.reshape(x.size, -1)
+
+
+def _relax(B: csr_array, k: Array, stretch: Array) -> Array:
+    """Elongations (m, v) of least energy, from those without motions of the points."""
+    return np.asarray(stretch - B @ _displacement(B, k, B.T @ (k[:, None] * stretch)))
 
 
 def _displacement(B: csr_array, k: Array, load: Array) -> Array:
     """Displacement (f, v) by balanced loads (f, v); large where no spring resists it."""
-    K, solve = shifted_solver(B, k)
-    u = np.zeros(load.shape)
+    K = stiffness_of(B, k)
+    own, u = K.diagonal(), np.zeros(load.shape)
+    least = SHIFT * own.max(initial=np.finfo(float).tiny)
+    factor = factorise(csr_array(K + diags_array(SHIFT * np.maximum(own, least))))
     for _ in range(CORRECTIONS):
-        u += solve(load - K @ u)
+        u += factor.solve(load - K @ u)
     return u

@@ -55,8 +55,6 @@ Rounding is 1e-12 of the softest.
 """
 SOFTEST = 1e-6
 """Root of a motion's stiffness over the softest spring's, below which it has none."""
-SHIFT = 1e-9
-"""Stiffness added to each component's, relative to it, where motions may be without stiffness."""
 CORRECTIONS = 8
 ENOUGH = 1e-15
 """Relative energy of a correction that ends the iteration."""
@@ -144,20 +142,6 @@ def relax_cell(
     relieve, floppy = _solve_dense(B, k) if B.shape[1] <= DENSE else _solve_by_factor(B, k)
     elongation, error = _relax_elongations(relieve, B, k, stretch)
     return RelaxedCell(elongation, floppy, error, "direct")
-
-
-def shifted_solver(B: csr_array, k: Array) -> tuple[csr_array, Callable[[Array], Array]]:
-    """Stiffness of motions, and an inverse in which motions without stiffness have `SHIFT`."""
-    K = stiffness_of(B, k)
-    own = K.diagonal()
-    least = SHIFT * own.max(initial=np.finfo(float).tiny)
-    return K, factorise(csr_array(K + diags_array(SHIFT * np.maximum(own, least)))).solve
-
-
-def relax_freely(B: csr_array, k: Array, stretch: Array) -> Array:
-    """Elongations (m, v) in m of least energy, by motions some of which may have no stiffness."""
-    _, solve = shifted_solver(B, k)
-    return _relax_elongations(lambda e: -solve(B.T @ (k[:, None] * e)), B, k, stretch)[0]
 
 
 def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) -> csr_array:

@@ -68,11 +68,12 @@ def directional_ratio(tensor: Array, angle: float) -> float:
     """
     turn = finite_angle("angle", angle)
     c, s = np.cos(turn), np.sin(turn)
-    return contraction_ratio(check_voigt(tensor, 2), np.array([c, s]), np.array([-s, c]))
+    ratio = contraction_ratios(check_voigt(tensor, 2), np.array([c, s]), np.array([[-s, c]]))
+    return finite_number("directional ratio", ratio[0])
 
 
-def contraction_ratio(tensor: Array, along: Array, across: Array) -> float:
-    """Poisson's ratio in tension along one unit vector (d,), of the contraction along another.
+def contraction_ratios(tensor: Array, along: Array, across: Array) -> Array:
+    """Poisson's ratios (q,) of the contraction along unit vectors (q, d), in tension along one.
 
     Source: as for `directional_ratio`.
 
@@ -81,10 +82,9 @@ def contraction_ratio(tensor: Array, along: Array, across: Array) -> float:
     ProblemError
         If it is no Voigt tensor, or is singular.
     """
-    S = _compliance(check_voigt(tensor))
-    v, w = voigt_directions(np.array([along, across]))
+    strain = _compliance(check_voigt(tensor)) @ (v := voigt_directions(along[None])[0])
     with np.errstate(all="ignore"):
-        return finite_number("directional ratio", -(w @ S @ v) / (v @ S @ v))
+        return np.asarray(-(voigt_directions(across) @ strain) / (v @ strain))
 
 
 def _compliance(C: Array) -> Array:

@@ -9,6 +9,7 @@ strain nu2 = nu/(1 - nu) and E2 = E·t/(1 - nu²).
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate.springs.lattice import Constants, Pattern
 from msvalidate.springs.lattice.patterns import cubic_tensor
 
+Number = TypeVar("Number", float, Array)
 CAUCHY = {2: 1 / 3, 3: 1 / 4}
 """Number of axes -> Poisson's ratio of affine lattices of central springs.
 
@@ -318,7 +320,7 @@ def invariant_moduli(C: Array) -> tuple[float, float]:
     return float(bulk), float(mu)
 
 
-def young_and_ratio(dim: int, bulk: float, mu: float) -> tuple[float, float]:
+def young_and_ratio(dim: int, bulk: Number, mu: Number) -> tuple[Number, Number]:
     """Young's modulus and Poisson's ratio of d axes from the bulk and shear modulus.
 
     E grows with each of the two, and the ratio with the first over the second.

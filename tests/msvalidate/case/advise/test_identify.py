@@ -240,10 +240,17 @@ def test_other_classes_are_refused(tmp_path):
         identify_files(written(tmp_path, body.points, body.springs, k), (1.0, 1.0, 1.0))
     with refused("springs.csv: length: 0 at index 72 m; leave that spring out"):
         identify_files(written(tmp_path, body.points[:, :1], body.springs, k))
+    shaken = body.points + 0.1 * SPACING * rng.normal(size=body.points.shape)
+    files = written(tmp_path, shaken, body.springs, k)
+    assert identify_files(files).bounds[0].points < len(shaken)
     few, inside = piece("square", 2)
     shaken = few.points + 0.1 * SPACING * rng.normal(size=few.points.shape)
+    assert (
+        "too few for an inside"
+        in identify_files(written(tmp_path, shaken, few.springs, inside)).what
+    )
     with refused("give a larger piece, or a periodic sample and its --period"):
-        identify_files(written(tmp_path, shaken, few.springs, inside))
+        identify_files(written(tmp_path, shaken[:4], np.array([(0, 1), (1, 3)]), inside[:2]))
     right = (body.points[body.springs, 0] > 4 * SPACING).all(axis=1)
     with refused("stiffness changes inside; give those of one material"):
         identify_files(written(tmp_path, body.points, body.springs, np.where(right, k / 2, k)))

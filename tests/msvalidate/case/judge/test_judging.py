@@ -392,5 +392,4 @@ def test_a_network_is_told_from_its_solver(tmp_path, stiffer, factor, columns, k
     assert list(own.kinds) == ["identified", *kinds]
     assert own.solid_difference == pytest.approx(1 - 1 / stiffer, abs=1e-6)
     record = network_record(own)
-    assert record["solid"]["moduli"]["E"] == pytest.approx(1e5 * stiffer)
-    assert any("E 1" in each for each in record["sentences"])
+    assert f"E = {1e5 * stiffer:g} N/m" in " ".join(record["sentences"])
