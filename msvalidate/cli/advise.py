@@ -15,16 +15,29 @@ from msvalidate.case.advise.advice import (
     advice_record,
     advise,
     constants_lines,
+    step_sentence,
 )
-from msvalidate.case.advise.identify import identified_lines, identify_lattice
+from msvalidate.case.advise.identify import (
+    identified_lines,
+    identify_cubic,
+    identify_lattice,
+    mass_density,
+)
 from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.arguments import CONSTANTS
 from msvalidate.cli.terminal import print_lines
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.problem.checks import require_one_of
+from msvalidate.problem.checks import positive_number, require_one_of
 from msvalidate.problem.material import State
 from msvalidate.problem.records import replace
-from msvalidate.springs.constants.stiffness import ALIKE, UNIT, axes_moduli, lame, springs_ratio
+from msvalidate.springs.constants.stiffness import (
+    ALIKE,
+    UNIT,
+    axes_moduli,
+    lame,
+    springs_ratio,
+    young_and_ratio,
+)
 from msvalidate.springs.lattice.patterns import all_patterns
 from msvalidate_check.text import WIDTH, align_table
 
@@ -41,10 +54,19 @@ def _material(args: argparse.Namespace) -> tuple[Isotropic, str]:
     if state == "solid" and t is not None:
         raise ProblemError("--thickness: a solid has none; leave it out, or take a plane --state")
     density = Isotropic.density if args.density is None else args.density
-    m = Isotropic(args.E, args.nu, state, density, 1.0 if t is None else t)
+    E, nu = args.E, args.nu
+    if args.mu is not None:
+        mu = positive_number("--mu", args.mu, "Pa")
+        K = args.lame + 2 * mu / 3 if args.K is None else args.K
+        E, nu = young_and_ratio(3, positive_number("bulk modulus K = λ + 2μ/3", K, "Pa"), mu)
+    m = Isotropic(E, nu, state, density, 1.0 if t is None else t)
+    auxetic = ", auxetic: it widens when it is pulled" if m.nu < 0 else ""
     thick = f", {m.thickness:g} m thick" if m.dim == 2 else ""
     default = "" if args.state else " (default; another by --state)"
-    return m, f"E = {m.E:g} Pa, nu = {m.nu:g}, {state}{default}{thick}"
+    return (
+        m,
+        f"E = {m.E:g} Pa, nu = {m.nu:g}{auxetic}, {state}{default}{thick}",
+    )
 
 
 def _advise(args: argparse.Namespace) -> list[str]:
@@ -72,6 +94,7 @@ def _advise(args: argparse.Namespace) -> list[str]:
         return [json.dumps(record, ensure_ascii=False, indent=1)]
     summary = [head, *([price] if price else []), _letters(found[0].material)]
     summary += constants_lines(found)
+    summary.append(step_sentence(found, args.step))
     summary += [f"not for this material: {', '.join(cannot)}"] * bool(cannot)
     summary += _engines(args.engine, found[0], notes=args.verbose)
     if not args.verbose:
@@ -138,23 +161,22 @@ def _engines(engine: str | None, advice: Advice, *, notes: bool) -> list[str]:
 def _identify(args: argparse.Namespace) -> list[str]:
     """Lines about the elastic solid that given springs represent."""
     thickness = args.thickness
+    if args.cubic:
+        return identified_lines(identify_cubic(*args.cubic))
     if args.identify:
         from msvalidate.case.advise.identify_files import identify_files
 
         period = tuple(args.period) if args.period else None
-        return identified_lines(identify_files(Path(args.identify), period), thickness)
+        found = identify_files(Path(args.identify), period, args.density, thickness)
+        return identified_lines(found, thickness)
     if args.lattice is None or args.spacing is None:
         raise ProblemError("--identify: give a springs.csv, or --lattice, --k1 .. and --spacing")
     require_one_of("--lattice", args.lattice, all_patterns())
     dim = all_patterns()[args.lattice]().dim
-    if dim == 2 and args.density is not None and thickness is None:
-        raise ProblemError("--density: a plane lattice's mass takes its --thickness too; give both")
-    if dim == 3 and thickness is not None:
-        raise ProblemError("--thickness: a solid has none; leave it out")
+    density, note = mass_density(dim, args.density, thickness)
     kappa, given = args.kappa or (0.0, "")
     if ("Pa" if dim == 2 else "N/") in given:
         raise ProblemError(f"--kappa: {given}; give it in {UNIT[dim]}")
-    density = args.density and args.density * (thickness or 1.0)
     k = tuple(getattr(args, name) for name in CONSTANTS if getattr(args, name) is not None)
     found = identify_lattice(args.lattice, k, args.spacing, kappa, density)
-    return identified_lines(found, thickness)
+    return identified_lines(replace(found, whose=f"{found.whose}, {note}"), thickness)

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from msvalidate import __version__
 from msvalidate.bench.judging import catalogue
-from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS
+from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS, TIME
 
 HELD, MISSED, USAGE, FAILED, NOTHING, UNCONVERGED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 DOCUMENTED = "python -m msvalidate.study"
@@ -130,6 +130,7 @@ TYPES: Mapping[str, Callable[[str], Any]] = {
     "pressure": in_si(PRESSURE),
     "length": in_si(LENGTH),
     "density": in_si(DENSITY),
+    "time": in_si(TIME),
     "stiffness": in_si(STIFFNESS),
     "kappa": lambda text: (in_si(STIFFNESS | PRESSURE)(text), text),
 }
@@ -137,8 +138,10 @@ TYPES: Mapping[str, Callable[[str], Any]] = {
 
 # What goes together -------------------------------------------------------------------------------
 
-OF_MATERIAL = {"E", "nu", "engine", "json", "state"}
-OF_LATTICE = ("lattice", "spacing", "density", *CONSTANTS, "kappa")
+MODULI = ({"E", "nu"}, {"K", "mu"}, {"lame", "mu"})
+"""Pairs of moduli that give a material."""
+OF_MATERIAL = {"E", "nu", "K", "lame", "mu", "engine", "json", "state", "step"}
+OF_LATTICE = ("lattice", "spacing", *CONSTANTS, "kappa")
 
 
 def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
@@ -146,12 +149,16 @@ def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> N
     given = _given(parser, args)
     advises, own = args.identify is None, [name in given for name in CONSTANTS]
     first = CONSTANTS[own.index(False)] if False in own else ""
+    pairs = given & {"E", "nu", "K", "lame", "mu"}
     missing = [name for name in ("E", "nu", "spacing") if advises and name not in given]
-    of_other = {*CONSTANTS, "kappa", "period"} if advises else OF_MATERIAL
+    missing = missing if pairs in ({"E"}, {"nu"}, set()) else [n for n in missing if n == "spacing"]
+    of_other = {*CONSTANTS, "kappa", "period", "cubic"} if advises else OF_MATERIAL
     others, of_lattice = sorted(given & of_other), [n for n in OF_LATTICE if n in given]
     where = "goes with" if advises else "does not go with"
     _refuse(parser, {
         f"--{_first(missing)} is missing; give --E, --nu and --spacing": missing,
+        "moduli: give --E and --nu, or --K and --mu, or --lambda and --mu":
+            advises and pairs not in MODULI,
         f"--{_first(others)} {where} --identify; leave one of them out": others,
         f"--{_first(of_lattice)} is of a lattice, and {args.identify!r} a file; leave it out":
             args.identify and of_lattice,

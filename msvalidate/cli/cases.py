@@ -222,6 +222,7 @@ def judge_file(args: argparse.Namespace) -> int:
         if args.accuracy is not None:
             result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
         asked = {"unit": unit, "residual_motion": args.at_rest, "command": COMMAND}
+        asked["network"] = args.network
         return judge_and_tell(case, result, folder, whose, args, **asked)
 
 
@@ -243,6 +244,7 @@ def judge_and_tell(
     found, content = run.judged_files(case, result, plots=args.plots, **options)
     files.publish(folder, content, whose)
     verdict = json.loads(content["verdict.json"])
+    first = (*first, *verdict.get("network", {}).get("sentences", ()))
     lines = screen.field_lines(found, verdict, first)
     notes = (*notes, *found.matched.notes)
     code = _print_screen(result.name, verdict, lines, folder, notes, args)

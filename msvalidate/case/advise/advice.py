@@ -15,7 +15,7 @@ import numpy as np
 
 from msvalidate.case.file.units import quantity_text
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support
-from msvalidate.problem.checks import require_one_of, require_type
+from msvalidate.problem.checks import positive_number, require_one_of, require_type
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.bodies.lattice_network import lattice_network
 from msvalidate.springs.constants.calibration import Calibration
@@ -40,6 +40,8 @@ BOUNDARY = {
 }
 """Rule of a lattice's `boundary` -> what is less there: filled, by "shared" of
 `springs.lattice.WEIGHTS`; cut; or of a mesh's edges."""
+NONE = 1e-12
+"""Constants relative to the largest that are shown as 0."""
 WHOSE, BLOCK = "bodies of whole cells, two or more across", 2
 """Whose highest frequency is taken, and cells along the edges of the free block that stands for
 them: larger ones had no higher frequency, but for 0.8 %."""
@@ -176,7 +178,8 @@ def advice_of(
     if found.pressure:
         cells, cells_source = UNDER_PRESSURE, ", cells [SimoPister1984]"
         along = tuple((where, formulas.zero_length) for where, _ in along)
-    springs = zip(along, found.constants, rest, strict=True)
+    k = np.where(np.abs(found.constants) > NONE * np.abs(found.constants).max(), found.constants, 0)
+    springs = zip(along, k, rest, strict=True)
     return Advice(
         material=material,
         lattice=lattice,
@@ -265,6 +268,19 @@ def constants_lines(each: Sequence[Advice], unit: str = "m") -> list[str]:
             f"{one.mass:.4g}", f"{SAFETY * one.limits['leapfrog']:.3g}", f"{density:g}{default}",
         ])  # fmt: skip
     return align_table(heads, rows, [False, *[True] * (len(heads) - 1)])
+
+
+def step_sentence(each: Sequence[Advice], step: float | None = None) -> str:
+    """How the step goes with the material, and the largest E (Pa) that a step (s) allows."""
+    text = "step in proportion to spacing·√(density/E)"
+    if step is None:
+        return text
+    dt = positive_number("--step", step, "s")
+    largest = [
+        f"{one.material.E * (SAFETY * one.limits['leapfrog'] / dt) ** 2:.4g} Pa of {one.lattice}"
+        for one in each
+    ]
+    return f"{text}: {dt:g} s allows E up to {', '.join(largest)}"
 
 
 def advice_lines(advice: Advice) -> tuple[str, ...]:

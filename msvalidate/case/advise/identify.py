@@ -9,10 +9,11 @@ from itertools import product
 import numpy as np
 
 from msvalidate.case.advise.advice import WHOSE, block_frequency, step_limits, step_words
-from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem import Anisotropic, Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.springs.constants.directions import directional_modulus
+from msvalidate.springs.constants.bounds import TensorBounds
+from msvalidate.springs.constants.directions import contraction_ratios, directional_modulus
 from msvalidate.springs.constants.homogenise import Homogenised, homogenise
 from msvalidate.springs.constants.stiffness import (
     ALIKE,
@@ -24,12 +25,13 @@ from msvalidate.springs.constants.stiffness import (
 )
 from msvalidate.springs.constants.waves import least_stable_volume
 from msvalidate.springs.lattice import Constants
-from msvalidate.springs.lattice.patterns import all_patterns
+from msvalidate.springs.lattice.patterns import all_patterns, cubic_tensor
+from msvalidate.springs.network import Network
 from msvalidate_check.text import WIDTH, align_table
 
 STABLE = "stable"
-ROUNDING = 1e-13
-"""Of a tensor's largest entry, shown as 0."""
+ROUNDING = 1e-12
+"""Entries of a tensor relative to the largest that are shown as 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +49,11 @@ class Identified:
         Whether every strain costs energy.
     omega, whose
         Highest frequency (rad/s), NaN where masses are not known, and of what.
+    bounds
+        Of an irregular piece, for one size of windows after another: the tensor is then the mean
+        of the first bounds, and the error half their distance.
+    network
+        Of a finite piece in files: with the supports and forces of its table, if there are any.
     """
 
     what: str
@@ -56,6 +63,33 @@ class Identified:
     solid: bool = True
     omega: float = math.nan
     whose: str = ""
+    bounds: tuple[TensorBounds, ...] = ()
+    network: Network | None = None
+
+
+def mass_density(
+    dim: int, density: float | None, thickness: float | None
+) -> tuple[float | None, str]:
+    """Mass of a unit of volume (kg/m³, in 2D kg/m²), None if it is not known, and a note on it.
+
+    A solid, and a plane body of known thickness (m), have the density (kg/m³) of `Isotropic` by
+    default.
+
+    Raises
+    ------
+    ProblemError
+        If the dimension and the values do not go together.
+    """
+    if dim == 3 and thickness is not None:
+        raise ProblemError("--thickness: a solid has none; leave it out")
+    if dim == 1 and density is not None:
+        raise ProblemError("--density: a chain has no volume; give a column mass in points.csv")
+    if dim == 2 and density is not None and thickness is None:
+        raise ProblemError("--density: a plane lattice's mass takes its --thickness too; give both")
+    if dim < 3 and thickness is None:
+        return None, ""
+    value = Isotropic.density if density is None else density
+    return value * (thickness or 1.0), f"{value:g} kg/m³{' (default)' * (density is None)}"
 
 
 def identify_lattice(
@@ -103,6 +137,18 @@ def identify_lattice(
     return replace(found, omega=omega, whose=WHOSE)
 
 
+def identify_cubic(C11: float, C12: float, C44: float) -> Identified:
+    """The cubic solid of three constants (Pa), along its axes.
+
+    Raises
+    ------
+    ProblemError
+        If some strain costs no energy.
+    """
+    C = Anisotropic(cubic_tensor(3, C11, C12, C44)).C
+    return Identified(f"cubic solid, C11, C12, C44 = {C11:g}, {C12:g}, {C44:g} Pa", C, 0.0, STABLE)
+
+
 def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
     """Springs at rest, with κ of cells (N/m in the plane, Pa in space) beside them.
 
@@ -123,46 +169,88 @@ def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
     return Identified(what, tensor, solid.error, stable, whole)
 
 
+def with_bounds(what: str, rows: tuple[TensorBounds, ...]) -> Identified:
+    """The solid that is known by bounds, for one size of windows after another."""
+    best = rows[0]
+    mean, half = (best.upper + best.lower) / 2, np.diag(best.upper - best.lower) / 2
+    whole = bool(np.linalg.eigvalsh(best.lower)[0] > ALIKE * np.abs(mean).max())
+    stable = STABLE if whole else "the lower bound is no solid: some strain costs no energy"
+    return Identified(what, mean, float((half / np.diag(mean)).max()), stable, bounds=rows)
+
+
 def identified_lines(found: Identified, thickness: float | None = None) -> list[str]:
     """Table of what the springs are: tensor, moduli and stable steps, with units.
 
     A thickness (m) makes moduli in N/m ones in Pa, of plane stress and of plane strain.
     """
     C, d = found.tensor, AXES_OF[len(found.tensor)]
+    if d == 1:
+        rows = [("EA", f"{C[0, 0]:.9g} N"), *_step_rows(found)]
+        return [*textwrap.wrap(found.what, WIDTH), *align_table(("property", "value"), rows)]
     unit, order = UNIT[d], {2: "xx yy xy", 3: "xx yy zz yz xz xy"}[d].split()
     shown = np.where(np.abs(C) > ROUNDING * np.abs(C).max(), C, 0.0).tolist()
-    digits = {2: 9, 3: 7}[d]
+    digits = 4 if found.bounds else {2: 9, 3: 7}[d]
     values = [[f"{each:.{digits}g}" for each in row] for row in shown]
     head = textwrap.wrap(f"{found.what}: {found.stable}", WIDTH)
     head += [f"C in {unit} (to {found.error:.1g}):"]
     head += align_table(order, values, [True] * len(order))
     if not found.solid:
         return head
-    return [*head, *align_table(("property", "value"), _moduli_rows(found, thickness))]
+    return [*head, *align_table(("property", "value"), moduli_rows(found, thickness))]
 
 
-def _moduli_rows(found: Identified, thickness: float | None) -> list[tuple[str, str]]:
+def moduli_rows(found: Identified, thickness: float | None = None) -> list[tuple[str, str]]:
     """Moduli and stable steps of a solid, as names and texts."""
     C, d = found.tensor, AXES_OF[len(found.tensor)]
-    unit, mean, rows = UNIT[d], isotropic_moduli(found.tensor), []
-    solid = f"E = {mean.E:.9g} {unit}, nu = {mean.nu:.9g}"
+    unit, rows = UNIT[d], []
+    for each in found.bounds:
+        ends = [f"{low:.4g} to {high:.4g}" for low, high in each.moduli.T.tolist()]
+        text = f"E = {ends[0]} {unit}, nu = {ends[1]}, Zener ratio {ends[2]}"
+        rows.append((f"bounds, {each.windows} of {each.points:.0f} points", text))
+    mean, digits = isotropic_moduli(C), 4 if found.bounds else 9
+    nu = mean.nu if abs(mean.nu) > ROUNDING else 0.0
+    solid = f"E = {mean.E:.{digits}g} {unit}, nu = {nu:.{digits}g}"
     if is_same_tensor(C, isotropic_part(C)):
         rows.append(("isotropic", solid))
     else:
-        way = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
-        way = way[np.argsort((way**2).sum(axis=1), kind="stable")]  # of those alike the simplest
-        E = directional_modulus(C, way / np.linalg.norm(way, axis=1)[:, None])
-        for name, end in (("lowest E", E.min()), ("highest E", E.max())):
-            at = np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0))
-            rows.append((name, f"{E[at]:.6g} {unit} along {tuple(way[at].tolist())}"))
+        rows += _directional_rows(C)
         rows.append(("Zener ratio along the axes", f"{mean.zener:.6g}"))
         rows.append(("nearest isotropic", solid))
+    rows += [("auxetic", "widens when it is pulled")] * (nu < 0)
     if d == 2 and thickness is not None:
         t, strain = length_in_metres("thickness", thickness), mean.nu / (1 + mean.nu)
         rows.append(("in plane stress", f"E = {mean.E / t:.6g} Pa, nu = {mean.nu:.6g}"))
         E_strain = mean.E / t * (1 - strain**2)
         rows.append(("in plane strain", f"E = {E_strain:.6g} Pa, nu = {strain:.6g}"))
-    if math.isfinite(found.omega):
-        rows.append(("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"))
-        rows.append(("step", step_words(step_limits(found.omega))))
+    return rows + _step_rows(found)
+
+
+def _directional_rows(C: Array) -> list[tuple[str, str]]:
+    """Lowest and highest modulus, and along axes and diagonals the modulus and Poisson's ratios."""
+    d = AXES_OF[len(C)]
+    lines = np.array([n for n in product(range(8, -9, -1), repeat=d) if math.gcd(*n) == 1])
+    lines = lines[np.argsort((lines**2).sum(axis=1), kind="stable")]  # of equal ones the simplest
+    unit = lines / np.linalg.norm(lines, axis=1)[:, None]
+    E, rows = directional_modulus(C, unit), []
+    for name, end in (("lowest E", E.min()), ("highest E", E.max())):
+        at = np.argmax(np.isclose(E, end, rtol=ALIKE, atol=0))
+        rows.append((name, f"{E[at]:.6g} {UNIT[d]} along {tuple(lines[at].tolist())}"))
+    for line in np.tril(np.ones((d, d), dtype=int)):
+        at = (lines == line).all(axis=1).argmax()
+        across = np.flatnonzero(lines @ line == 0)
+        ratio = np.round(contraction_ratios(C, unit[at], unit[across]), 10) + 0.0
+        ends = dict.fromkeys((int(ratio.argmin()), int(ratio.argmax())))
+        words = [f"{ratio[i]:.6g} along {tuple(lines[across[i]].tolist())}" for i in ends]
+        text = f"E = {E[at]:.6g} {UNIT[d]}, nu = {' to '.join(words)}"
+        rows.append((f"along {tuple(line.tolist())}", text))
     return rows
+
+
+def _step_rows(found: Identified) -> list[tuple[str, str]]:
+    """Highest frequency and stable steps, if masses are known."""
+    if not math.isfinite(found.omega):
+        return []
+    return [
+        ("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"),
+        ("step", step_words(step_limits(found.omega))),
+    ]

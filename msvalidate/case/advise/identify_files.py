@@ -14,28 +14,30 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.advise.identify import Identified, with_cells
+from msvalidate.case.advise.identify import Identified, mass_density, with_bounds, with_cells
 from msvalidate.problem import AXES, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, format_value
 from msvalidate.problem.records import replace
-from msvalidate.springs.constants.homogenise import Homogenised, homogenise_network
+from msvalidate.springs.constants.bounds import point_simplices, tensor_bounds
+from msvalidate.springs.constants.homogenise import NO_SPRING, homogenise_network
 from msvalidate.springs.constants.stiffness import ALIKE
 from msvalidate.springs.dynamics.spectrum import highest_frequency
 from msvalidate.springs.lattice.ties import level_numbers
-from msvalidate.springs.network import spring_network
+from msvalidate.springs.network import Network, spring_network
 from msvalidate.springs.network.checks import refuse_first_bad
 from msvalidate.springs.network.laws.volumes import Volumes
 
 SAME = 1e-4
 """Of the shortest spring, and of the stiffest, by which places and stiffnesses are one: files of
 five digits will do."""
-IRREGULAR = (
-    "springs: nothing repeats between points inside, and an irregular finite piece has no tensor "
-    "of its own; give a larger piece, or a periodic sample and its --period"
-)
 
 
-def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Identified:
+def identify_files(
+    springs: Path,
+    period: tuple[float, ...] | None = None,
+    density: float | None = None,
+    thickness: float | None = None,
+) -> Identified:
     """The solid of a network in a springs.csv, with points.csv beside it, and cells.csv if there.
 
     Columns as `case run` leaves them: i, j, stiffness (N/m), if there rest_length (m); id, x, y, z
@@ -45,7 +47,11 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
     ----------
     period
         Edges (m) of a periodic sample: springs run to the nearest image, or to the one that columns
-        image_x and so on count. None takes the points for a finite piece of what repeats.
+        image_x and so on count. None takes the points for a finite piece: where a cell repeats,
+        the tensor is that of the endless lattice, else it is known by bounds. Points on a line are
+        a chain, whose stiffness is EA (N).
+    density, thickness
+        kg/m³ and m of points without a column of masses; see `mass_density`.
 
     Raises
     ------
@@ -53,10 +59,9 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
         If a file is not there or holds something else, or the piece has no tensor of its own.
     """
     name, table = springs.name, _table(springs, ("i", "j", "stiffness"))
-    points = _table(springs.with_name("points.csv"), ("x", "y"))
+    points = _table(springs.with_name("points.csv"), ("x",))
     axes = [axis for axis in AXES if axis in points]
-    x = finite_coordinates("points.csv: coordinates", points[axes].to_numpy())
-    x = x if np.ptp(x[:, -1]) else x[:, :2]
+    x = _own_axes(finite_coordinates("points.csv: coordinates", points[axes].to_numpy()))
     ids = pd.Index(points.get("id", pd.RangeIndex(len(x))))
     if not ids.is_unique:
         twice = format_value(ids[ids.duplicated()][0])
@@ -64,7 +69,6 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
     pairs = _rows_of(name, table[["i", "j"]], ids)
     k = finite(f"{name}: stiffness", table["stiffness"].to_numpy())
     refuse_first_bad(f"{name}: stiffness", k, k < 0, "N/m; give 0 or more")
-    mass = finite("points.csv: mass", points["mass"].to_numpy()) if "mass" in points else None
     alone = pairs[:, 0] == pairs[:, 1]
     if alone.any() and period is None:
         row = int(alone.argmax()) + 1
@@ -72,13 +76,15 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
     vectors = x[pairs[:, 1]] - x[pairs[:, 0]]
     if period is not None:
         vectors = _across(name, vectors, period, np.ptp(x, axis=0), table)
+    length = np.linalg.norm(vectors, axis=1)
+    refuse_first_bad(f"{name}: length", length, length == 0, "m; leave that spring out")
     if "rest_length" in table:
         rest = finite(f"{name}: rest_length", table["rest_length"].to_numpy())
-        length = np.linalg.norm(vectors, axis=1)
         remedy = "m is not the distance; give points at rest, and image_x .. of periodic springs"
         bad = np.abs(length - rest) > SAME * length
         refuse_first_bad(f"{name}: rest_length", rest, bad, remedy)
     cells = springs.with_name("cells.csv")
+    mass, note = _masses(points, x, float(length.mean()), density, thickness, period)
     if period is not None:
         if cells.exists():
             raise ProblemError("cells.csv: a periodic sample is of springs alone; move it away")
@@ -88,15 +94,82 @@ def identify_files(springs: Path, period: tuple[float, ...] | None = None) -> Id
             return found
         # The sum of norms in a point's row of the dynamical matrix [Gershgorin1931].
         most = 2 * np.bincount(pairs.ravel(), np.repeat(k, 2), len(x)) / mass
-        return replace(found, omega=math.sqrt(most.max()), whose="any wave at most")
-    solid, sites, inside = _repeating_solid(x, pairs, k)
+        return replace(found, omega=math.sqrt(most.max()), whose=f"any wave at most{note}")
+    found, volumes = _piece(name, x, pairs, k, cells, ids)
+    flat = x if x.shape[1] > 1 else np.column_stack([x, np.zeros(len(x))])
+    body = spring_network(flat, pairs, k, mass=1.0 if mass is None else mass, volumes=volumes)
+    if mass is not None:
+        whose = f"this body, nothing held{note}"
+        found = replace(found, omega=highest_frequency(body), whose=whose)
+    return replace(found, network=_with_columns(body, points))
+
+
+def _with_columns(network: Network, points: pd.DataFrame) -> Network:
+    """The network with the supports and forces of a table, where it has their columns."""
+
+    def values(prefix: str) -> Array:
+        columns = [f"{prefix}{axis}" for axis in AXES[: network.dim]]
+        if not set(columns) <= set(points):
+            return np.zeros(network.points.shape)
+        return finite(f"points.csv: {columns[0]} ..", points[columns].to_numpy())
+
+    return replace(
+        network, fixed=values("held_") != 0, displacement=values("move_"), force=values("force_")
+    )
+
+
+def _piece(
+    name: str, x: Array, pairs: Index, k: Array, cells: Path, ids: Any
+) -> tuple[Identified, Volumes | None]:
+    """The solid of a finite piece, and its cells that resist a change of volume."""
+    repeating = _repeating_cell(x, pairs, k)
+    if repeating is None:
+        if cells.exists():
+            raise ProblemError("cells.csv: bounds are of springs alone; move it away")
+        stiff = k > NO_SPRING * k.max()
+        rows = tensor_bounds(x, pairs[stiff], k[stiff])
+        what = f"{name}: nothing repeats between {len(x)} points"
+        if rows[0].idle:
+            what += f", of which {rows[0].idle} without a force in any spring are left out"
+        if rows[0].points + rows[0].idle == len(x) and x.shape[1] > 1:
+            what += ", which are too few for an inside: the bounds are those of the piece"
+        return with_bounds(what, rows), None
+    cell, inside = repeating
     kappa, volumes = _cells(cells, ids, inside, x) if cells.exists() else (0.0, None)
-    what = f"{name}: a cell of {sites} points repeats, inside are {inside.sum()} of {len(x)} points"
-    found = with_cells(what, solid, kappa)
-    if mass is None:
-        return found
-    body = spring_network(x, pairs, k, mass=mass, volumes=volumes)
-    return replace(found, omega=highest_frequency(body), whose="this body, nothing held")
+    what = f"{name}: a cell of {cell[0]} points repeats, inside are {inside.sum()} of {len(x)}"
+    return with_cells(f"{what} points", homogenise_network(*cell), kappa), volumes
+
+
+def _own_axes(x: Array) -> Array:
+    """Points (n, 1) along their line, (n, 2) in the plane z = 0, or as they are."""
+    away = x - x[0]
+    line = away[np.linalg.norm(away, axis=1).argmax()]
+    length = float(np.linalg.norm(line))
+    if length and np.linalg.norm(away - np.outer(away @ line, line) / length**2) <= SAME * length:
+        return np.asarray(away @ line / length)[:, None]
+    return x if np.ptp(x[:, -1]) else x[:, :2]
+
+
+def _masses(
+    points: pd.DataFrame,
+    x: Array,
+    mean_length: float,
+    density: float | None,
+    thickness: float | None,
+    period: tuple[float, ...] | None,
+) -> tuple[Array | None, str]:
+    """Masses (n,) in kg of a table or of a density, None if there are none, and a note."""
+    if "mass" in points:
+        if density is not None:
+            raise ProblemError("--density: points.csv has masses; leave one of them out")
+        return finite("points.csv: mass", points["mass"].to_numpy()), ""
+    per_volume, note = mass_density(x.shape[1], density, thickness)
+    if per_volume is None:
+        return None, ""
+    if period is not None:
+        return np.full(len(x), per_volume * math.prod(period) / len(x)), f", {note}"
+    volume = point_simplices(x, mean_length)[1]  # points apart from the body have the least
+    return per_volume * np.maximum(volume, volume[volume > 0].min()), f", {note}"
 
 
 def _table(path: Path, need: tuple[str, ...]) -> pd.DataFrame:
@@ -157,12 +230,15 @@ def _across(
     return found
 
 
-def _repeating_solid(x: Array, pairs: Index, stiffness: Array) -> tuple[Homogenised, int, Mask]:
-    """The solid of what repeats in a piece, how many points that has, and which (n,) are inside.
+Cell = tuple[int, Index, Array, Array, float]
+"""Arguments of `homogenise_network`."""
+
+
+def _repeating_cell(x: Array, pairs: Index, stiffness: Array) -> tuple[Cell, Mask] | None:
+    """The cell that repeats in a piece, and the points (n,) that are inside; None if nothing does.
 
     Of points (n, d) in m and springs (m, 2) of (m,) N/m. Inside are those with all their springs.
-    Raises `ProblemError` if nothing repeats, the piece is too small to show it, or stiffness
-    changes inside.
+    Raises `ProblemError` if stiffness changes inside.
     """
     n, d = x.shape
     start, end = np.concatenate([pairs, pairs[:, ::-1]]).T  # each spring from both ends
@@ -182,7 +258,7 @@ def _repeating_solid(x: Array, pairs: Index, stiffness: Array) -> tuple[Homogeni
         ):
             basis.append(step)
     if len(basis) < d:
-        raise ProblemError(IRREGULAR)
+        return None
     part = (x - x[0]) @ np.linalg.inv(basis)
     site = _classes(level_numbers((part - np.floor(part + SAME)) @ np.array(basis), room))
     sites = int(site.max()) + 1
@@ -194,13 +270,13 @@ def _repeating_solid(x: Array, pairs: Index, stiffness: Array) -> tuple[Homogeni
     # All springs are among those of the sites, which have them from both ends alike.
     ways, kinds = ((site[start] * sites + site[end]) * len(start) + each for each in (way, kind))
     if not (np.isin(ways, ways[own]).all() and np.isin(kinds[back[own]], kinds[own]).all()):
-        raise ProblemError(IRREGULAR)
+        return None
     complete, by_side = shape == shape[chosen][site], np.zeros(n, dtype=bool)
     by_side[start[~complete[end]]] = True
     if (complete & ~inside & ~by_side).any():
         raise ProblemError("springs: their stiffness changes inside; give those of one material")
     springs, size = np.column_stack([site[start], site[end]])[own], abs(np.linalg.det(basis))
-    return homogenise_network(sites, springs, vectors[own], k[own] / 2, size), sites, inside
+    return (sites, springs, vectors[own], k[own] / 2, size), inside
 
 
 def _classes(rows: Index) -> Index:

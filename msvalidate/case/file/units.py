@@ -15,6 +15,7 @@ LENGTH = {
 }
 PRESSURE = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
 DENSITY = {"kg/m3": 1.0, "kg/m³": 1.0, "g/cm3": 1e3}
+TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 STIFFNESS = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3}
 READABLE = {"mm": {"Pa": ("MPa", 1e6), "J": ("mJ", 1e-3)}}
 """Unit of length of a case -> SI unit -> unit in which a reader of that case expects a quantity."""

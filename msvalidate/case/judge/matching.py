@@ -84,7 +84,7 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
         owner = first[which]
     first, again = np.unique(owner), np.flatnonzero(owner != np.arange(len(places)))
     doubled, apart = places[again], move[again] - move[owner[again]]
-    at, room = places[first], _room(case)
+    at, room = places[first], placement_tolerance(case)
     if known is None:
         inside, at = _into_body(body, at, room, tolerance)
         if inside.mean() < MOSTLY:
@@ -158,7 +158,7 @@ def _first_of_each(places: Array, tolerance: float) -> Index:
     return np.asarray(before[owner])
 
 
-def _room(case: Case) -> float:
+def placement_tolerance(case: Case) -> float:
     """Distance (m) from the body that the file's own rounding explains."""
     size = max(high - low for low, high in case.problem.domain.span)
     return max(case.problem.domain.tolerance, PLACED * size)

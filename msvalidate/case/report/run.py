@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -16,6 +17,7 @@ from msvalidate.case.compare import budget, choice, comparison
 from msvalidate.case.compare.body_advice import body_lines
 from msvalidate.case.file.case import Case
 from msvalidate.case.judge import judgement
+from msvalidate.case.judge.own_network import judge_network, network_record
 from msvalidate.case.judge.results import Result
 from msvalidate.case.report import files, headline, page
 from msvalidate.case.report.figures import Drawn, figures, judged_figures
@@ -73,19 +75,23 @@ def judged_files(
     residual_motion: float | None = None,
     plots: bool = True,
     command: tuple[str, ...] = (),
+    network: Path | None = None,
 ) -> tuple[judgement.Judged, dict[str, bytes]]:
     """What displacements from a file are beside a case's elasticity, and the files that show it.
 
-    Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are.
+    Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are, and of
+    `judge_network` for the folder `network`.
     """
     started = datetime.now(UTC)
     found = judgement.judge_result(case, result, unit=unit, residual_motion=residual_motion)
+    own = {} if network is None else {"network": network_record(judge_network(found, network))}
     tables = judgement.tables(found)
     report_stage("pictures", judgement.STAGES)
     drawn = judged_figures(found, tables["budget"]) if plots else {}
     given = found.matched
     compared = files.compared_file(given.places, "result", given.displacement, found)
     head, said = page.judged_sentences(found)
+    said = (*(each for one in own.values() for each in one["sentences"]), *said)
     verdict = {
         "name": case.name,
         "result": result.name,
@@ -103,6 +109,7 @@ def judged_files(
             **{name: len(getattr(given, name)) for name in ("outside", "doubled", "missing")},
         },
         "notes": given.notes,
+        **own,
     }
     fields = {"compared.vtu": compared}
     causes = tuple(each.said for each in found.verdict.causes)

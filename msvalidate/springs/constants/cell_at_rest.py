@@ -36,9 +36,9 @@ from msvalidate.springs.network.refine import LARGEST_ERROR
 
 DENSE = 300
 """Motions of a cell up to which those without stiffness are counted: dense matrices."""
-MULTIGRID = {2: 200_000, 3: 6_000}
+MULTIGRID = {1: 200_000, 2: 200_000, 3: 6_000}
 """Motions, by axes, above which conjugate gradients take less time than a factor."""
-AFFORDED = {2: 600_000, 3: 15_000}
+AFFORDED = {1: 600_000, 2: 600_000, 3: 15_000}
 """Maximum number of motions for a factor if conjugate gradients fail, by axes.
 
 It takes half a minute.
@@ -157,7 +157,7 @@ def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) 
     return csr_array((value.ravel(), (row.ravel(), column.ravel())), shape=(m, n * d))
 
 
-def _stiffness(B: csr_array, k: Array) -> csr_array:
+def stiffness_of(B: csr_array, k: Array) -> csr_array:
     """Stiffness (f, f) of motions; by roots, so that it is symmetric to the last digit."""
     rows = csr_array(diags_array(np.sqrt(k)) @ B)
     return csr_array(rows.T @ rows)
@@ -253,7 +253,7 @@ def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     """
     if not B.shape[1]:
         return lambda stretch: np.zeros((0, stretch.shape[1])), 0
-    K = _stiffness(B, k).toarray()
+    K = stiffness_of(B, k).toarray()
     with contextlib.suppress(LinAlgError):
         factor = cho_factor(K)
         if dpocon(factor[0], np.abs(K).sum(axis=0).max())[0] > WELL_POSED:
@@ -275,7 +275,7 @@ def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
 
 def _solve_by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     """By a sparse factor of the stiffness."""
-    K = _stiffness(B, k)
+    K = stiffness_of(B, k)
     try:
         factor = factorise(K)
     except SolverError as error:  # no memory
@@ -309,7 +309,7 @@ def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
     unit, least = float(k.max(initial=0.0)), energy_threshold(k)
     if not unit:
         raise SolverError(FLOPPY)
-    A, part = (_stiffness(B, k) / unit).tobsr((dim, dim)), k / unit
+    A, part = (stiffness_of(B, k) / unit).tobsr((dim, dim)), k / unit
     A.sort_indices()
     own = A.diagonal()
 

@@ -66,11 +66,25 @@ def directional_ratio(tensor: Array, angle: float) -> float:
     ProblemError
         If it is no plane tensor, is singular, or the angle is not one finite number.
     """
-    S, turn = _compliance(check_voigt(tensor, 2)), finite_angle("angle", angle)
+    turn = finite_angle("angle", angle)
     c, s = np.cos(turn), np.sin(turn)
-    along, across = voigt_directions(np.array([[c, s], [-s, c]]))
+    ratio = contraction_ratios(check_voigt(tensor, 2), np.array([c, s]), np.array([[-s, c]]))
+    return finite_number("directional ratio", ratio[0])
+
+
+def contraction_ratios(tensor: Array, along: Array, across: Array) -> Array:
+    """Poisson's ratios (q,) of the contraction along unit vectors (q, d), in tension along one.
+
+    Source: as for `directional_ratio`.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, or is singular.
+    """
+    strain = _compliance(check_voigt(tensor)) @ (v := voigt_directions(along[None])[0])
     with np.errstate(all="ignore"):
-        return finite_number("directional ratio", -(across @ S @ along) / (along @ S @ along))
+        return np.asarray(-(voigt_directions(across) @ strain) / (v @ strain))
 
 
 def _compliance(C: Array) -> Array:

@@ -9,6 +9,7 @@ strain nu2 = nu/(1 - nu) and E2 = E·t/(1 - nu²).
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate.springs.lattice import Constants, Pattern
 from msvalidate.springs.lattice.patterns import cubic_tensor
 
+Number = TypeVar("Number", float, Array)
 CAUCHY = {2: 1 / 3, 3: 1 / 4}
 """Number of axes -> Poisson's ratio of affine lattices of central springs.
 
@@ -33,9 +35,9 @@ Cauchy's relation C12 = C66 (C44 in 3D) and isotropy, C11 = C12 + 2·C66 (C44), 
 """
 
 
-AXES_OF = {3: 2, 6: 3}
+AXES_OF = {1: 1, 3: 2, 6: 3}
 """Number of axes, by that of Voigt components."""
-UNIT = {2: "N/m", 3: "Pa"}
+UNIT = {1: "N", 2: "N/m", 3: "Pa"}
 ALIKE = 1e-9
 """Entries of a tensor closer than this fraction of the largest are one, or none."""
 
@@ -58,13 +60,13 @@ class Moduli:
 
 
 def voigt_directions(normals: Array) -> Array:
-    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, d).
+    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, d), along a line (m, 1).
 
     Contracted with engineering strains they give the elongation along n: nᵀεn.
 
     Source: Voigt's notation as in [Nye1957], chapter VIII.
     """
-    first, second = np.array(VOIGT[normals.shape[1]]).T
+    first, second = np.array(VOIGT.get(normals.shape[1], ((0, 0),))).T
     return np.asarray(normals[:, first] * normals[:, second])
 
 
@@ -87,7 +89,7 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     ProblemError
         If an array does not fit, a value is not finite, or a spring has no length.
     """
-    d = finite_coordinates("vectors", vectors, "m", (2, 3))
+    d = finite_coordinates("vectors", vectors, "m", (1, 2, 3))
     k = finite("stiffness", stiffness, len(d))
     length = np.linalg.norm(d, axis=1)
     if not length.all():
@@ -303,21 +305,29 @@ def isotropic_moduli(tensor: Array) -> Moduli:
         raise ProblemError(
             f"moduli: lowest eigenvalue {lowest * largest:g} {UNIT[d]}; some strain costs no energy"
         )
-    bulk, mu = _invariant_moduli(C)
     mean = cubic_part(C)
-    C12 = bulk - 2 * mu / d
-    nu = C12 / ((d - 1) * C12 + 2 * mu)
-    found = (2 * mu * (1 + nu), nu, 2 * mean[-1, -1] / (mean[0, 0] - mean[0, 1]))
+    zener = 2 * mean[-1, -1] / (mean[0, 0] - mean[0, 1])
+    found = (*young_and_ratio(d, *invariant_moduli(C)), zener)
     E, nu, zener = finite("moduli E, nu and zener", found).tolist()
     return Moduli(E=E, nu=nu, zener=zener)
 
 
-def _invariant_moduli(C: Array) -> tuple[float, float]:
+def invariant_moduli(C: Array) -> tuple[float, float]:
     """Bulk and shear modulus, in its unit, of the isotropic tensor nearest to a Voigt tensor."""
     d = AXES_OF[len(C)]
     bulk = C[:d, :d].mean()
     mu = (np.trace(C) + np.trace(C[d:, d:]) - d * bulk) / ((d - 1) * (d + 2))
     return float(bulk), float(mu)
+
+
+def young_and_ratio(dim: int, bulk: Number, mu: Number) -> tuple[Number, Number]:
+    """Young's modulus and Poisson's ratio of d axes from the bulk and shear modulus.
+
+    E grows with each of the two, and the ratio with the first over the second.
+    """
+    C12 = bulk - 2 * mu / dim
+    nu = C12 / ((dim - 1) * C12 + 2 * mu)
+    return 2 * mu * (1 + nu), nu
 
 
 def shear_modulus(material: Material) -> float:
@@ -327,7 +337,7 @@ def shear_modulus(material: Material) -> float:
     """
     if isinstance(material, Isotropic):
         return material.thickness * lame(material.dim, material.E, material.nu)[1]
-    return material.thickness * _invariant_moduli(material.C)[1]
+    return material.thickness * invariant_moduli(material.C)[1]
 
 
 def isotropic_part(tensor: Array) -> Array:

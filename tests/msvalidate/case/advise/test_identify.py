@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.spatial import KDTree
 
 from msvalidate.case.advise.identify import identified_lines, identify_lattice
 from msvalidate.case.advise.identify_files import identify_files
@@ -12,7 +16,10 @@ from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.program import main
 from msvalidate.problem import Box, Isotropic, Problem, Support
 from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.constants.bounds import tensor_bounds
+from msvalidate.springs.constants.homogenise import homogenise_network
 from msvalidate.springs.constants.routes import calibrate_by_route
+from msvalidate.springs.constants.stiffness import isotropic_moduli, moduli
 from msvalidate.springs.lattice import boundary_weights, fill, repeat_cell, voronoi
 from tests.registries import AFFINE, LATTICES
 from tests.table import refused
@@ -131,6 +138,65 @@ def test_random_periodic_networks(dim, tmp_path):
     assert np.abs(found.tensor - expected).max() <= 1e-9 * expected.max()
 
 
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(("dim", "count"), [(2, 900), (3, 1331)])
+def test_bounds_of_random_networks_hold_the_tensor_of_the_periodic_one(dim, count, seed):
+    rng = np.random.default_rng(seed)
+    if seed % 2:  # Voronoi facets, constants spread further
+        p = voronoi(count, dim=dim, seed=seed)
+        size, k = np.array(p.size), p.factor * np.exp(0.5 * rng.normal(size=len(p.springs)))
+        x, pairs, vectors = p.points, p.springs, p.vectors
+    else:  # any two points nearer than a reach
+        size = np.full(dim, count ** (1 / dim))
+        x = rng.random((count, dim)) * size
+        pairs = KDTree(x, boxsize=size).query_pairs({2: 2.2, 3: 1.8}[dim], output_type="ndarray")
+        vectors = x[pairs[:, 1]] - x[pairs[:, 0]]
+        vectors, k = vectors - size * np.round(vectors / size), np.ones(len(pairs))
+    whole = homogenise_network(count, pairs, vectors, k, float(np.prod(size))).tensor
+    inner = np.abs(vectors - x[pairs[:, 1]] + x[pairs[:, 0]]).max(axis=1) < 1e-9
+    rows = tensor_bounds(x, pairs[inner], k[inner])
+    exact = isotropic_moduli(whole)
+    for row in rows:
+        ordered = np.linalg.eigvalsh(row.upper - row.lower)[0]
+        assert ordered > 0
+        low, high = row.moduli
+        assert np.all(low < [exact.E, exact.nu, exact.zener])
+        assert np.all(high > [exact.E, exact.nu, exact.zener])
+    # Larger windows are the union of smaller ones: the theorem of partition for the upper bound.
+    for large, small in pairwise(rows):
+        assert np.linalg.eigvalsh(small.upper - large.upper)[0] > -1e-2 * whole.max()
+        assert np.ptp(large.moduli[:, 0]) < np.ptp(small.moduli[:, 0])
+    assert dim == 3 or len(rows) > 1
+
+
+def test_a_chain_has_its_axial_stiffness(tmp_path):
+    # Bonds to three neighbours of constant c/distance: EA = 2E/(A·δ²) summed is c·h·(1 + 2 + 3).
+    at, axis = SPACING * np.arange(30.0), np.array([0.6, 0.0, 0.8])
+    pairs = np.array([(i, i + r) for r in (1, 2, 3) for i in range(30 - r)])
+    k = 2.0 / np.subtract(*at[pairs].T[::-1])
+    files = written(tmp_path, np.outer(at, axis), pairs, k, mass=np.ones(30))
+    found = identify_files(files)
+    assert found.tensor[0, 0] == pytest.approx(2.0 * 6, rel=1e-9)
+    assert "EA" in identified_lines(found)[-3]
+    assert math.isfinite(found.omega)
+    uneven = np.cumsum(1 + np.random.default_rng(0).random(20))
+    pairs, k = np.column_stack([np.arange(19), np.arange(1, 20)]), np.linspace(1, 3, 19)
+    found = identify_files(written(tmp_path, uneven[:, None], pairs, k))
+    assert found.tensor[0, 0] == pytest.approx(np.ptp(uneven) / (1 / k).sum(), rel=1e-9)
+    with refused("--density: a chain has no volume"):
+        identify_files(tmp_path / "springs.csv", density=1000.0)
+
+
+def test_peridynamic_bonds_are_a_solid(tmp_path):
+    # 28 neighbours within 3.015 spacings, c/length with c = 9E/(πδ³), every bond to both points.
+    x = np.array([(i, j) for i in range(21) for j in range(21)], dtype=float)
+    pairs = KDTree(x).query_pairs(3.015, output_type="ndarray")
+    assert np.bincount(pairs.ravel()).max() == 28
+    k = 9 / (np.pi * 3.015**3) / np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
+    found = moduli(identify_files(written(tmp_path, x, pairs, k)).tensor)
+    assert [found.E, found.nu, found.zener] == pytest.approx([1.0486, 0.318, 0.934], abs=6e-4)
+
+
 def test_known_mistakes_are_listed_in_each_state():
     for name, states in (("square", ("plane_stress", "plane_strain")), ("cubic18", ("solid",))):
         for state in states:
@@ -172,11 +238,19 @@ def test_other_classes_are_refused(tmp_path):
             identify_files(files)
     with refused("period: shape (3,); the points have 2 axes"):
         identify_files(written(tmp_path, body.points, body.springs, k), (1.0, 1.0, 1.0))
-    with refused("points.csv: no y; give a table with columns x, y"):
+    with refused("springs.csv: length: 0 at index 72 m; leave that spring out"):
         identify_files(written(tmp_path, body.points[:, :1], body.springs, k))
     shaken = body.points + 0.1 * SPACING * rng.normal(size=body.points.shape)
-    with refused("an irregular finite piece has no tensor"):
-        identify_files(written(tmp_path, shaken, body.springs, k))
+    files = written(tmp_path, shaken, body.springs, k)
+    assert identify_files(files).bounds[0].points < len(shaken)
+    few, inside = piece("square", 2)
+    shaken = few.points + 0.1 * SPACING * rng.normal(size=few.points.shape)
+    assert (
+        "too few for an inside"
+        in identify_files(written(tmp_path, shaken, few.springs, inside)).what
+    )
+    with refused("give a larger piece, or a periodic sample and its --period"):
+        identify_files(written(tmp_path, shaken[:4], np.array([(0, 1), (1, 3)]), inside[:2]))
     right = (body.points[body.springs, 0] > 4 * SPACING).all(axis=1)
     with refused("stiffness changes inside; give those of one material"):
         identify_files(written(tmp_path, body.points, body.springs, np.where(right, k / 2, k)))

@@ -16,6 +16,7 @@ import pytest
 from msvalidate.case.file.case import Case
 from msvalidate.case.judge.judgement import budget, judge_result
 from msvalidate.case.judge.mistake_fields import Catalogue
+from msvalidate.case.judge.own_network import judge_network, network_record
 from msvalidate.case.judge.results import read_result
 from msvalidate.case.report.page import judged_sentences
 from msvalidate.cli.simulators import _result as simulated
@@ -30,6 +31,9 @@ from msvalidate.problem import (
 )
 from msvalidate.simulators.exchange.export import export_case, on_mesh
 from msvalidate.simulators.exchange.protocol import Answer
+from msvalidate.springs.bodies.lattice_network import lattice_network
+from msvalidate.springs.lattice import square
+from msvalidate.springs.statics.equilibrium import equilibrium
 from msvalidate_check import causes
 from msvalidate_check.beside import Mistake
 from reference_fem import box_discretisation, solve_problem
@@ -361,3 +365,31 @@ def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
         read_result(tmp_path / "a.npz", 2)
     assert tracemalloc.get_traced_memory()[1] < 1e7
     tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("stiffer", "factor", "columns", "kinds"),
+    [
+        (1.0, 1.0, True, ["equilibrium", "same solid"]),
+        (1.0, 0.8, True, ["not equilibrium", "same solid"]),
+        (1.5, 1.0, True, ["equilibrium", "another solid"]),
+        (1.5, 1.0, False, ["no equilibrium", "another solid"]),
+    ],
+)
+def test_a_network_is_told_from_its_solver(tmp_path, stiffer, factor, columns, kinds):
+    asked = replace(problem(), material=Isotropic(1e5, 1 / 3))
+    network = lattice_network(asked, square(BEAM, (16, 8)))
+    network = replace(network, stiffness=stiffer * network.stiffness)
+    named = {"": network.points}
+    if columns:
+        named |= {"held_": network.fixed.astype(int), "force_": network.force}
+    axes = {f"{name}{a}": each[:, i] for name, each in named.items() for i, a in enumerate("xy")}
+    pd.DataFrame(axes).to_csv(tmp_path / "points.csv")
+    ends = dict(zip("ij", network.springs.T, strict=True)) | {"stiffness": network.stiffness}
+    pd.DataFrame(ends).to_csv(tmp_path / "springs.csv")
+    found = judged(tmp_path, network.points, factor * equilibrium(network).displacement, asked)
+    own = judge_network(found, tmp_path)
+    assert list(own.kinds) == ["identified", *kinds]
+    assert own.solid_difference == pytest.approx(1 - 1 / stiffer, abs=1e-6)
+    record = network_record(own)
+    assert f"E = {1e5 * stiffer:g} N/m" in " ".join(record["sentences"])
