@@ -9,7 +9,7 @@ import pandas as pd
 from msvalidate.bench.judging.columns import column_key
 from msvalidate.bench.judging.evidence import Evidence
 from msvalidate.bench.judging.summary import NAME, RELATIVE
-from msvalidate_check.text import align_table, percent
+from msvalidate_check.text import align_table, number_text, percent
 from msvalidate_check.verdict import AGREES
 
 
@@ -70,9 +70,7 @@ def _text(name: str, value: object) -> str:
     if not _is_number(value):
         return str(value)
     number = float(str(value))
-    if name in RELATIVE:
-        return percent(number)
-    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.4g}"
+    return percent(number) if name in RELATIVE else number_text(number)
 
 
 def _is_number(value: object) -> bool:

@@ -38,6 +38,7 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.cells import surface_facets
+from msvalidate_check.text import number_text
 from reference_fem.body import Solution
 from reference_fem.converged import Reference
 
@@ -47,6 +48,8 @@ SHARP = math.cos(0.5)
 """Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
 less."""
 EDGE = "#666666"
+MAX_ARROWS = 12
+"""Arrows of all loads in a picture."""
 
 
 def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> Drawn:
@@ -63,7 +66,7 @@ def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> 
         "The body is drawn with its supports and its loads.",
         partial(draw_body, found),
     )
-    words = "Deformed springs are drawn over the deformed elements, both enlarged alike."
+    words = "Deformed springs with supports and loads lie over deformed elements, enlarged alike."
     drawn["field"] = (words, partial(draw_fields, found))
     words = "The difference of springs and elasticity depends on the spacing."
     drawn["spacing"] = (words, partial(draw_spacing, found, lattices))
@@ -220,7 +223,8 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
             at = np.array([load.at])
         elif isinstance(load, Traction):
             at = x[load.region.select(x, problem.domain.tolerance)]
-        at = at[:: max(1, -(-len(at) // MOST_ARROWS))]
+        at = _spread(at, 1.3 * ARROW * float(np.ptp(x, axis=0).max()))
+        at = at[: max(1, MAX_ARROWS // len(problem.loads))]
         (name,) = (each for each in ("traction", "force", "acceleration") if hasattr(load, each))
         both = np.hstack([at, vectors_at(name, getattr(load, name), at)])
         groups.setdefault(type(load), []).append(both)
@@ -229,6 +233,15 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
         both[:, d:] /= np.linalg.norm(both[:, d:], axis=1).max() or 1.0
     arrows = np.concatenate(drawn)
     return arrows[:, :d], arrows[:, d:]
+
+
+def _spread(points: Array, gap: float) -> Array:
+    """Those of points (p, d) in m that lie farther than a gap (m) from the ones before them."""
+    rest, chosen = points, [points[:0]]
+    while len(rest):
+        chosen.append(rest[:1])
+        rest = rest[np.linalg.norm(rest - rest[0], axis=1) > gap]
+    return np.concatenate(chosen)
 
 
 def draw_fields(found: Comparison) -> Figure:
@@ -242,19 +255,22 @@ def draw_fields(found: Comparison) -> Figure:
     times = SHOWN * size / most
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
-    figure, axis = body_axes(np.concatenate([moved, springs, x]), 0.02 * size)
+    figure, axis = body_axes(np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
     elements = "elements" if found.reference.large is None else "elements, to first order"
-    _draw_edges(axis, moved, solution, COLOURS[1], elements)
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
     if x.shape[1] == 2:
-        style |= {"color": COLOURS[4], "lw": 0.35, "alpha": 0.7}
+        style |= {"color": COLOURS[0], "lw": min(0.8, 30 / len(springs) ** 0.5)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
         axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
         shown = moved[_flat(solution.body.surface)][..., UPWARDS]
         axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
-    _draw_edges(axis, x, solution, "#999999", "at rest", "--")
-    axis.set_title(f"displacements {times:.3g} times as large", loc="left")
+    _draw_edges(axis, moved, solution, COLOURS[1], elements)
+    _draw_edges(axis, x, solution, EDGE, "at rest", "--")
+    at, arrow = _arrows(found)
+    loads = at + times * found.reference.finest.at(at), arrow, ARROW * size
+    draw_supports_and_loads(axis, springs, found.springs[0].network.fixed, *loads)
+    axis.set_title(f"displacements {number_text(times, 3)} times as large", loc="left")
     _legend_below(axis, x, 3)
     return figure
 

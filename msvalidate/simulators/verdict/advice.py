@@ -7,11 +7,12 @@ from functools import reduce
 
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.gate.rows import AGAIN, FREE_FALL, LENGTH, STEP
-from msvalidate.simulators.probe.reading import SHOWN
+from msvalidate.simulators.probe.reading import BAND, SHOWN
 from msvalidate.simulators.verdict.causes import CAUSE, NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
+from msvalidate_check.text import percent
 from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 CONVERGED_BY = {"iterations": (LENGTH, STEP), "steps": (LENGTH,), "dt": (STEP,)}
@@ -22,6 +23,16 @@ HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", AG
 
 def _advice(kind: str, **values: object) -> Cause:
     return Cause(kind, of=phrase(kind, **values))
+
+
+def mesh_errors(found: Judgement) -> dict[str, str]:
+    """Body with the largest error by its mesh alone, and its errors; empty if none matters."""
+    coarse = max(found.bodies, key=lambda row: row.error, default=None)
+    if found.word != AGREES or coarse is None or coarse.error <= BAND:
+        return {}
+    fine = next(row for row in reversed(found.bodies) if row.case == coarse.case)
+    body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
+    return {"body": body, "coarse": percent(coarse.error), "fine": percent(fine.error)}
 
 
 def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Cause:
@@ -36,9 +47,16 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
     if "units" in kinds:
         return _advice("give units")
     if found.word == AGREES:
-        rest = " --only ".join(part for part in PARTS if part not in parts)
-        return _advice("ask the rest", rest=rest) if rest else _advice("own body")
+        return _after_agreement(found, parts)
     return _of_cause(found) if found.word == CAUSE else _of_rest(found)
+
+
+def _after_agreement(found: Judgement, parts: Collection[str]) -> Cause:
+    """A finer mesh if it matters, else the parts that were left out, else a body of the user."""
+    if errors := mesh_errors(found):
+        return _advice("refine", **errors)
+    rest = " --only ".join(part for part in PARTS if part not in parts)
+    return _advice("ask the rest", rest=rest) if rest else _advice("own body")
 
 
 def _at_gate(found: Judgement, asked: Asked) -> Cause:
