@@ -14,7 +14,7 @@ MANY = 10.0
 
 
 def number_text(value: float, digits: int = 4) -> str:
-    """Number with some significant digits; a whole one in groups of three from 1,000 to a million.
+    """Number with significant digits; thousands as whole numbers in groups.
 
     Examples
     --------

@@ -30,9 +30,10 @@ def mesh_errors(found: Judgement) -> dict[str, str]:
     coarse = max(found.bodies, key=lambda row: row.error, default=None)
     if found.word != AGREES or coarse is None or coarse.error <= BAND:
         return {}
-    fine = next(row for row in reversed(found.bodies) if row.case == coarse.case)
     body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
-    return {"body": body, "coarse": percent(coarse.error), "fine": percent(fine.error)}
+    rows = [row for row in found.bodies if row.case == coarse.case]
+    errors = ", ".join(f"{percent(row.error)} on {row.mesh}" for row in rows)
+    return {"body": body, "coarse": percent(coarse.error), "errors": errors}
 
 
 def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Cause:
