@@ -12,6 +12,7 @@ from msvalidate.bench.judging.summary import TOLERANCE
 from msvalidate.bench.output.baseline import baseline_folder
 from msvalidate.bench.output.results import FULL
 from msvalidate.bench.output.stored import Stored, read_csv
+from msvalidate.bench.output.summary import is_number
 from msvalidate_check.text import percent as text_of_part
 from msvalidate_check.verdict import AGREES, DIFFERS
 
@@ -143,7 +144,7 @@ def _measured(number: str, unit: str, side: str, bound: str, measure: str) -> st
 
     Rounding differs between machines.
     """
-    if not _is_number(number):
+    if not is_number(number):
         return ""
     value = "0" if abs(float(number)) < ROUNDING else f"{float(number):.3g}"
     return f"{value}{'' if unit == '1' else ' ' + unit}: {measure} ({side} {float(bound):g})"
@@ -193,7 +194,7 @@ def _line(row: Mapping[Hashable, str]) -> Line:
 
 def axis_place(error: str) -> float:
     """Place of an error on the chart's logarithmic axis, in per cent of the axis; NaN of words."""
-    if not _is_number(error):
+    if not is_number(error):
         return math.nan
     low, high = map(math.log10, AXIS)
     part = (math.log10(max(float(error), AXIS[0])) - low) / (high - low)
@@ -213,21 +214,11 @@ def chart_sentence(lines: Sequence[Line]) -> str:
 
 def _with_uncertainty(error: str, uncertainty: str) -> str:
     """An error, and the reference's own where that is a tenth of it or more."""
-    known = (
-        _is_number(error) and _is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
-    )
+    known = is_number(error) and is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
     own = text_of_part(float(uncertainty), floor=0.0) if known else ""
     return f"{100 * float(error):.2g} ± {own}" if known else percent(error)
 
 
 def percent(text: str) -> str:
     """A share in per cent with two digits."""
-    return text_of_part(float(text)) if _is_number(text) else text
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return text_of_part(float(text)) if is_number(text) else text

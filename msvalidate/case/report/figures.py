@@ -62,10 +62,6 @@ def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> 
     if growth is not None:
         words = "These springs broke as the loads were raised."
         drawn["breaks"] = (words, partial(draw_breaks, growth))
-    drawn["body"] = (
-        "The body is drawn with its supports and its loads.",
-        partial(draw_body, found),
-    )
     words = "Deformed springs with supports and loads lie over deformed elements, enlarged alike."
     drawn["field"] = (words, partial(draw_fields, found))
     words = "The difference of springs and elasticity depends on the spacing."
@@ -172,26 +168,6 @@ def draw_pressure(found: Comparison) -> Figure:
     return figure
 
 
-def draw_body(found: Comparison) -> Figure:
-    """The undeformed body: surface, particles, supports, loads."""
-    solution = found.reference.solutions[0]
-    x = solution.body.points
-    size = float(np.ptp(x, axis=0).max())
-    figure, axis = body_axes(x, 1.3 * ARROW * size)
-    _draw_materials(axis, found)
-    _draw_edges(axis, x, solution, EDGE, "body")
-    network = found.springs[0].network
-    if x.shape[1] == 2:
-        style: dict[str, Any] = {"ms": 1.5, "color": "#9aa6b2", "zorder": 1, "rasterized": True}
-        axis.plot(*network.points.T, ".", label="particles", **style)
-    draw_supports_and_loads(axis, network.points, network.fixed, *_arrows(found), ARROW * size)
-    if x.shape[1] == 2:
-        _legend_below(axis, x, 4)
-    else:
-        axis.legend(loc="upper left")
-    return figure
-
-
 def _draw_materials(axis: Axes, found: Comparison) -> None:
     """Cells, in space the sides round them, of each region that is of another material."""
     problem, body = found.case.problem, found.reference.solutions[0].body
@@ -256,6 +232,7 @@ def draw_fields(found: Comparison) -> Figure:
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
     figure, axis = body_axes(np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
+    _draw_materials(axis, found)
     elements = "elements" if found.reference.large is None else "elements, to first order"
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
     if x.shape[1] == 2:

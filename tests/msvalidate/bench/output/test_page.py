@@ -80,11 +80,11 @@ def test_page_of_a_study_that_passed():
     html = page.render_page([stored()])
     text = Read(html).text
     said = (
-        "How long? As long as it is. checks held The one tolerance of 1 study held. A finding. A straight",
+        "How long? As long as it is. checks held The one tolerance of 1 study held. A finding.",
         "theory agreement regression baseline seconds time of run",
         "lines checks held 1 of 1 held none none none 9.6 2026-01-01 00:00 UTC",
         "What failed Nothing failed.",
-        "What is asked, and what is judged checks held 1 of 1 tolerance held, 9.6 s tables tolerances",
+        "What is asked, and what is judged checks held 1 of 1 tolerance held, 9.6 s tables",
         "line 2 rows, 2 columns",
         "x word 0.0 a 1.5 b",
         "x place (m)",

@@ -155,7 +155,9 @@ def test_files_of_other_people_stay(foreign, tmp_path):
 
 def test_a_folder_without_results_is_refused_and_one_with_results_is_not(tmp_path):
     (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
-    with pytest.raises(ProblemError, match="'notes.txt' and no results; name a folder of its own"):
+    with pytest.raises(
+        ProblemError, match=r"'notes\.txt' and no results; name a folder of its own"
+    ):
         report.refuse_unwritable(tmp_path, ["poisson"])
     report.publish({"poisson": files()}, tmp_path)
     report.refuse_unwritable(tmp_path, ["poisson"])
