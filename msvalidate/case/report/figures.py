@@ -33,6 +33,7 @@ from msvalidate.problem import (
     Index,
     Mask,
     PointForce,
+    Problem,
     Traction,
     materials_at,
     vectors_at,
@@ -41,6 +42,7 @@ from msvalidate.problem.cells import surface_facets
 from msvalidate_check.text import number_text
 from reference_fem.body import Solution
 from reference_fem.converged import Reference
+from reference_fem.mesh.discretisation import Discretisation
 
 Drawn = dict[str, tuple[str, Callable[[], Figure]]]
 """Name of each picture -> its caption, and what draws it."""
@@ -168,16 +170,15 @@ def draw_pressure(found: Comparison) -> Figure:
     return figure
 
 
-def _draw_materials(axis: Axes, found: Comparison) -> None:
-    """Cells, in space the sides round them, of each region that is of another material."""
-    problem, body = found.case.problem, found.reference.solutions[0].body
+def _draw_materials(axis: Axes, problem: Problem, body: Discretisation, at: Array) -> None:
+    """Cells, in space the sides round them, of each region of another material; nodes at (n, d)."""
     corners = body.cells[:, : body.element.corners]
     number = materials_at(problem, body.points[corners].mean(axis=1))
     for zone in np.unique(number[number > 0]).tolist():
         own = corners[number == zone]
         if body.dim == 3:
             own = surface_facets(own, SHAPES[body.element.shape].straight)
-        colour, places = COLOURS[(zone + 1) % len(COLOURS)], body.points[own]
+        colour, places = COLOURS[(zone + 1) % len(COLOURS)], at[own]
         style: dict[str, Any] = {"color": colour, "alpha": 0.35, "lw": 0}
         if body.dim == 2:
             axis.add_collection(PolyCollection(list(places), **style, zorder=0))
@@ -199,7 +200,7 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
             at = np.array([load.at])
         elif isinstance(load, Traction):
             at = x[load.region.select(x, problem.domain.tolerance)]
-        at = _spread(at, 1.3 * ARROW * float(np.ptp(x, axis=0).max()))
+        at = _spread(at, 1.1 * ARROW * float(np.ptp(x, axis=0).max()))
         at = at[: max(1, MAX_ARROWS // len(problem.loads))]
         (name,) = (each for each in ("traction", "force", "acceleration") if hasattr(load, each))
         both = np.hstack([at, vectors_at(name, getattr(load, name), at)])
@@ -232,11 +233,11 @@ def draw_fields(found: Comparison) -> Figure:
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
     figure, axis = body_axes(np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
-    _draw_materials(axis, found)
+    _draw_materials(axis, found.case.problem, solution.body, moved)
     elements = "elements" if found.reference.large is None else "elements, to first order"
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
     if x.shape[1] == 2:
-        style |= {"color": COLOURS[0], "lw": min(0.8, 30 / len(springs) ** 0.5)}
+        style |= {"color": COLOURS[0], "lw": min(0.8, 35 * found.springs[0].spacing / size)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
         axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
