@@ -13,7 +13,7 @@ LOGGER = logging.getLogger("msvalidate.progress")
 
 
 def report_stage(name: str, stages: Sequence[str], running: Sequence[str] = ()) -> None:
-    """Report the stage that begins, one of the stages that a command has, and all that run now."""
+    """Report the stage that begins, and all stages that run now."""
     number, names = stages.index(name) + 1, ", ".join(running or [name])
     LOGGER.info("step %d of %d, %s", number, len(stages), names, extra={"stage": True})
 

@@ -26,7 +26,7 @@ def _advice(kind: str, **values: object) -> Cause:
 
 
 def mesh_errors(found: Judgement) -> dict[str, str]:
-    """Body with the largest error by its mesh alone, and its errors; empty if none matters."""
+    """Errors of the body for which the mesh matters most, or none."""
     coarse = max(found.bodies, key=lambda row: row.error, default=None)
     if found.word != AGREES or coarse is None or coarse.error <= BAND:
         return {}
@@ -53,7 +53,7 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
 
 
 def _after_agreement(found: Judgement, parts: Collection[str]) -> Cause:
-    """A finer mesh if it matters, else the parts that were left out, else a body of the user."""
+    """Recommend a finer mesh, the other parts, or a body of the user."""
     if errors := mesh_errors(found):
         return _advice("refine", **errors)
     rest = " --only ".join(part for part in PARTS if part not in parts)
