@@ -25,13 +25,13 @@ def _advice(kind: str, **values: object) -> Cause:
     return Cause(kind, of=phrase(kind, **values))
 
 
-def mesh_errors(found: Judgement) -> dict[str, str]:
+def mesh_errors(result: Judgement) -> dict[str, str]:
     """Errors of the body for which the mesh matters most, or none."""
-    coarse = max(found.bodies, key=lambda row: row.error, default=None)
-    if found.word != AGREES or coarse is None or coarse.error <= BAND:
+    coarse = max(result.bodies, key=lambda row: row.error, default=None)
+    if result.word != AGREES or coarse is None or coarse.error <= BAND:
         return {}
     body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
-    rows = [row for row in found.bodies if row.case == coarse.case]
+    rows = [row for row in result.bodies if row.case == coarse.case]
     errors = ", ".join(f"{percent(row.error)} on {row.mesh}" for row in rows)
     return {"body": body, "coarse": percent(coarse.error), "errors": errors}
 
@@ -52,9 +52,9 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
     return _of_cause(found) if found.word == CAUSE else _of_rest(found)
 
 
-def _after_agreement(found: Judgement, parts: Collection[str]) -> Cause:
+def _after_agreement(result: Judgement, parts: Collection[str]) -> Cause:
     """Recommend a finer mesh, the other parts, or a body of the user."""
-    if errors := mesh_errors(found):
+    if errors := mesh_errors(result):
         return _advice("refine", **errors)
     rest = " --only ".join(part for part in PARTS if part not in parts)
     return _advice("ask the rest", rest=rest) if rest else _advice("own body")
