@@ -68,7 +68,9 @@ def test_findings_on_stdout_messages_on_stderr(finished):
     assert summary[1].split()[:4] == ["case", "springs", "scikit-fem", "difference"]
     assert len(summary) == 11
     assert max(map(len, summary)) <= 100
-    assert findings[0].startswith("  - The report's k2/(2k1+k2) holds for one isolated cell")
+    assert findings[0].startswith(
+        "  - Claim: The report's formula k2/(2 k1 + k2) fails for k2 = k1/2"
+    )
     assert len(findings) < 10
     assert re.search(r"^poisson: (\d+) of \1 held, \d+\.\d s$", done.stderr, re.MULTILINE)
 
@@ -275,7 +277,7 @@ def test_exit_codes(body, code, message, tmp_path):
     assert message in done.stderr
     assert "Traceback" not in done.stderr
     page = (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
-    assert ("FAIL" if code == 1 else "not finished") in page
+    assert ("checks missed" if code == 1 else "not finished") in page
     assert "/home/someone" not in page
     (row,) = json.loads((tmp_path / "r" / "verdict.json").read_text(encoding="utf-8"))
     assert row["verdict"] == "fail"

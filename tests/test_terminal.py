@@ -73,13 +73,13 @@ def test_a_long_step_repeats_its_line_while_a_library_is_silenced(
     monkeypatch.setattr(progress, "SILENCE", 0.05)
     log = tmp_path / "runs" / "part.log"
     with progress.Progress("part", shown=shown, log=log), silence_library():
-        report_stage("elements", ("springs", "elements"))
+        report_stage("elements", ("springs", "elements"), ("springs", "elements"))
         report_step("mesh %d", 2)
         time.sleep(0.3)
     report_step("nobody listens")
     out, err = capfd.readouterr()
     assert out == ""
-    again = "part: still on: step 2 of 2, elements: mesh 2; 0 s\n"
+    again = "part: still on: step 2 of 2, springs, elements: mesh 2; 0 s\n"
     assert (again in err) == shown
     assert again in log.read_text(encoding="utf-8")
     assert "nobody" not in err + log.read_text(encoding="utf-8")

@@ -13,6 +13,17 @@ MANY = 10.0
 """Part from which a percentage is shown as a factor."""
 
 
+def number_text(value: float, digits: int = 4) -> str:
+    """Number with significant digits; thousands as whole numbers in groups.
+
+    Examples
+    --------
+    >>> number_text(0.33333), number_text(12112.0), number_text(6847.2, 3), number_text(7e10)
+    ('0.3333', '12,112', '6,847', '7e+10')
+    """
+    return f"{value:,.0f}" if 1000 <= abs(value) < 1e6 else f"{value:.{digits}g}"
+
+
 def percent(part: float, floor: float = FLOOR) -> str:
     """Percentage of a part with two digits; "< 0.01 %" below the floor.
 
@@ -34,7 +45,7 @@ def percent(part: float, floor: float = FLOOR) -> str:
     if size < floor:
         return f"< {100 * floor:.2g} %"
     if size >= MANY:
-        return f"{part:.3g} times"
+        return f"{number_text(part, 3)} times"
     return f"{100 * part:.2g} %" if size < 0.995 else f"{100 * part:.0f} %"
 
 

@@ -93,7 +93,7 @@ def _advise(args: argparse.Namespace) -> list[str]:
         record = {"lattices": records, "cannot": cannot, "springs_alone": price}
         return [json.dumps(record, ensure_ascii=False, indent=1)]
     summary = [head, *([price] if price else []), _letters(found[0].material)]
-    summary += constants_lines(found)
+    summary += constants_lines(found, density=" (default)" * (args.density is None))
     summary.append(step_sentence(found, args.step))
     summary += [f"not for this material: {', '.join(cannot)}"] * bool(cannot)
     summary += _engines(args.engine, found[0], notes=args.verbose)

@@ -130,11 +130,13 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
         return Task(name, args, own)
 
     def began(name: str) -> None:
-        report_stage(name, args.studies)
+        running.append(name)
+        report_stage(name, args.studies, running)
         if args.verbose:
             tell(f"{name}: {catalogue.question(name)}")
 
     found: dict[str, Outcome] = {}
+    running: list[str] = []
     late = [name for name in args.studies if catalogue.reads_results(name)]
     for batch in ([name for name in args.studies if name not in late], late):
         tasks = [task(name) for name in batch]
@@ -145,6 +147,9 @@ def _run(args: argparse.Namespace, codes: list[int]) -> list[Outcome]:
         with contextlib.closing(run_tasks(tasks, args.jobs, began)) as outcomes:
             for outcome in outcomes:
                 found[outcome.name] = outcome
+                running.remove(outcome.name)
+                for name in running[-1:]:
+                    report_stage(name, args.studies, running)
                 codes += _told(outcome, args)
     return [found[name] for name in args.studies]
 

@@ -29,8 +29,9 @@ from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.problem.checks import format_value
+from msvalidate.problem.checks import finite_number, format_value
 from msvalidate.problem.progress import report_step
+from msvalidate.simulators.bodies.blocks import RATIOS
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
 from msvalidate.simulators.exchange.export import on_mesh
@@ -167,6 +168,8 @@ def check_adapter(args: argparse.Namespace) -> int:
         gating.refuse_outputs(args, gating.SIMULATORS)
         folder = _folder_of_check(args, name)
         kept = folder and folder.with_name(f"{folder.name}{RUN}")
+        low, high = RATIOS
+        finite_number("--nu", args.ratio, least=low, most=high)
         material = Isotropic(args.modulus, args.ratio, "solid", args.density)
         parts = tuple(args.only or PARTS)
         log = folder and log_path(folder)
@@ -277,8 +280,8 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
 def _known_law(given: str) -> str:
     law = law_named(given)
     if law and law not in LAWS:
-        hint = catalogue.suggestion(law, [*LAWS])
-        raise ProblemError(f"--law {format_value(law)}: not known; see adapter laws; {hint}")
+        hint = catalogue.suggestion(law, [each.key for each in LAWS.values()])
+        raise ProblemError(f"--law {format_value(law)}: not known; {hint}; see adapter laws")
     return law
 
 

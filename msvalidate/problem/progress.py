@@ -12,10 +12,10 @@ LOGGER = logging.getLogger("msvalidate.progress")
 """Records of level INFO; those of a stage have the attribute `stage`."""
 
 
-def report_stage(name: str, stages: Sequence[str]) -> None:
-    """Report the stage that begins, one of the stages that a command has."""
-    number = stages.index(name) + 1
-    LOGGER.info("step %d of %d, %s", number, len(stages), name, extra={"stage": True})
+def report_stage(name: str, stages: Sequence[str], running: Sequence[str] = ()) -> None:
+    """Report the stage that begins, and all stages that run now."""
+    number, names = stages.index(name) + 1, ", ".join(running or [name])
+    LOGGER.info("step %d of %d, %s", number, len(stages), names, extra={"stage": True})
 
 
 def report_step(text: str, *values: object) -> None:

@@ -311,7 +311,7 @@ def press_deep(candidate: Press, part: float) -> dict[str, float]:
 def press_too_deep(
     network: Network, touching: tuple[ContactCandidates, ...], how: str
 ) -> ContactEquilibrium:
-    """Contact whose gaps are .1 % of the depth too small."""
+    """Contact whose gaps are 0.1 % of the depth too small."""
     return solve_contact(network, [replace(one, depth=1.001 * one.depth) for one in touching])
 
 
@@ -357,7 +357,7 @@ def _press_densely(
 
 FAULTS: dict[str, dict[str, object]] = {
     "a contact that also pulls": {"candidate": press_and_pull, "questions": ("small",)},
-    "gaps off by .1 % of the depth": {"candidate": press_too_deep, "questions": ("small",)},
+    "gaps off by 0.1 % of the depth": {"candidate": press_too_deep, "questions": ("small",)},
     "a penalty in place of exact forces": {"candidate": press_by_penalty, "questions": ("small",)},
     "half-width by counting touching points": {"width": counted, "questions": ("line",)},
     "half-plane values for a small block": {"block": (0.0, 0.0), "questions": ("line",)},

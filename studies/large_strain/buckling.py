@@ -117,14 +117,14 @@ def euler(slender: int) -> float:
 
 
 def stiffen_diagonals(slender: int, cells: int) -> tuple[Network, Array]:
-    """A column whose diagonals are .1 % too stiff."""
+    """A column whose diagonals are 0.1 % too stiff."""
     network, share = column(slender, cells)
     stiffer = np.where(network.distance > 1.1 / cells, 1.001, 1.0)
     return replace(network, stiffness=network.stiffness * stiffer), share
 
 
 FAULTS: dict[str, dict[str, object]] = {
-    "columns with diagonals .1 % too stiff": {
+    "columns with diagonals 0.1 % too stiff": {
         "build": stiffen_diagonals, "questions": ("buckling",)
     },
 }  # fmt: skip

@@ -118,7 +118,7 @@ def _lead(rows: pd.DataFrame) -> float:
 
 
 def _change_rest(problem: kit.Problem, network: Network, answer: kit.Answer) -> kit.Array:
-    """Rest lengths of diagonals .1 % off."""
+    """Rest lengths of diagonals 0.1 % off."""
     longer = np.where(network.distance > network.distance.min() * 1.1, 1.001, 1.0)
     other = replace(network, rest_length=network.rest_length * longer)
     return kit.solve_springs(problem, other, answer)
@@ -129,7 +129,7 @@ def _change_law(problem: kit.Problem, network: Network, answer: kit.Answer) -> k
 
 
 FAULTS: dict[str, dict[str, object]] = {
-    "rest lengths of diagonals .1 % off": {
+    "rest lengths of diagonals 0.1 % off": {
         "candidate": _change_rest, "questions": ("stretch",)
     },
     "Green's springs for linear ones": {"candidate": _change_law, "questions": ("stretch",)},

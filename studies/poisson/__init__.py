@@ -1,7 +1,6 @@
 """Poisson's ratio of the square lattice
 
-The report's lattice, square cells with eight neighbours, is claimed to have Poisson's ratio
-k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1.
+Does the report's lattice, square cells with eight neighbours, have Poisson's ratio k2/(2 k1 + k2)?
 
 Recommendation: calculate Poisson's ratio of a square lattice from k2/(k1 + k2), choose k2 = k1/2
 for an isotropic material, and give boundary springs half of the stiffness.

@@ -215,7 +215,7 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     seen = ", ".join(f"{nu:.4f} ({loading})" for loading, nu in report["nu_springs"].items())
     cell, bulk = report["nu_cell_formula"].iloc[0], report["nu_bulk_formula"].iloc[0]
     whose = (
-        "The report's k2/(2k1+k2) holds for one isolated cell, and at each size where shared "
+        f"{_claim(table)} The formula holds for one isolated cell, and at each size where shared "
         "springs count twice (`per_cell`). A lattice of equal springs tends to k2/(k1+k2), with "
         "an error of first order in 1/N; springs shared by cells have it at each size."
     )
@@ -224,6 +224,20 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
         f"the edges is {seen}; its formula says {cell:.4f}, the bulk {bulk:.4f}."
     )
     return whose, block_of_report
+
+
+def _claim(table: pd.DataFrame) -> str:
+    """Verdict on the report's formula on the finest lattice, with the k2 for which it fails."""
+    shown = (table["weights"] == "shared") & (table["cells"] == table["cells"].max())
+    shown &= (table["definition"] == "edges") & (table["loading"] == "slide")
+    rows = table[shown & table["k2"].isin([ratio * K1 for ratio in SUMMARISED])]
+    failed = " and ".join(
+        f"{CONSTANTS[k2 / K1]} ({formula:.3g} instead of {fem:.3g})"
+        for k2, formula, fem in rows[["k2", "nu_cell_formula", "nu_fem"]].to_numpy()
+        if kit.summary_row("", formula, fem)["verdict"] == "differs"
+    )
+    verdict = f"fails for {failed}; k2/(k1 + k2) holds" if failed else "holds"
+    return f"Claim: The report's formula k2/(2 k1 + k2) {verdict}."
 
 
 FIGURE = kit.series(

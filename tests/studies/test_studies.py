@@ -30,7 +30,7 @@ TELLING = {
     "damping": "forces a fiftieth of a step late",
     "displacement": "every spring 0.1 % softer",
     "electrostatics": "half of a segment's force to each end",
-    "large_strain": "rest lengths of diagonals .1 % off",
+    "large_strain": "rest lengths of diagonals 0.1 % off",
     "lattices": "one neighbour direction missing",
     "overview": "energy of volumes left out",
     "poisson": "wrong boundary weights",

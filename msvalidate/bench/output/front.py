@@ -12,8 +12,9 @@ from msvalidate.bench.judging.summary import TOLERANCE
 from msvalidate.bench.output.baseline import baseline_folder
 from msvalidate.bench.output.results import FULL
 from msvalidate.bench.output.stored import Stored, read_csv
+from msvalidate.bench.output.summary import is_number
 from msvalidate_check.text import percent as text_of_part
-from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
+from msvalidate_check.verdict import AGREES, DIFFERS
 
 OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "displacement/emblem.svg"
@@ -39,12 +40,16 @@ COLUMNS = {
         "error_fine",
         "uncertainty_fine",
     ),
-    "cells_over_linear",
 }
 AXIS, TICKS = (1e-4, 1.0), ("0.0001", "0.001", "0.01", "0.1", "1")
 """Ends of the chart's logarithmic axis of relative errors, and its ticks."""
-TIMES = "time_over_linear_here"
-"""A column that the committed baseline does not have."""
+ADVICE = (
+    "Use a square lattice with k2 = k1/2 (in 3D a cubic one with 18 neighbours) and give boundary "
+    "springs half of the stiffness. Poisson's ratio is then 1/3 in plane stress and 1/4 in plane "
+    "strain and 3D; for another ratio add a volume energy to each cell. Use finite elements if a "
+    "wall is one or two cells thick, or if another ratio is needed without a volume energy."
+)
+"""General recommendation; its exceptions are rows of the chart."""
 
 
 @dataclass(frozen=True)
@@ -57,17 +62,10 @@ class Line:
     fine: str
     verdict: str
     condition: str
-    cells: str
-    time: str
     study: str
     table: str
     coarse_at: float = math.nan
     fine_at: float = math.nan
-
-    @property
-    def beside(self) -> str:
-        """The times, in brackets; "" where they were not measured."""
-        return f" ({times(self.time)} the time)" if _is_number(self.time) else ""
 
 
 @dataclass(frozen=True)
@@ -146,25 +144,19 @@ def _measured(number: str, unit: str, side: str, bound: str, measure: str) -> st
 
     Rounding differs between machines.
     """
-    if not _is_number(number):
+    if not is_number(number):
         return ""
     value = "0" if abs(float(number)) < ROUNDING else f"{float(number):.3g}"
     return f"{value}{'' if unit == '1' else ' ' + unit}: {measure} ({side} {float(bound):g})"
 
 
 def _advice(lines: Sequence[Line]) -> str:
-    """The first row, and those that differ, in a few words."""
+    """Recommendation in general terms, with the error of the first row, and what to avoid."""
     if not lines or lines[0].verdict != AGREES:
         return ""
-    best = lines[0]
     avoided = dict.fromkeys(line.springs for line in lines if line.verdict == DIFFERS)
-    cells = f"{times(best.cells)} the cells of linear elements (Q1){best.beside}"
-    cost = f" For 1 % they take {cells}." if _is_number(best.cells) else ""
     never = f" Do not use: {'; '.join(avoided)}." if avoided else ""
-    return (
-        f"For the {best.body}: {best.springs} ({best.condition}), {best.middle} off at 20 cells "
-        f"across.{cost}{never}"
-    )
+    return f"{ADVICE} Expect an error of about {lines[0].middle} with 20 cells across.{never}"
 
 
 def _table(
@@ -197,14 +189,12 @@ def _line(row: Mapping[Hashable, str]) -> Line:
         + f" at {row['across_fine']}",
         coarse_at=axis_place(row["error_coarse"]),
         fine_at=axis_place(row["error_fine"]),
-        cells=row["cells_over_linear"],
-        time=row.get(TIMES, NOT_ASKED),
     )
 
 
 def axis_place(error: str) -> float:
     """Place of an error on the chart's logarithmic axis, in per cent of the axis; NaN of words."""
-    if not _is_number(error):
+    if not is_number(error):
         return math.nan
     low, high = map(math.log10, AXIS)
     part = (math.log10(max(float(error), AXIS[0])) - low) / (high - low)
@@ -224,26 +214,11 @@ def chart_sentence(lines: Sequence[Line]) -> str:
 
 def _with_uncertainty(error: str, uncertainty: str) -> str:
     """An error, and the reference's own where that is a tenth of it or more."""
-    known = (
-        _is_number(error) and _is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
-    )
+    known = is_number(error) and is_number(uncertainty) and float(uncertainty) >= 0.1 * float(error)
     own = text_of_part(float(uncertainty), floor=0.0) if known else ""
     return f"{100 * float(error):.2g} ± {own}" if known else percent(error)
 
 
 def percent(text: str) -> str:
     """A share in per cent with two digits."""
-    return text_of_part(float(text)) if _is_number(text) else text
-
-
-def times(text: str) -> str:
-    """A factor with two digits."""
-    return f"{float(text):.2g} times" if _is_number(text) else text
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return text_of_part(float(text)) if is_number(text) else text

@@ -36,6 +36,8 @@ SUMMARISED = "baseline"
 """Layer of which only failures are listed, since it has every number."""
 EYEBROW = "msvalidate: spring networks compared with elasticity"
 HEADING = "How accurate are mass-spring networks?"
+CLAIM = "Claim: "
+"""Beginning of the finding that the first screen shows as the verdict on a claim."""
 LIST_OF_QUESTIONS = " One question a file:"
 """Introduction of the list of questions in a study's docstring."""
 GLANCED = 3
@@ -162,16 +164,21 @@ def render_page(studies: Sequence[Stored]) -> str:
 
 def _screen_of(study: Section) -> FirstScreen:
     """First screen of the page of one study."""
-    findings = [study.sentence] * bool(study.sentence) + list(study.findings[:GLANCED])
+    verdict, *remarks = [*filter(None, [study.sentence]), *study.findings[:GLANCED], ""]
+    claim = next((each for each in study.findings if each.startswith(CLAIM)), "")
+    checks = overall_verdict([study])[1]
+    if claim:
+        remarks = [f"{checks} {verdict}"]
+        verdict = f"{claim.removeprefix(CLAIM).partition('. ')[0].removesuffix('.')}."
     return FirstScreen(
         " · ".join(filter(None, (EYEBROW, study.origin.get("command", "")))),
         study.title,
         study.status,
-        f"{overall_verdict([study])[1]} {next(iter(findings), '')}",
+        verdict if claim else f"{checks} {verdict}",
         study.advice,
         study.summary,
         study.cover,
-        findings[1:2] if study.summary else findings[1:],
+        remarks[:1] if study.summary else remarks[:-1],
         study.question,
     )
 

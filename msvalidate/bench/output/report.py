@@ -27,6 +27,7 @@ from msvalidate.bench.output.stored import (
     verdict_json,
 )
 from msvalidate.problem import ProblemError
+from msvalidate.problem.checks import format_value
 from msvalidate_check import exchange
 
 PAGES = ("report.html", "verdict.json")
@@ -43,6 +44,7 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
     _refuse_foreign(out, names)
+    _refuse_foreign_folder(out)
     for name in PAGES:
         if (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a folder; name another one")
@@ -50,6 +52,17 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
         if folder.exists() and not folder.is_dir():
             raise ProblemError(f"--out {out}: {folder} is a file; name a folder")
     _refuse_unmakeable(out)
+
+
+def _refuse_foreign_folder(out: Path) -> None:
+    """Raise `ProblemError` for a folder with files, none of which a run wrote."""
+    names = sorted(path.name for path in out.iterdir()) if out.is_dir() and _writable(out) else []
+    others = [name for name in names if not name.startswith(".")]
+    if others and not {*PAGES, *_studies(out)} & {*others}:
+        raise ProblemError(
+            f"--out {out}: holds {format_value(others[0])} and no results; name a folder of its "
+            f"own, such as {out / 'results'}"
+        )
 
 
 def _refuse_unmakeable(out: Path) -> None:

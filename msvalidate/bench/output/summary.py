@@ -9,7 +9,7 @@ import pandas as pd
 from msvalidate.bench.judging.columns import column_key
 from msvalidate.bench.judging.evidence import Evidence
 from msvalidate.bench.judging.summary import NAME, RELATIVE
-from msvalidate_check.text import align_table, percent
+from msvalidate_check.text import align_table, number_text, percent
 from msvalidate_check.verdict import AGREES
 
 
@@ -29,7 +29,7 @@ def summary_texts(
     keys = [column_key(NAME, name, labels) for name in names]
     heads = [labels.get(key, name) for key, name in zip(keys, names, strict=True)]
     columns = [[_text(name, value) for value in table[name]] for name in names]
-    numeric = [any(_is_number(value) for value in table[name]) for name in names]
+    numeric = [any(is_number(value) for value in table[name]) for name in names]
     return heads, [list(row) for row in zip(*columns, strict=True)], numeric
 
 
@@ -52,7 +52,7 @@ def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
     table, labels
         As for `summary_texts`.
     """
-    judged = table[table["difference"].map(_is_number)]
+    judged = table[table["difference"].map(is_number)]
     if judged.empty:
         return ""
     size = judged["difference"].astype(float).abs()
@@ -67,15 +67,14 @@ def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
 
 
 def _text(name: str, value: object) -> str:
-    if not _is_number(value):
+    if not is_number(value):
         return str(value)
     number = float(str(value))
-    if name in RELATIVE:
-        return percent(number)
-    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.4g}"
+    return percent(number) if name in RELATIVE else number_text(number)
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> bool:
+    """Return True if a value is a number or the text of one."""
     try:
         float(str(value))
     except ValueError:

@@ -27,7 +27,7 @@ from msvalidate.springs.dynamics.spectrum import natural_frequencies
 from msvalidate.springs.dynamics.step_limits import SAFETY, stability_limit
 from msvalidate.springs.lattice import Constants, Pattern, fill
 from msvalidate.springs.lattice.patterns import all_patterns
-from msvalidate_check.text import align_table
+from msvalidate_check.text import align_table, number_text
 
 VOLUME = {2: "({λ} - μ)t", 3: "λ - μ"}
 """Axes -> κ of a cell, N/m in the plane or Pa in space. Source: [Golec2020]."""
@@ -242,8 +242,10 @@ def block_frequency(
         ) from error
 
 
-def constants_lines(each: Sequence[Advice], unit: str = "m") -> list[str]:
+def constants_lines(each: Sequence[Advice], unit: str = "m", density: str = "") -> list[str]:
     """Table of springs, a row per lattice or material; `unit` is that of the spacing.
+
+    A density by default is marked by the word `density`.
 
     The step is `SAFETY` of the limit of leapfrog.
     """
@@ -261,12 +263,8 @@ def constants_lines(each: Sequence[Advice], unit: str = "m") -> list[str]:
             label = f"region {number}"
         constants = [f"{kind.constant:.4g}" for kind in one.kinds]
         constants += [""] * (kinds - len(constants)) + [f"{one.volume:.4g}"] * kappa
-        density = one.material.density
-        default = " (default)" if density == Isotropic.density else ""
-        rows.append([
-            label, *constants,
-            f"{one.mass:.4g}", f"{SAFETY * one.limits['leapfrog']:.3g}", f"{density:g}{default}",
-        ])  # fmt: skip
+        mass, step = f"{one.mass:.4g}", f"{SAFETY * one.limits['leapfrog']:.3g}"
+        rows.append([label, *constants, mass, step, number_text(one.material.density) + density])
     return align_table(heads, rows, [False, *[True] * (len(heads) - 1)])
 
 

@@ -15,6 +15,7 @@ from msvalidate.case.compare.quantities import NotCompared, compare_quantities
 from msvalidate.case.compare.validity import Limitation, limit_rows, limitations
 from msvalidate.case.file.case import Case
 from msvalidate.case.file.fracture import MOST_BREAKS, Fracture
+from msvalidate.case.file.units import quantity_text
 from msvalidate.case.springs.large import (
     NonlinearAnswer,
     answer_in_full,
@@ -238,7 +239,11 @@ def compare_case(case: Case) -> Comparison:
     report_stage("elements", STAGES)
     reference = converge_case(case, points)
     if not max_length(reference.displacement.value):
-        raise ProblemError("case: nothing moves the body at these points; give a load")
+        most = quantity_text(
+            float(min(np.ptp(case.problem.domain.span, axis=1))) / 4, "m", case.unit
+        )
+        remedy = f"a smaller spacing, such as {most}" if case.problem.loads else "a load"
+        raise ProblemError(f"case: nothing moves the body at the compared points; give {remedy}")
     homogenised, notes, no_material = _homogenised(case, answers[0], points)
     notes += [f"finer lattices: not compared: {not_compared}"] if not_compared else []
     support = _support(case, answers, homogenised or reference)

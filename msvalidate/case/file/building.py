@@ -193,7 +193,8 @@ def _material(source: Source, domain: Domain, unit: float) -> Isotropic:
         raise source.error(where, "missing; give it in the unit of the body's lengths")
     with source.at("material"):
         thickness = 1.0 if given.thickness is None else unit * given.thickness
-        return Isotropic(given.E, given.nu, state, given.density, thickness)  # type: ignore[arg-type]
+        density = Isotropic.density if given.density is None else given.density
+        return Isotropic(given.E, given.nu, state, density, thickness)  # type: ignore[arg-type]
 
 
 def _zone(
@@ -395,6 +396,8 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
         },
     }
     notes = {"file": source.name, "text": source.text}
+    if data.material.density is None:
+        notes["density"] = f"{Isotropic.density:g} kg/m³ (default)"
     values: dict[str, Any] = {"unit": data.body.unit if isinstance(data.body.unit, str) else "m"}
     for name, own in tables.items():
         with source.at(name):

@@ -51,7 +51,7 @@ class Material(Struct, forbid_unknown_fields=True):
     E: float
     nu: float
     state: str | None = None
-    density: float = 1000.0
+    density: float | None = None
     thickness: float | None = None
     law: str = "st-venant-kirchhoff"
 

@@ -2,6 +2,8 @@
 
 import math
 
+from msvalidate_check.text import number_text
+
 LENGTH = {
     "m": 1.0,
     "km": 1e3,
@@ -59,4 +61,4 @@ def quantity_text(value: float, unit: str, length: str) -> str:
     if not math.isfinite(value):
         return ""
     name, size = user_unit(unit, length)
-    return f"{value / size:.4g} {name}".strip()
+    return f"{number_text(value / size)} {name}".strip()

@@ -33,13 +33,16 @@ from msvalidate.problem import (
     Index,
     Mask,
     PointForce,
+    Problem,
     Traction,
     materials_at,
     vectors_at,
 )
 from msvalidate.problem.cells import surface_facets
+from msvalidate_check.text import number_text
 from reference_fem.body import Solution
 from reference_fem.converged import Reference
+from reference_fem.mesh.discretisation import Discretisation
 
 Drawn = dict[str, tuple[str, Callable[[], Figure]]]
 """Name of each picture -> its caption, and what draws it."""
@@ -47,6 +50,8 @@ SHARP = math.cos(0.5)
 """Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
 less."""
 EDGE = "#666666"
+MAX_ARROWS = 12
+"""Arrows of all loads in a picture."""
 
 
 def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> Drawn:
@@ -59,11 +64,7 @@ def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> 
     if growth is not None:
         words = "These springs broke as the loads were raised."
         drawn["breaks"] = (words, partial(draw_breaks, growth))
-    drawn["body"] = (
-        "The body is drawn with its supports and its loads.",
-        partial(draw_body, found),
-    )
-    words = "Deformed springs are drawn over the deformed elements, both enlarged alike."
+    words = "Deformed springs with supports and loads lie over deformed elements, enlarged alike."
     drawn["field"] = (words, partial(draw_fields, found))
     words = "The difference of springs and elasticity depends on the spacing."
     drawn["spacing"] = (words, partial(draw_spacing, found, lattices))
@@ -169,36 +170,15 @@ def draw_pressure(found: Comparison) -> Figure:
     return figure
 
 
-def draw_body(found: Comparison) -> Figure:
-    """The undeformed body: surface, particles, supports, loads."""
-    solution = found.reference.solutions[0]
-    x = solution.body.points
-    size = float(np.ptp(x, axis=0).max())
-    figure, axis = body_axes(x, 1.3 * ARROW * size)
-    _draw_materials(axis, found)
-    _draw_edges(axis, x, solution, EDGE, "body")
-    network = found.springs[0].network
-    if x.shape[1] == 2:
-        style: dict[str, Any] = {"ms": 1.5, "color": "#9aa6b2", "zorder": 1, "rasterized": True}
-        axis.plot(*network.points.T, ".", label="particles", **style)
-    draw_supports_and_loads(axis, network.points, network.fixed, *_arrows(found), ARROW * size)
-    if x.shape[1] == 2:
-        _legend_below(axis, x, 4)
-    else:
-        axis.legend(loc="upper left")
-    return figure
-
-
-def _draw_materials(axis: Axes, found: Comparison) -> None:
-    """Cells, in space the sides round them, of each region that is of another material."""
-    problem, body = found.case.problem, found.reference.solutions[0].body
+def _draw_materials(axis: Axes, problem: Problem, body: Discretisation, at: Array) -> None:
+    """Cells, in space the sides round them, of each region of another material; nodes at (n, d)."""
     corners = body.cells[:, : body.element.corners]
     number = materials_at(problem, body.points[corners].mean(axis=1))
     for zone in np.unique(number[number > 0]).tolist():
         own = corners[number == zone]
         if body.dim == 3:
             own = surface_facets(own, SHAPES[body.element.shape].straight)
-        colour, places = COLOURS[(zone + 1) % len(COLOURS)], body.points[own]
+        colour, places = COLOURS[(zone + 1) % len(COLOURS)], at[own]
         style: dict[str, Any] = {"color": colour, "alpha": 0.35, "lw": 0}
         if body.dim == 2:
             axis.add_collection(PolyCollection(list(places), **style, zorder=0))
@@ -220,7 +200,8 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
             at = np.array([load.at])
         elif isinstance(load, Traction):
             at = x[load.region.select(x, problem.domain.tolerance)]
-        at = at[:: max(1, -(-len(at) // MOST_ARROWS))]
+        at = _spread(at, 1.1 * ARROW * float(np.ptp(x, axis=0).max()))
+        at = at[: max(1, MAX_ARROWS // len(problem.loads))]
         (name,) = (each for each in ("traction", "force", "acceleration") if hasattr(load, each))
         both = np.hstack([at, vectors_at(name, getattr(load, name), at)])
         groups.setdefault(type(load), []).append(both)
@@ -229,6 +210,15 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
         both[:, d:] /= np.linalg.norm(both[:, d:], axis=1).max() or 1.0
     arrows = np.concatenate(drawn)
     return arrows[:, :d], arrows[:, d:]
+
+
+def _spread(points: Array, gap: float) -> Array:
+    """Those of points (p, d) in m that lie farther than a gap (m) from the ones before them."""
+    rest, chosen = points, [points[:0]]
+    while len(rest):
+        chosen.append(rest[:1])
+        rest = rest[np.linalg.norm(rest - rest[0], axis=1) > gap]
+    return np.concatenate(chosen)
 
 
 def draw_fields(found: Comparison) -> Figure:
@@ -242,19 +232,23 @@ def draw_fields(found: Comparison) -> Figure:
     times = SHOWN * size / most
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
-    figure, axis = body_axes(np.concatenate([moved, springs, x]), 0.02 * size)
+    figure, axis = body_axes(np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
+    _draw_materials(axis, found.case.problem, solution.body, moved)
     elements = "elements" if found.reference.large is None else "elements, to first order"
-    _draw_edges(axis, moved, solution, COLOURS[1], elements)
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
     if x.shape[1] == 2:
-        style |= {"color": COLOURS[4], "lw": 0.35, "alpha": 0.7}
+        style |= {"color": COLOURS[0], "lw": min(0.8, 35 * found.springs[0].spacing / size)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
         axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
         shown = moved[_flat(solution.body.surface)][..., UPWARDS]
         axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
-    _draw_edges(axis, x, solution, "#999999", "at rest", "--")
-    axis.set_title(f"displacements {times:.3g} times as large", loc="left")
+    _draw_edges(axis, moved, solution, COLOURS[1], elements)
+    _draw_edges(axis, x, solution, EDGE, "at rest", "--")
+    at, arrow = _arrows(found)
+    loads = at + times * found.reference.finest.at(at), arrow, ARROW * size
+    draw_supports_and_loads(axis, springs, found.springs[0].network.fixed, *loads)
+    axis.set_title(f"displacements {number_text(times, 3)} times as large", loc="left")
     _legend_below(axis, x, 3)
     return figure
 

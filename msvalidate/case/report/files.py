@@ -20,6 +20,7 @@ from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.figures import show_in_units
 from msvalidate.problem import SHAPES, Array, ProblemError, materials_of_cells
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.progress import report_step
 from msvalidate_check import exchange
 
 MARK = "case.json"
@@ -97,6 +98,7 @@ def picture_files(
     files: dict[str, bytes] = {}
     shown = {}
     for name, (caption, draw) in pictures.items():
+        report_step("%s", name)
         made = draw_files(name, caption, partial(in_units, draw))
         files |= made
         shown[name] = (caption, made[f"{name}.svg"])

@@ -18,7 +18,7 @@ from msvalidate.problem import Array, Problem
 from msvalidate.problem.records import dataclass
 from msvalidate_check.beside import best_scale, longest
 from msvalidate_check.scales import FITS
-from msvalidate_check.text import FLOOR, percent
+from msvalidate_check.text import FLOOR, number_text, percent
 from msvalidate_check.verdict import (
     AGREES,
     DIFFERS,
@@ -132,7 +132,7 @@ def _difference_sentence(
         shape = ", mostly in shape" if misfit > MAIN * difference else ""
         return f"{subject} differ{s} from elasticity by {percent(difference)}{shape}."
     if not 1 / MAX_FACTOR < scale < MAX_FACTOR:
-        return f"{subject} displace{s} {scale:.3g} times as much as elasticity."
+        return f"{subject} displace{s} {number_text(scale, 3)} times as much as elasticity."
     uniform = plural or misfit <= max(FITS * difference, least)
     part = difference if uniform else abs(1 - scale)
     size_words = f"{percent(part)} too {'large' if scale > 1 else 'small'}"

@@ -36,7 +36,7 @@ from msvalidate.problem.normals import is_faceted
 from msvalidate.springs.lattice import CutLattice
 from msvalidate.springs.lattice.cut import narrow_holes
 from msvalidate_check.diagnosis import NOTICED
-from msvalidate_check.text import percent
+from msvalidate_check.text import number_text, percent
 from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
 
@@ -194,13 +194,15 @@ def reference_sentence(reference: Reference) -> str:
     if reference.no_limit:
         return f"Elasticity has no finite answer: {'; '.join(reference.no_limit)}.{about}"
     if not math.isfinite(reference.error):
-        known = f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
+        known = (
+            f"Elasticity's own error is not known: one mesh of {nodes:,} nodes, and no finer one."
+        )
         return known + _more_sentence(reference) + about
     asked_for = percent(reference.accuracy)
     reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"
     known = (
         f"Elasticity is known to {percent(reference.error)} ({reached}): quadratic elements on "
-        f"{len(reference.solutions)} meshes, the finest of {nodes} nodes."
+        f"{len(reference.solutions)} meshes, the finest of {nodes:,} nodes."
     )
     return known + _more_sentence(reference) + about
 
@@ -240,7 +242,7 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
     row, case = found.displacement, found.case
     head = (
         f"Displacements of {found.result.name} are {percent(row.error)} off elasticity at "
-        f"{len(found.matched.places)} points, ± {percent(row.uncertainty)}; the band is "
+        f"{len(found.matched.places):,} points, ± {percent(row.uncertainty)}; the band is "
         f"{percent(case.band)}."
     )
     limits = [each.sentence for each in found.limitations]
@@ -327,7 +329,7 @@ def _law_difference(found: Comparison) -> float:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else ""
+    return number_text(value) if math.isfinite(value) else ""
 
 
 def _text(value: object) -> str:

@@ -37,7 +37,9 @@ def case_lines(found: Comparison, chosen: Choice, verdict: Mapping[str, Any]) ->
         *_quantity_lines(found.case, found.rows, "springs"),
         *_wrapped(verdict["recommendation"]),
         *_need_lines(chosen, found.case.unit),
-        *constants_lines(found.advice, found.case.unit),
+        *constants_lines(
+            found.advice, found.case.unit, " (default)" * ("density" in found.case.notes)
+        ),
     ]
     return lines[: MAX_LINES - 1]
 

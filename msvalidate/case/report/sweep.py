@@ -160,11 +160,9 @@ def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
     result: dict[str, list[Any]] = {}
     for word in words:
         name, is_there, right = word.partition("=")
-        right = BARE.sub(r"\g<1>0.", right)
-        try:
-            values = tomllib.loads(f"values = [{right}]")["values"]
-        except tomllib.TOMLDecodeError:
-            values = [part.strip() for part in right.split(",")]
+        values = _toml_values(right) or [
+            value for part in right.split(",") for value in _toml_values(part) or [part.strip()]
+        ]
         if not (is_there and name and all(name.split(".")) and values and "" not in values):
             said = f"--set {format_value(word)}"
             raise ProblemError(f"{said}: give key=value,value, as springs.cells=8,16,32")
@@ -174,6 +172,14 @@ def read_values(words: Sequence[str]) -> dict[str, list[Any]]:
             raise ProblemError(f"--set {name}: a value comes twice; give each once")
         result[name] = values
     return result
+
+
+def _toml_values(text: str) -> list[Any]:
+    """Values with commas between them, as TOML has them; none if one of them is no such value."""
+    try:
+        return list(tomllib.loads(BARE.sub(r"\g<1>0.", f"values = [{text}]"))["values"])
+    except tomllib.TOMLDecodeError:
+        return []
 
 
 def combinations(files: Sequence[Path], values: Mapping[str, list[Any]]) -> list[Combination]:

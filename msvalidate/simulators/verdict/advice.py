@@ -7,11 +7,12 @@ from functools import reduce
 
 from msvalidate.simulators.exchange.asked import Asked
 from msvalidate.simulators.gate.rows import AGAIN, FREE_FALL, LENGTH, STEP
-from msvalidate.simulators.probe.reading import SHOWN
+from msvalidate.simulators.probe.reading import BAND, SHOWN
 from msvalidate.simulators.verdict.causes import CAUSE, NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate_check.causes import Phrase, phrase
+from msvalidate_check.text import percent
 from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 CONVERGED_BY = {"iterations": (LENGTH, STEP), "steps": (LENGTH,), "dt": (STEP,)}
@@ -22,6 +23,17 @@ HELPED = ("rest stays at rest", FREE_FALL, "small turn", "twice the modulus", AG
 
 def _advice(kind: str, **values: object) -> Cause:
     return Cause(kind, of=phrase(kind, **values))
+
+
+def mesh_errors(result: Judgement) -> dict[str, str]:
+    """Errors of the body for which the mesh matters most, or none."""
+    coarse = max(result.bodies, key=lambda row: row.error, default=None)
+    if result.word != AGREES or coarse is None or coarse.error <= BAND:
+        return {}
+    body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
+    rows = [row for row in result.bodies if row.case == coarse.case]
+    errors = ", ".join(f"{percent(row.error)} on {row.mesh}" for row in rows)
+    return {"body": body, "coarse": percent(coarse.error), "errors": errors}
 
 
 def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Cause:
@@ -36,9 +48,16 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
     if "units" in kinds:
         return _advice("give units")
     if found.word == AGREES or found.is_accepted:
-        rest = " --only ".join(part for part in PARTS if part not in parts)
-        return _advice("ask the rest", rest=rest) if rest else _advice("own body")
+        return _after_agreement(found, parts)
     return _of_cause(found) if found.word == CAUSE else _of_rest(found)
+
+
+def _after_agreement(result: Judgement, parts: Collection[str]) -> Cause:
+    """Recommend a finer mesh, the other parts, or a body of the user."""
+    if errors := mesh_errors(result):
+        return _advice("refine", **errors)
+    rest = " --only ".join(part for part in PARTS if part not in parts)
+    return _advice("ask the rest", rest=rest) if rest else _advice("own body")
 
 
 def _at_gate(found: Judgement, asked: Asked) -> Cause:

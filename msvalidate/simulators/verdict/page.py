@@ -24,7 +24,7 @@ LAW = "law at small strain"
 """Title of the table of moduli and ratios."""
 CAPTIONS = {
     "gate": "Each question was passed, failed, or could not be answered.",
-    "bodies at rest": "Error, and factor of the displacement by each cause; an empty cell is 1.",
+    "bodies at rest": "Error, and factor of the displacement by each cause. tet4_2: tet4 halved.",
     LAW: "Modulus and ratio as requested, as documented, and as measured.",
 }
 """Beginning of a table's title -> its caption."""

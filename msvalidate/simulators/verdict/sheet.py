@@ -10,7 +10,7 @@ from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.rows import LEFT_OUT, LENGTH, PASSED, STEP, GateRow
 from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
-from msvalidate.simulators.verdict.advice import next_step
+from msvalidate.simulators.verdict.advice import mesh_errors, next_step
 from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
@@ -122,10 +122,8 @@ def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> Phrase:
         return phrase("stopped" if found.gate.stops else "nothing", some=some)
     if found.word == AGREES and set(parts) == {"gate"}:
         return phrase("gate alone")
-    coarse = max(found.bodies, key=lambda row: row.error, default=None)
-    if found.word == AGREES and coarse is not None and coarse.error > BAND:
-        body = f"{coarse.body} {'beam' if coarse.body == 'bent' else 'block'}"
-        return phrase("its mesh", percent=100 * coarse.error, body=body, some=some)
+    if errors := mesh_errors(found):
+        return phrase("its mesh", **errors, some=some)
     return phrase("accepted" if found.is_accepted else "state", state=found.word, some=some)
 
 
@@ -228,7 +226,8 @@ def _bodies_table(found: Judgement) -> SheetTable:
         "body", "case", "mesh", "error", "law", "resolution", "mass", "solver", "not explained",
     )  # fmt: skip
     return SheetTable(
-        "bodies at rest: error, and what each cause multiplies the displacement by", columns, rows,
+        "bodies at rest: error, and factor of the displacement by each cause; _2: halved cells",
+        columns, rows,
         tuple(below),
     )  # fmt: skip
 
@@ -239,10 +238,10 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     if f is None:
         return (*head, "", "", "", "", "no law to hold it against")
     parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
-    if not parts[-1] and row.rest > BAND:
+    if parts[-1] == "1" and row.rest > BAND:
         parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
     return (*head, *parts, percent(f.apart))
 
 
 def _factor(part: float) -> str:
-    return "" if round(part, 3) == 1 else f"{part:.4g}"
+    return "1" if round(part, 3) == 1 else f"{part:.4g}"

@@ -21,7 +21,7 @@ The first is taken where it leads to the material, or else the second:
   squares, where k = μ/3, are bilinear ones with one mean J a cell, and edges of triangles and
   tetrahedra by the rule "cotangent" are linear ones (study `large_strain`, question twins). In
   plane stress it is the two-dimensional law of the same small-strain moduli, which at a stretch of
-  1.1 differs from a sheet that thins by .24 %.
+  1.1 differs from a sheet that thins by 0.24 %.
 
 What is said of E, nu and the anisotropy is read off the tensor that the constants make.
 """

@@ -17,6 +17,7 @@ from studies.simulators.judged import ASKED
 from studies.simulators.synthetic import Faulty, clean, synthetic_faults
 
 FAULTS = {**synthetic_faults(), "none": Faulty(clean, "agrees")}
+MESHES = (("", 0.49), ("_2", 0.21))
 LAW = "Saint Venant-Kirchhoff"
 
 
@@ -52,6 +53,14 @@ def test_other_words_change_no_state_cause_or_advice(monkeypatch, fault, law):
     np.testing.assert_equal(after, before)
     assert all(each.startswith("word ") for each in words)
     assert record_of(found)["kinds"] == [kind for kind, _ in before[1]]
+
+
+def test_a_coarse_mesh_is_to_be_refined():
+    rows = [SimpleNamespace(body="bent", case="c", mesh=f"tet4{n}", error=e) for n, e in MESHES]
+    found = SimpleNamespace(word="agrees", bodies=rows, causes=())
+    advice = next_step(found, SimpleNamespace(ended=False, failures=()))
+    errors = "49 % on tet4, 21 % on tet4_2"
+    assert advice.said == f"refine the mesh: the bent beam has an error of {errors}"
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def study(name, tables):
     return stored.Stored(
         name=name,
         question=poisson.__doc__,
-        findings=("The formula of [Hansen1996] holds.",),
+        findings=("Claim: The formula fails. It is of [Hansen1996].",),
         columns={key: str(words) for key, words in columns.items()},
         labels=labels,
         origin={"command": "python -m msvalidate.study poisson"},
@@ -163,6 +163,7 @@ def test_pages_state_what_was_compared(browser, pages):  # noqa: F811
     sentence = r"The field is uniformly (1|0\.9[5-9]|1\.0\d?) % too soft\."
     assert re.search(sentence, texts["judged field"])
     assert "modulus E 0.99" in texts["judged field"]
+    assert re.search(r" The formula fails\.\s+Recommendation", texts["study"])
     open_page(browser, pages["study"], 1280)
     sources = browser.execute_script("return document.querySelector('#sources').innerText")
     assert "Hansen1996" in sources

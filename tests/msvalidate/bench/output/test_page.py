@@ -80,11 +80,11 @@ def test_page_of_a_study_that_passed():
     html = page.render_page([stored()])
     text = Read(html).text
     said = (
-        "How long? As long as it is. pass The one tolerance of 1 study held. A finding. A straight",
+        "How long? As long as it is. checks held The one tolerance of 1 study held. A finding.",
         "theory agreement regression baseline seconds time of run",
-        "lines pass 1 of 1 held none none none 9.6 2026-01-01 00:00 UTC",
+        "lines checks held 1 of 1 held none none none 9.6 2026-01-01 00:00 UTC",
         "What failed Nothing failed.",
-        "What is asked, and what is judged pass 1 of 1 tolerance held, 9.6 s tables tolerances",
+        "What is asked, and what is judged checks held 1 of 1 tolerance held, 9.6 s tables",
         "line 2 rows, 2 columns",
         "x word 0.0 a 1.5 b",
         "x place (m)",
@@ -95,16 +95,16 @@ def test_page_of_a_study_that_passed():
     places = [text.find(piece) for piece in said]
     assert -1 not in places, said[places.index(-1)]
     assert places == sorted(places)
-    assert "FAIL" not in text
+    assert "checks missed" not in text
     assert html.startswith("<!DOCTYPE html>")
 
 
 def test_page_of_a_study_that_failed():
     rows = [judged(), judged("slope", verdict="fail", observed=2.0, unit="1", because="it was 1/2")]
     text = Read(page.render_page([stored(rows=rows), stored("other")])).text
-    assert "FAIL 1 of 3 tolerances missed." in text
-    assert "lines FAIL 1 of 2 held, 1 missed" in text
-    assert "lines FAIL slope 2 0.5 0.5 0.75 1 it was 1/2" in text  # over all
+    assert "checks missed 1 of 3 tolerances missed." in text
+    assert "lines checks missed 1 of 2 held, 1 missed" in text
+    assert "lines missed slope 2 0.5 0.5 0.75 1 it was 1/2" in text  # over all
     assert "slope (theory): observed 2, reference 0.5, error 0.5, limit 0.75, unit 1." in text
     assert text.count("Nothing failed.") == 1  # of the other
 
@@ -133,7 +133,7 @@ def test_page_of_a_study_that_never_finished():
 
 def test_page_of_a_study_that_judged_nothing():
     text = Read(page.render_page([stored(verdict=NOTHING)])).text
-    assert "FAIL Judged nothing: lines." in text
+    assert "checks missed Judged nothing: lines." in text
     assert "What failed lines judged nothing" in text
     assert "Nothing failed" not in text
 

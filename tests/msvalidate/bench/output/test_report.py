@@ -153,6 +153,16 @@ def test_files_of_other_people_stay(foreign, tmp_path):
     assert not list(out.glob(".*"))
 
 
+def test_a_folder_without_results_is_refused_and_one_with_results_is_not(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
+    with pytest.raises(
+        ProblemError, match=r"'notes\.txt' and no results; name a folder of its own"
+    ):
+        report.refuse_unwritable(tmp_path, ["poisson"])
+    report.publish({"poisson": files()}, tmp_path)
+    report.refuse_unwritable(tmp_path, ["poisson"])
+
+
 @pytest.mark.parametrize("foreign", ["notes.txt", "my.csv", "thesis/chapter.txt"])
 def test_files_of_other_people_in_a_studys_folder_are_refused(foreign, tmp_path):
     out = tmp_path / "r"

@@ -277,3 +277,16 @@ def test_examples_are_cases(path):
     case = read_case(path)
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 22
     assert case.problem.supports
+
+
+def test_a_spacing_beyond_the_body_is_refused_with_cells_that_fit(tmp_path):
+    text = f"{GOOD}[springs]\nspacing = 200\n"
+    with pytest.raises(ProblemError, match=r"give cells = 1 \(spacing 1 m\) in its place"):
+        solve_finer(read_case(write(tmp_path, text)))
+    solve_finer(read_case(write(tmp_path, text.replace("spacing = 200", "cells = 1"))))
+
+
+def test_a_density_is_a_default_only_if_the_file_gives_none(tmp_path):
+    assert read_case(write(tmp_path, GOOD)).notes["density"] == "1000 kg/m³ (default)"
+    given = GOOD.replace("nu = 0.3", "nu = 0.3\ndensity = 1000")
+    assert "density" not in read_case(write(tmp_path, given)).notes

@@ -221,10 +221,11 @@ def test_files_of_one_name_have_labels(program, tmp_path):
 
 def test_words_are_values():
     result = sweep.read_values(
-        ["a.b=1,2.5", 'c=["x", "y"],["x"]', "d=linear,nonlinear", "e=-.5,true"]
+        ["a.b=1,2.5", 'c=["x", "y"],["x"]', "d=linear,nonlinear", "e=-.5,true", "f=8,x,.5"]
     )
     assert result == {
         "a.b": [1, 2.5], "c": [["x", "y"], ["x"]], "d": ["linear", "nonlinear"], "e": [-0.5, True],
+        "f": [8, "x", 0.5],
     }  # fmt: skip
     for words in (["a"], ["=1"], ["a="], ["a.=1"], ["a=1", "a=2"], ["a=2,2"]):
         with pytest.raises(ProblemError, match="--set"):
