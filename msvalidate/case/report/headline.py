@@ -197,6 +197,9 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     finer = [each for each in chosen.springs if each.count and each.target <= band]
     if found.kind == OTHER_MATERIAL:
         reason = "the springs differ from elasticity at any spacing"
+    elif len(found.gaps[0]):
+        width = quantity_text(found.gaps[0][0, 2], "m", found.case.unit)
+        reason = f"the springs bridge a gap of {width}, which their cells do not resolve"
     elif any(row.quantity not in FOLLOWS for row in off):
         reason = f"{worst.quantity} differs by {part_text(worst.error, worst.uncertainty)}"
     elif cheaper or not finer or found.kind != COARSE:
