@@ -56,7 +56,7 @@ def _nearest(field: Field, mistakes: Iterable[Mistake]) -> Iterator[Cause]:
                 continue
             left = field.left(field.found / scale, nearest)
             if mistake.kind not in best or left < best[mistake.kind][0].left:
-                cause = _cause(mistake, parameter, 1 / scale, left)
+                cause = _cause(field, mistake, parameter, 1 / scale, left)
                 best[mistake.kind] = cause, mistake
     for cause, mistake in best.values():
         room = AS_WELL * cause.left + AS_GOOD * field.difference
@@ -87,17 +87,25 @@ def _between(candidate: Array, one: Array, other: Array, *, scaled: bool) -> tup
     return (float(last / scale), scale) if scale > 0 else (0.0, 1.0)
 
 
-def _cause(mistake: Mistake, parameter: float, stiffness: float, left: float) -> Cause:
+def _cause(
+    field: Field, mistake: Mistake, parameter: float, stiffness: float, left: float
+) -> Cause:
     """A mistake as a cause, with its fitted numbers."""
     value = stiffness if mistake.scaled and mistake.beside != "scale" else parameter
-    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, mistake.named)
+    length = f"{field.length(parameter)} {field.unit[0]}"
+    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, mistake.named, length)
     if mistake.beside:
         other = phrase(f"and {mistake.beside}", scale=1 / stiffness, part=stiffness)
         of = phrase("mistake and", one=of, other=other)
     return Cause(mistake.kind, value, of, left, mistake.beside)
 
 
-def mistake_phrase(key: str, value: float, at: float, named: Mapping[str, Factor]) -> Phrase:
-    """Sentence of a known mistake, as of a `Mistake`, with its number at a parameter."""
+def mistake_phrase(
+    key: str, value: float, at: float, named: Mapping[str, Factor], length: str = ""
+) -> Phrase:
+    """Sentence of a known mistake, as of a `Mistake`, with its number at a parameter.
+
+    `length` is the parameter as text, if it is a spacing.
+    """
     known = (name for name, factor in named.items() if abs(value / factor(at) - 1) <= AS_NAMED)
-    return phrase(next(known, key), value=value)
+    return phrase(next(known, key), value=value, length=length)

@@ -94,7 +94,7 @@ class Comparison:
     differences
         A row a quantity, by its numbers alone.
     kind
-        Why springs differ, "" where they do not.
+        Why springs differ, "" if they do not to within rounding.
     notes
         What was not found, and why.
     gaps
@@ -255,6 +255,8 @@ def compare_case(case: Case) -> Comparison:
     remarks: tuple[str | NotCompared, ...] = (*notes, *more, *([why] if why else []))
     gaps = tuple(bridged_gaps(each.lattice) for each in answers)
     kind = NOT_TOLD if len(gaps[0]) else _kind_of_error(case, limit, reference)
+    off = max_length(values[0] - reference.displacement.value)
+    kind = kind if off > ROUNDING * max_length(reference.displacement.value) else ""
     given = (answers, support[0], limit, reference, homogenised, rows, kind, remarks, gaps)
     return Comparison(case, points, *given, on_mesh, tuple(missing))
 

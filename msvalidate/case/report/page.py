@@ -45,8 +45,6 @@ PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 PARTS = ("reasons", "springs", "pictures", "tables")
 """Parts of the page; a judged field has no springs."""
-ROUNDING = 1e-9
-"""Difference, over the largest displacement, below which none remains."""
 
 
 def first_screen(
@@ -306,9 +304,9 @@ def _limit_reason(found: Comparison, away: float) -> str:
     unknown = found.limit.uncertainty / found.size + found.reference.error
     if law > max(unknown, 0.5 * away):
         return f": their law at large strain differs from elasticity's by {percent(law)}"
+    if not found.kind:
+        return ": no difference remains on any of these lattices"
     if found.kind == COARSE:
-        if max(away, float(found.relative.max())) <= ROUNDING:
-            return ": no difference remains on any of these lattices"
         spacing = away <= unknown
         return ": what is left is spacing" if spacing else ", which lies within the band"
     if found.kind == OTHER_MATERIAL:

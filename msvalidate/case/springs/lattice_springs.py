@@ -295,7 +295,8 @@ def _offer_cells(case: Case) -> str:
         spacing = spacing_of(other)
         with suppress(ProblemError):
             make_network(other, spacing)
-            return f"; cells = {other.cells} (spacing {spacing:.6g} m) does"
+            size = quantity_text(spacing, "m", case.unit)
+            return f"; cells = {other.cells} (spacing {size}) does"
     return ""
 
 

@@ -67,6 +67,8 @@ class Judgement(Verdict):
         A body at 5 % strain beside elements of its documented law; None where that is not known.
     notes
         What could not be asked, and why.
+    mass
+        Mass of the bodies relative to the requested one, as forces and steps show it together.
     """
 
     asked: Isotropic
@@ -76,6 +78,7 @@ class Judgement(Verdict):
     bodies: tuple[BodyRow, ...] = ()
     large: AtLargeStrain | None = None
     notes: tuple[Note, ...] = ()
+    mass: float = 1.0
 
 
 def judge_simulator(
@@ -149,7 +152,7 @@ def judge_simulator(
     )  # fmt: skip
     return Judgement(
         **vars(verdict), asked=material, predicted=predicted, gate=gated, reading=reading,
-        bodies=rows, large=large, notes=tuple(notes),
+        bodies=rows, large=large, notes=tuple(notes), mass=total,
     )  # fmt: skip
 
 

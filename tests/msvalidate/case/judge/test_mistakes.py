@@ -336,3 +336,11 @@ def test_models_that_are_too_large_are_left_out_and_reported():
     whole = next(each for each in made.mistakes if each.kind == "whole boundary springs")
     assert len(whole.path()) == 2
     assert "Springs at 0.05 m are not tried: more than 3,000 unknowns." in made.omitted
+
+
+def test_lengths_of_causes_are_in_the_unit_of_the_case(monkeypatch):
+    b = bench("millimetres")
+    found = judged(monkeypatch, b, MISTAKES["coarse quadrilaterals"](b))
+    (mesh,) = (each for each in found.verdict.causes if each.kind == "coarse mesh")
+    assert f"about {1e3 * mesh.value:.3g} mm:" in mesh.said
+    assert not [each for each in judged_sentences(found)[1] if " m:" in each or " m " in each]
