@@ -36,13 +36,15 @@ PHRASES = {
     "whole boundary springs": "springs on the boundary count whole: give those in a side half their"
     " constant, in an edge of a solid a quarter",
     "and whole boundary springs": "springs on the boundary count whole",
+    "and unit of k": "and {unit}",
     "and scale": "and a modulus {part:.4g} or loads {scale:.4g} times as large besides",
     "k2 = 2 k1": "k2 = 2 k1, k1 {value:.4g} times the right one: each kind of spring has its own "
     "constant",
-    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): each kind has its "
-    "own constant",
-    "k = E h": "k = E·h (in 2D E·t) on every spring: each kind has its own constant",
-    "k = E": "k = E, a number of Pa taken as N/m, on every spring: each kind has its own constant",
+    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): take the constants "
+    "that `advise` reports",
+    "k = E h": "k = E·h (in 2D E·t) on every spring: take the constants that `advise` reports",
+    "k = E": "k = E, a number of Pa taken as N/m, on every spring: take the constants that "
+    "`advise` reports",
     "axes alone": "springs along the axes alone, {value:.4g} times E·h (in 2D E·t): no diagonals "
     "resist shear",
     "equal masses": "equal masses at all points: give each the share of the cells around it",

@@ -76,10 +76,7 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
     """Units of length and of stiffness, and a modulus or load off besides."""
     named = [("unit", many, phrase("named", name=name)) for name, many in UNITS.items()]
     if field.driven in {"loads", "weight"}:
-        named += [
-            ("unit of k", 1 / factor, phrase("of stiffness", part=factor, units=units))
-            for factor, units in STIFFNESS_UNITS.items()
-        ]
+        named += [("unit of k", 1 / factor, _stiffness(factor)) for factor in STIFFNESS_UNITS]
     for kind, many, unit in named:
         apart = max(scale / many, many / scale)
         powers = abs(math.log10(many))
@@ -91,6 +88,16 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
         elif powers >= 1:  # any number is near some unit that is close to 1
             besides = phrase("unit besides", unit=unit, times=scale / many)
             yield Times(kind, many, scale, besides, left)
+
+
+def _stiffness(factor: float) -> Phrase:
+    return phrase("of stiffness", part=factor, units=STIFFNESS_UNITS[factor])
+
+
+def stiffness_unit(part: float) -> Phrase | None:
+    """Units of stiffness whose confusion makes it so many times as large; None if none does."""
+    near = (f for f in STIFFNESS_UNITS if abs(math.log(part / f)) <= math.log(NEAR_UNIT))
+    return next(map(_stiffness, near), None)
 
 
 def explain_scale(field: Field) -> Iterator[Cause]:
