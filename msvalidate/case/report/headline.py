@@ -228,6 +228,9 @@ def recommend_for_field(found: Judged) -> str:
         return f"No change is needed within the band of {percent(found.case.band)}."
     causes = found.verdict.causes
     if causes and found.verdict.fits(causes[0]):
-        return f"Check the most likely cause first: {causes[0]}"
+        room = causes[0].left + found.displacement.uncertainty
+        also = dict.fromkeys(each.name for each in causes[1:] if each.left <= room)
+        more = f" As likely: {', '.join(also)}." if also else ""
+        return f"Check the most likely cause first: {causes[0]}{more}"
     near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
     return f"Check loads, supports, material and noise: no single known cause fits.{near}"
