@@ -188,7 +188,7 @@ class Solution:
             If a point lies outside the body, or the elements were not mixed.
         """
         if self.pressure is None:
-            raise ProblemError("pressure: displacement elements have none; solve with mixed=True")
+            raise ProblemError("pressure: displacement elements have none; solve mixed elements")
         return pressure_at(self.body, self.pressure, points, self._number)
 
 

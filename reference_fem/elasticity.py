@@ -209,8 +209,8 @@ def elastic_tensor(material: Material) -> Array:
     mu, lam = lame_constants(material)
     if math.isinf(lam):
         raise ProblemError(
-            "nu = 1/2: displacement elements need a compressible body; take nu < 1/2, or mixed "
-            "elements (solve_problem with mixed=True)"
+            "nu = 1/2: displacement elements need a compressible body; take nu = 0.4999, or mixed "
+            "elements"
         )
     d = material.dim
     C = np.diag([2 * mu] * d + [mu] * (d * (d - 1) // 2))

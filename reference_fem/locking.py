@@ -45,8 +45,8 @@ def refuse_locked(body: Discretisation, C: Array) -> None:
         raise SolverError(
             f"finite elements: cells of {name} lock: lambda/mu is {ratio:.3g}, and cells of "
             f"{cell_size(body):.3g} m in a body {size:.3g} m thick store {share:.2g} of its energy "
-            f"as change of volume; take {better} with mixed=True, or {better}, or "
-            "allow_locked=True to look at locking"
+            f"as change of volume; take nu = {NEARLY / (2 * NEARLY + 2):.3f} or less, or quadratic "
+            f"cells ({better})"
         )
 
 

@@ -63,7 +63,8 @@ class Field:
     if of no other; `elsewhere` gives it at other places (n, d) in m, None where one lies
     outside the body; `known` are fields (n, d), by ratio, of solvers that are known not to be
     converged, by what they are of; `other_state` gives it in the other plane state, with that
-    state's name; `mistakes` are known mistakes, solved on this body.
+    state's name; `mistakes` are known mistakes, solved on this body; `unit` is the name and size
+    (m) of the unit of length in sentences.
     """
 
     places: Array
@@ -79,6 +80,11 @@ class Field:
     known: Mapping[str, Callable[[float], Array]] = field(default_factory=dict)
     other_state: Callable[[], tuple[str, Array] | None] = lambda: None
     mistakes: Sequence[Mistake] = ()
+    unit: tuple[str, float] = ("m", 1.0)
+
+    def length(self, value: float, digits: int = 3) -> str:
+        """A length or coordinate (m) as text in the unit of the sentences."""
+        return f"{value / self.unit[1]:.{digits}g}"
 
     @property
     def size(self) -> float:

@@ -20,8 +20,8 @@ PHRASES = {
     "unit besides": "{unit}, and {times:.4g} times as large besides",
     "unit": "{scale:.4g} times elasticity: {unit}?",
     "modulus": "{scale:.4g} times elasticity: a modulus E {part:.4g} times as large?",
-    "unit of k": "{scale:.4g} times elasticity: spring constants or a modulus {part:.4g} times as "
-    "large, from a confusion of {units}?",
+    "of stiffness": "spring constants or a modulus {part:.4g} times as large, from a confusion of "
+    "{units}",
     "loads": "{scale:.4g} times elasticity: loads {scale:.4g} times as large?",
     "weight": "{scale:.4g} times elasticity: gravity or masses {scale:.4g} times as large?",
     "thickness": "{scale:.4g} times elasticity: a thickness {part:.4g} times as large?",
@@ -31,19 +31,20 @@ PHRASES = {
     "scale and": "{scale:.4g} times {image}: modulus or loads besides?",
     "unit and": "{scale:.4g} times {image}: {unit}?",
     # Known mistakes, solved on the body.
-    "coarse mesh": "linear elements of about {value:.3g} m: take a finer mesh, or quadratic"
-    " elements",
-    "coarse springs": "the right springs at a spacing of about {value:.3g} m: take a smaller one",
+    "coarse mesh": "linear elements of about {length}: take a finer mesh, or quadratic elements",
+    "coarse springs": "the right springs at a spacing of about {length}: take a smaller one",
     "whole boundary springs": "springs on the boundary count whole: give those in a side half their"
     " constant, in an edge of a solid a quarter",
     "and whole boundary springs": "springs on the boundary count whole",
+    "and unit of k": "and {unit}",
     "and scale": "and a modulus {part:.4g} or loads {scale:.4g} times as large besides",
     "k2 = 2 k1": "k2 = 2 k1, k1 {value:.4g} times the right one: each kind of spring has its own "
     "constant",
-    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): each kind has its "
-    "own constant",
-    "k = E h": "k = E·h (in 2D E·t) on every spring: each kind has its own constant",
-    "k = E": "k = E, a number of Pa taken as N/m, on every spring: each kind has its own constant",
+    "k alike": "the same k on every spring, {value:.4g} times E·h (in 2D E·t): take the constants "
+    "that `advise` reports",
+    "k = E h": "k = E·h (in 2D E·t) on every spring: take the constants that `advise` reports",
+    "k = E": "k = E, a number of Pa taken as N/m, on every spring: take the constants that "
+    "`advise` reports",
     "axes alone": "springs along the axes alone, {value:.4g} times E·h (in 2D E·t): no diagonals "
     "resist shear",
     "equal masses": "equal masses at all points: give each the share of the cells around it",
@@ -80,8 +81,8 @@ PHRASES = {
     "times elasticity",
     "positions and unit": "positions in place of displacements, and displacements {scale:.4g} "
     "times elasticity: {unit}?",
-    "one point": "one point wrong, the first at ({place}) m",
-    "points": "{count} points wrong, the first at ({place}) m",
+    "one point": "one point wrong, the first at ({place}) {unit}",
+    "points": "{count} points wrong, the first at ({place}) {unit}",
     "right": "{points}; all others are right to {left:.1g} of the largest",
     "right as known": "{points}; all others are right to what is known",
     "others scaled": "{points}; all others {scale:.4g} times elasticity",

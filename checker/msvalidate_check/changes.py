@@ -181,5 +181,5 @@ def _scaled(image: Image, frame: Frame, times: Times) -> Cause:
     """An image or a frame, and a scale besides."""
     key = "scale and" if times.unit is None else "unit and"
     of = phrase(key, scale=times.scale, image=_with_frame(image, frame), unit=times.unit)
-    value = times.many if times.kind == "unit" else times.scale
+    value = times.scale if times.unit is None else times.many
     return Cause(image.kind or frame.kind, value, of, times.left, times.kind)

@@ -45,7 +45,17 @@ FEWEST, FEWEST_BESIDES = 4, 9
 RIGHT = 0.02
 """Of the largest displacement, what a number that is fitted may leave, unless less is known: as
 much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
-WHOLE = {"unit", "sign", "axes", "mirrored", "places", "component", "positions", "node order"}
+WHOLE = {
+    "unit",
+    "unit of k",
+    "sign",
+    "axes",
+    "mirrored",
+    "places",
+    "component",
+    "positions",
+    "node order",
+}
 """Faults without a number to fit: a solver that errs besides has them too."""
 OF_SIZE = {"scale", "unit", "unit of k", "modulus", "load", "thickness"}
 """Kinds of causes that change the size of a field alone."""
@@ -119,14 +129,22 @@ def _best(good: list[Cause], before: float, uncertainty: float) -> list[Cause]:
 
 
 def _with_rivals(best: list[Cause], little: list[Cause], mistakes: set[str]) -> list[Cause]:
-    """The best explanations; after those of size alone, the known mistakes that leave little too.
+    """The best explanations, with the rivals that leave little too.
 
-    In bending a coarse mesh or other springs change a field by almost a uniform factor.
+    In bending a coarse mesh or other springs change a field by almost a uniform factor. Those of
+    size alone have known mistakes as rivals, and known mistakes those of size, which come first if
+    the mistake leaves no less than half as much. Units come before plain numbers.
     """
-    if not best or any(each.kind not in OF_SIZE for each in best):
-        return best
-    rivals = [each for each in little if each.kind in mistakes and each not in best]
-    return [*best, *sorted(rivals, key=lambda each: each.left)]
+    kinds = {kind for each in best for kind in each.kinds}
+    others = mistakes if kinds <= OF_SIZE else OF_SIZE if kinds & mistakes else set()
+    rivals = [each for each in little if each.kinds <= others and each not in best]
+
+    def rank(cause: Cause) -> float:
+        if cause in best and cause.kind in {"unit", "unit of k"}:  # no chance gives such a number
+            return 0.0
+        return cause.left * (1 if cause.kinds <= OF_SIZE else AS_WELL)
+
+    return sorted([*best, *rivals], key=rank)
 
 
 def _plainest(found: list[Cause]) -> list[Cause]:
@@ -217,8 +235,9 @@ def _few_wrong(field: Field, found: Array, wanted: Array) -> tuple[int, int, flo
 
 
 def _few(field: Field, count: int, first: int) -> Phrase:
-    where = ", ".join(f"{x:.4g}" for x in field.places[first])
-    return phrase("points" if count > 1 else "one point", count=count, place=where)
+    where = ", ".join(field.length(x, 4) for x in field.places[first])
+    key = "points" if count > 1 else "one point"
+    return phrase(key, count=count, place=where, unit=field.unit[0])
 
 
 def _rigid(field: Field) -> Iterator[Cause]:

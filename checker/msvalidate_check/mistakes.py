@@ -11,7 +11,7 @@ import numpy as np
 
 from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, fit
 from msvalidate_check.causes import Cause, Phrase, phrase
-from msvalidate_check.scales import AS_GOOD, AS_WELL, FITS
+from msvalidate_check.scales import AS_GOOD, AS_WELL, FITS, stiffness_unit
 
 MAX_BESIDE = 1.5
 """Largest factor that is fitted besides a known mistake.
@@ -52,11 +52,14 @@ def _nearest(field: Field, mistakes: Iterable[Mistake]) -> Iterator[Cause]:
     best: dict[str, tuple[Cause, Mistake]] = {}
     for mistake in mistakes:
         for parameter, nearest, scale in _fits(field, mistake):
-            if not scale > 0 or (mistake.beside and not 1 / MAX_BESIDE < scale < MAX_BESIDE):
+            if not scale > 0:
+                continue
+            unit = mistake.beside == "scale" and stiffness_unit(1 / scale)
+            if mistake.beside and not (unit or 1 / MAX_BESIDE < scale < MAX_BESIDE):
                 continue
             left = field.left(field.found / scale, nearest)
             if mistake.kind not in best or left < best[mistake.kind][0].left:
-                cause = _cause(mistake, parameter, 1 / scale, left)
+                cause = _cause(field, mistake, parameter, 1 / scale, left)
                 best[mistake.kind] = cause, mistake
     for cause, mistake in best.values():
         room = AS_WELL * cause.left + AS_GOOD * field.difference
@@ -87,17 +90,27 @@ def _between(candidate: Array, one: Array, other: Array, *, scaled: bool) -> tup
     return (float(last / scale), scale) if scale > 0 else (0.0, 1.0)
 
 
-def _cause(mistake: Mistake, parameter: float, stiffness: float, left: float) -> Cause:
+def _cause(
+    field: Field, mistake: Mistake, parameter: float, stiffness: float, left: float
+) -> Cause:
     """A mistake as a cause, with its fitted numbers."""
     value = stiffness if mistake.scaled and mistake.beside != "scale" else parameter
-    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, mistake.named)
-    if mistake.beside:
-        other = phrase(f"and {mistake.beside}", scale=1 / stiffness, part=stiffness)
+    length = f"{field.length(parameter)} {field.unit[0]}"
+    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, mistake.named, length)
+    beside, unit = mistake.beside, stiffness_unit(stiffness)
+    beside = "unit of k" if beside == "scale" and unit else beside
+    if beside:
+        other = phrase(f"and {beside}", scale=1 / stiffness, part=stiffness, unit=unit)
         of = phrase("mistake and", one=of, other=other)
-    return Cause(mistake.kind, value, of, left, mistake.beside)
+    return Cause(mistake.kind, value, of, left, beside)
 
 
-def mistake_phrase(key: str, value: float, at: float, named: Mapping[str, Factor]) -> Phrase:
-    """Sentence of a known mistake, as of a `Mistake`, with its number at a parameter."""
+def mistake_phrase(
+    key: str, value: float, at: float, named: Mapping[str, Factor], length: str = ""
+) -> Phrase:
+    """Sentence of a known mistake, as of a `Mistake`, with its number at a parameter.
+
+    `length` is the parameter as text, if it is a spacing.
+    """
     known = (name for name, factor in named.items() if abs(value / factor(at) - 1) <= AS_NAMED)
-    return phrase(next(known, key), value=value)
+    return phrase(next(known, key), value=value, length=length)

@@ -46,7 +46,7 @@ FAR_UNIT = 3.0
 
 @dataclass(frozen=True)
 class Times:
-    """A number of times: kind "unit" or "scale", the unit's own and the whole, what it leaves.
+    """A number of times: kind "unit", "unit of k" or "scale", its own and the whole, and `left`.
 
     `unit` names a unit, and what is off besides; None of a plain number.
     """
@@ -73,27 +73,40 @@ def read_scale(field: Field, found: Array, wanted: Array) -> list[Times]:
 
 
 def _units(field: Field, found: Array, wanted: Array, scale: float, left: float) -> Iterator[Times]:
-    """Units of length, and a modulus or load off besides."""
-    for unit, many in UNITS.items():
+    """Units of length and of stiffness, and a modulus or load off besides."""
+    named = [("unit", many, phrase("named", name=name)) for name, many in UNITS.items()]
+    if field.driven in {"loads", "weight"}:
+        named += [("unit of k", 1 / factor, _stiffness(factor)) for factor in STIFFNESS_UNITS]
+    for kind, many, unit in named:
         apart = max(scale / many, many / scale)
         powers = abs(math.log10(many))
         if apart > (FAR_UNIT if powers >= 3 else NEAR_UNIT):
             continue
         exact = field.left(found / many, wanted)
         if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.uncertainty):
-            yield Times("unit", many, many, phrase("named", name=unit), exact)
+            yield Times(kind, many, many, unit, exact)
         elif powers >= 1:  # any number is near some unit that is close to 1
-            besides = phrase("unit besides", unit=phrase("named", name=unit), times=scale / many)
-            yield Times("unit", many, scale, besides, left)
+            besides = phrase("unit besides", unit=unit, times=scale / many)
+            yield Times(kind, many, scale, besides, left)
+
+
+def _stiffness(factor: float) -> Phrase:
+    return phrase("of stiffness", part=factor, units=STIFFNESS_UNITS[factor])
+
+
+def stiffness_unit(part: float) -> Phrase | None:
+    """Units of stiffness whose confusion makes it so many times as large; None if none does."""
+    near = (f for f in STIFFNESS_UNITS if abs(math.log(part / f)) <= math.log(NEAR_UNIT))
+    return next(map(_stiffness, near), None)
 
 
 def explain_scale(field: Field) -> Iterator[Cause]:
     """The field is elasticity times a number: a unit, a modulus, a load."""
     times = read_scale(field, field.found, field.wanted)
     for each in times:
-        if each.kind == "unit":
+        if each.unit is not None:
             said = phrase("unit", scale=each.scale, unit=each.unit)
-            yield Cause("unit", each.many, said, each.left)
+            yield Cause(each.kind, each.many, said, each.left)
     if not times:
         return
     scale = best_scale(field.found, field.wanted)
@@ -106,9 +119,5 @@ def explain_scale(field: Field) -> Iterator[Cause]:
     }[field.driven]
     if field.driven == "loads" and len(field.span) == 2:
         kinds["thickness"] = "thickness"
-    for factor, units in STIFFNESS_UNITS.items():
-        if "modulus" in kinds and abs(math.log(scale * factor)) <= math.log(NEAR_UNIT):
-            of = phrase("unit of k", scale=scale, part=1 / scale, units=units)
-            yield Cause("unit of k", scale, of, left)
     for kind, key in kinds.items():
         yield Cause(kind, scale, phrase(key, scale=scale, part=1 / scale), left)

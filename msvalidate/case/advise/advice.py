@@ -245,9 +245,9 @@ def block_frequency(
 def constants_lines(each: Sequence[Advice], unit: str = "m", density: str = "") -> list[str]:
     """Table of springs, a row per lattice or material; `unit` is that of the spacing.
 
-    A density by default is marked by the word `density`.
-
-    The step is `SAFETY` of the limit of leapfrog.
+    A density by default is marked by the word `density`. The step is `SAFETY` of the limit of
+    leapfrog: without damping of filled bodies by `advise`, and of a case its own body's, with the
+    damping that it has.
     """
     if not each:
         return []
@@ -255,7 +255,9 @@ def constants_lines(each: Sequence[Advice], unit: str = "m", density: str = "") 
     kappa = any(one.volume for one in each)
     heads = ["springs", *(f"k{number} (N/m)" for number in range(1, kinds + 1))]
     heads += [f"κ ({UNIT[each[0].material.dim]})"] * kappa
-    heads += ["mass (kg)", "step (s)", "density (kg/m³)"]
+    own = "this body" + ", damped" * any(one.damping is not None for one in each)
+    steps = f"step (s), {'filled bodies' if each[0].whose == WHOSE else own}"
+    heads += ["mass (kg)", steps, "density (kg/m³)"]
     rows = []
     for number, one in enumerate(each):
         label = f"{one.lattice}, {quantity_text(one.spacing, 'm', unit)}"

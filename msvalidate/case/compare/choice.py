@@ -21,7 +21,7 @@ from msvalidate.case.compare.budget import lattice_row, mesh_rows
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.compare.quantities import POINT_STRESS
 from msvalidate.case.file.case import MAX_REQUESTED, MESH_EDGES, Case, is_filled, spacing_of
-from msvalidate.case.file.units import user_unit
+from msvalidate.case.file.units import quantity_text
 from msvalidate.case.springs.lattice_springs import (
     HIGHEST_ORDER,
     LOWEST_ORDER,
@@ -38,7 +38,7 @@ from msvalidate.springs.lattice import PatternLattice
 from msvalidate.springs.lattice.cut import joins_corners
 from msvalidate.springs.lattice.outline import outline
 from msvalidate.springs.lattice.patterns import all_patterns
-from msvalidate_check.text import duration
+from msvalidate_check.text import duration, percent
 from msvalidate_check.verdict import DIFFERS
 
 TARGETS = (0.05, 0.01)
@@ -48,8 +48,6 @@ NEAR = math.log(4)
 straight line holds near the target alone."""
 ORDER_DOUBT = 0.3
 """What an order of the spacing may be off beyond what was solved: there it is still on its way."""
-UNCERTAIN = 4.0
-"""Factor that a spacing may be off from which it is called uncertain."""
 ALIKE = math.log(1.5)
 """Of the logarithm of a spacing: how near to one that is wanted a lattice must be, so that one cut
 to a box is taken before one that fills it, but far off."""
@@ -59,8 +57,11 @@ BETTER, MAIN, THIN = 3.0, 0.5, 5.0
 """Times by which elements are nearer from which they are advised, part of the difference that is
 most of it, and cells across a wall that is thin."""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
+BRIDGED = "bridged"
 """Where what a target takes lies: between what was solved; beyond the finest; the coarsest meets
-it; or no spacing does."""
+it; no spacing does; or no lattice shows, as springs bridge a gap of the body on each of them."""
+HEADS = ("to reach", "spacing", "springs", "time", "elements", "time")
+"""Columns of `need_rows`."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class Need:
         Springs or nodes, and what solving them takes; 0 where they are not known.
     cells, spacing, least, most
         Of springs: for a case's `cells`, 0 if none can be laid, the spacing (m) that comes of it,
-        and between which the target's may lie.
+        and between which the target's may lie. If springs bridge a gap, its width is the spacing.
     """
 
     target: float
@@ -172,7 +173,10 @@ def _laid(found: Comparison, wanted: float, below: float = math.inf) -> Case | N
 def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Need:
     """The spacing that a target takes."""
     wanted, size = found.reference.displacement.value, found.size
-    left = max_length(found.limit.displacement - wanted) - found.limit.uncertainty
+    resolved = sum(not len(gaps) for gaps in found.gaps)  # the finest lattices
+    bridges, left = resolved < len(found.gaps), 0.0
+    if not bridges:
+        left = max_length(found.limit.displacement - wanted) - found.limit.uncertainty
     if found.homogenised:
         left = max(left, max_length(found.own_material - wanted))
     if left / size - found.reference.error > target:
@@ -181,6 +185,10 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
     t = math.log(target)
     if (e <= t).all():
         return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]))
+    if bridges and (e > t).all():
+        if resolved < 2:
+            return Need(target, BRIDGED, spacing=found.gaps[0][0, 2])
+        s, e = s[-resolved:], e[-resolved:]
     if len(rows) < 2:
         return Need(target, BEYOND)
     weight = np.exp(-(((e - t) / NEAR) ** 2))
@@ -275,40 +283,47 @@ def _thickest(answer: SpringAnswer) -> float:
     return 2 * float(depth) / h + 1
 
 
-def choice_sentences(chosen: Choice, length: str = "m") -> tuple[str, ...]:
-    """What to take, in words."""
-    said = []
-    for kind, needs in {"Springs": chosen.springs, "Elements": chosen.elements}.items():
-        each = [
-            f"for about {100 * need.target:g} % in displacement: {_need_words(need, length)}"
-            for need in needs
-        ]
-        said += [f"{kind} {'; '.join(each)}."] if each else []
+def need_rows(chosen: Choice, unit: str) -> list[tuple[str, ...]]:
+    """Texts of what the targets take, of springs and of elements, in the columns `HEADS`."""
+    springs = chosen.springs or (None,) * len(chosen.elements)
+    return [
+        (percent(mesh.target), *_spring_texts(need, unit), *_element_texts(mesh))
+        for need, mesh in zip(springs, chosen.elements, strict=True)
+    ]
+
+
+def choice_sentences(chosen: Choice, unit: str = "m") -> tuple[str, ...]:
+    """What the targets take, in words."""
+    lines = []
+    for target, *texts in need_rows(chosen, unit):
+        spacing, springs, time, nodes, more = texts
+        counts = f", {springs} springs, {time}" if springs else ""
+        mesh = f"{nodes}, {more}" if more else nodes
+        lines.append(f"To reach {target}, springs: {spacing}{counts}; elements: {mesh}.")
     if chosen.no_coarser:
-        said.append(f"Coarser lattices are left out of this choice: {chosen.no_coarser}.")
-    return tuple(said)
+        lines.append(f"Coarser lattices are left out of this choice: {chosen.no_coarser}.")
+    return tuple(lines)
 
 
-def _need_words(need: Need, length: str) -> str:
-    unit, size = user_unit("m", length)
-    if need.where == NONE:
-        return "no spacing does"
+def _spring_texts(need: Need | None, unit: str) -> tuple[str, str, str]:
+    """Spacing, number of springs and time that a target takes."""
+    if need is None or need.where == NONE:
+        return "of the mesh" if need is None else "no spacing does", "", ""
+    spacing = quantity_text(need.spacing, "m", unit)
+    if need.where == BRIDGED:
+        return f"resolve the gap of {spacing} first", "", ""
     if not need.count:
-        near = "" if math.isnan(need.spacing) else f", some {need.spacing / size:.2g} {unit}"
-        return f"finer than was tried{near}"
-    if not need.cells:
-        at_most = "at most " if need.where == COARSEST else ""
-        return f"{at_most}{need.count:,} nodes, {duration(need.seconds)}"
-    between = (
-        ""
-        if math.isnan(need.least)
-        else f", from {need.least / size:.2g} to {need.most / size:.2g} {unit}"
-    )
-    coarser = {COARSEST: ", or coarser" * (need.cells > 1), BEYOND: ", finer than was solved"}.get(
-        need.where, ""
-    )
-    said = (
-        f"cells = {need.cells} ({need.spacing / size:.3g} {unit}{between}), {need.count:,} springs"
-    )
-    off = max(need.most / need.spacing, need.spacing / need.least)
-    return f"{'uncertain, perhaps ' * (off >= UNCERTAIN)}{said}, {duration(need.seconds)}{coarser}"
+        return f"finer than tried {spacing}".rstrip(), "", ""
+    more = {COARSEST: " or larger", BEYOND: ", not tried"}.get(need.where, "")
+    if not math.isnan(need.least):
+        low, high = (quantity_text(each, "m", unit).split()[0] for each in (need.least, need.most))
+        more += f" ({low} to {high})"
+    return f"{spacing}{more}", f"{need.count:,}", duration(need.seconds)
+
+
+def _element_texts(need: Need) -> tuple[str, str]:
+    """Number of nodes and time that a target takes."""
+    if not need.count:
+        return "finer than tried", ""
+    fewer = " or fewer" if need.where == COARSEST else ""
+    return f"{need.count:,} nodes{fewer}", duration(need.seconds)

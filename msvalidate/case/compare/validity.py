@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import bisect
 
 from msvalidate.case.file.case import Case
+from msvalidate.case.file.units import quantity_text
 from msvalidate.case.springs.large import NonlinearAnswer
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Problem, SolverError
@@ -149,7 +150,10 @@ def geometric_limitations(
     size, known = max_length(linear), uncertainty if math.isfinite(uncertainty) else 0.0
     value = (max_length(change) + known) / size
     if value > case.band:
-        both = f"{size:.3g} m in linear theory, {max_length(linear + change):.3g} m in nonlinear"
+        both = " theory, ".join(
+            f"{quantity_text(each, 'm', case.unit)} in {name}"
+            for name, each in (("linear", size), ("nonlinear", max_length(linear + change)))
+        )
         found.insert(0, Limitation("nonlinear", value, case.band, detail=both))
     return found
 

@@ -11,7 +11,7 @@ import numpy as np
 from msvalidate.case.file.fracture import Fracture
 from msvalidate.case.file.part_mesh import cuts_for, edge_lattice, straighten
 from msvalidate.case.file.schema import QUANTITIES
-from msvalidate.case.file.units import LENGTH
+from msvalidate.case.file.units import LENGTH, quantity_text
 from msvalidate.problem import (
     Array,
     Box,
@@ -326,8 +326,8 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     most = MAX_REQUESTED[domain.dim]
     if cells > most:
         raise ProblemError(
-            f"spacing {spacing:g} m: {cells:.3g} cells in the body, and the most is {most:g}; take "
-            "a larger one"
+            f"spacing {quantity_text(spacing, 'm', case.unit)}: {cells:.3g} cells in the body, and "
+            f"the most is {most:g}; take a larger one"
         )
     if pattern is None:
         return edge_lattice(laid_problem(case, spacing), rests=not case.are_elements)

@@ -13,6 +13,7 @@ from msvalidate.case.compare.budget import point_table
 from msvalidate.case.compare.quantities import difference_row
 from msvalidate.case.compare.validity import Limitation, limit_verdict, limitations
 from msvalidate.case.file.case import Case
+from msvalidate.case.file.units import user_unit
 from msvalidate.case.judge.matching import Matched, match
 from msvalidate.case.judge.mistake_fields import known_mistakes
 from msvalidate.case.judge.results import Result, refuse_extreme
@@ -130,7 +131,7 @@ def judge_result(
     # Elements on the result's own mesh, where they are known, leave nothing to be tried.
     meshes = {"coarse mesh"} if result.known else set()
     mistakes = tuple(each for each in catalogue.mistakes if each.kind not in meshes)
-    field = replace(field, mistakes=mistakes)
+    field = replace(field, mistakes=mistakes, unit=user_unit("m", case.unit))
     omitted: list[str] = []
     verdict = judge_field(field, case.band, rest, partial(_explained, omitted=omitted))
     report_stage("large displacements", STAGES)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from msvalidate.case.file.case import Case, make_lattice, spacing_of
+from msvalidate.case.file.units import quantity_text, user_unit
 from msvalidate.case.judge.results import Result
 from msvalidate.case.springs.lattice_springs import compared_points
 from msvalidate.linear_algebra.norms import max_length
@@ -100,12 +101,13 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     outside, contradiction = places[first[~inside]], max_length(apart) if len(apart) else 0.0
     what = "places" if known is None else "numbers"
     notes = [
-        *_noted(f"of {len(first)} points {OUTSIDE}", outside),
-        *_noted(f"{what} stand in the file more than once; the first counts", doubled),
-        *_noted("points of the case are not in the file", missing),
+        *_noted(f"of {len(first)} points {OUTSIDE}", outside, case.unit),
+        *_noted(f"{what} stand in the file more than once; the first counts", doubled, case.unit),
+        *_noted("points of the case are not in the file", missing, case.unit),
     ]
     if contradiction:
-        said = f"displacements of one place differ by up to {contradiction:.3g} m"
+        size = quantity_text(contradiction, "m", case.unit)
+        said = f"displacements of one place differ by up to {size}"
         notes.append(f"{said}, which leaves that open")
     first, at = first[inside], at[inside]
     given = (outside, doubled, missing, contradiction, tuple(notes))
@@ -207,18 +209,20 @@ def _nowhere(case: Case, places: Array, inside: int, hint: str) -> str:
     """What to say where few points are in the body or none: another unit, or other axes."""
     spans = {"the file has": np.array([places.min(axis=0), places.max(axis=0)]).T}
     spans["the body"] = np.array(case.problem.domain.span)
-    words = []
+    words, (unit, size) = [], user_unit("m", case.unit)
     for who, span in spans.items():
-        along = zip(AXES, span, strict=False)
+        along = zip(AXES, span / size, strict=False)
         words.append(f"{who} {', '.join(f'{a} {p:.4g} to {q:.4g}' for a, (p, q) in along)}")
     count = f"{inside} of {len(places)} points" if inside else "no point"
-    return f"result: {count} in the body: {' m, '.join(words)} m{hint}; give places of this body"
+    spans_said = f" {unit}, ".join(words)
+    return f"result: {count} in the body: {spans_said} {unit}{hint}; give places of this body"
 
 
-def _noted(said: str, places: Array) -> Sequence[str]:
+def _noted(said: str, places: Array, length: str) -> Sequence[str]:
     """A sentence that counts places and names the first."""
     if not len(places):
         return ()
-    shown = [f"({', '.join(f'{x:.4g}' for x in place)})" for place in places[:SHOWN]]
+    unit, size = user_unit("m", length)
+    shown = [f"({', '.join(f'{x / size:.4g}' for x in place)})" for place in places[:SHOWN]]
     more = ", ..." if len(places) > SHOWN else ""
-    return (f"{len(places)} {said}: {', '.join(shown)}{more} m.",)
+    return (f"{len(places)} {said}: {', '.join(shown)}{more} {unit}.",)

@@ -16,6 +16,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.case.file.case import Case, spacing_by_cells, spacing_of
 from msvalidate.case.file.part_mesh import straighten
+from msvalidate.case.file.units import quantity_text
 from msvalidate.case.judge.mistakes import (
     MAX_SPACINGS,
     SPRING_MISTAKES,
@@ -295,7 +296,8 @@ def _solve_springs(
                 fields.append(None if rest is None else answer(own, rest, made, 0.0).at(places))
             solved.append((spacing, fields))
         except (ProblemError, SolverError) as error:
-            omitted.append(f"Mistakes with springs at {spacing:.3g} m are not tried: {error}.")
+            shown = quantity_text(spacing, "m", case.unit)
+            omitted.append(f"Mistakes with springs at {shown} are not tried: {error}.")
     return solved
 
 
@@ -310,7 +312,8 @@ def _spacings(case: Case, places: Array, omitted: list[str]) -> list[float]:
     for spacing in tried:
         if dim * domain.volume / spacing**dim > limit:
             omitted.append(
-                f"Springs at {spacing:.3g} m are not tried: more than {limit:,} unknowns."
+                f"Springs at {quantity_text(spacing, 'm', case.unit)} are not tried: more than "
+                f"{limit:,} unknowns."
             )
         elif all(abs(spacing / other - 1) > SAME_LINE for other in spacings):
             spacings.append(spacing)

@@ -197,6 +197,9 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     finer = [each for each in chosen.springs if each.count and each.target <= band]
     if found.kind == OTHER_MATERIAL:
         reason = "the springs differ from elasticity at any spacing"
+    elif len(found.gaps[0]):
+        width = quantity_text(found.gaps[0][0, 2], "m", found.case.unit)
+        reason = f"the springs bridge a gap of {width}, which their cells do not resolve"
     elif any(row.quantity not in FOLLOWS for row in off):
         reason = f"{worst.quantity} differs by {part_text(worst.error, worst.uncertainty)}"
     elif cheaper or not finer or found.kind != COARSE:
@@ -225,6 +228,9 @@ def recommend_for_field(found: Judged) -> str:
         return f"No change is needed within the band of {percent(found.case.band)}."
     causes = found.verdict.causes
     if causes and found.verdict.fits(causes[0]):
-        return f"Check the most likely cause first: {causes[0]}"
+        room = causes[0].left + found.displacement.uncertainty
+        also = dict.fromkeys(each.name for each in causes[1:] if each.left <= room)
+        more = f" As likely: {', '.join(also)}." if also else ""
+        return f"Check the most likely cause first: {causes[0]}{more}"
     near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
     return f"Check loads, supports, material and noise: no single known cause fits.{near}"

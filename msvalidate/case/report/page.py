@@ -18,7 +18,6 @@ from msvalidate.case.compare.comparison import (
     COARSE,
     OTHER_MATERIAL,
     Comparison,
-    say_bridged,
 )
 from msvalidate.case.compare.quantities import POINT_STRESS, STRESS_BAND
 from msvalidate.case.compare.validity import geometric_limitations
@@ -34,7 +33,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.normals import is_faceted
 from msvalidate.springs.lattice import CutLattice
-from msvalidate.springs.lattice.cut import narrow_holes
+from msvalidate.springs.lattice.cut import NARROW, narrow_holes
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.text import number_text, percent
 from msvalidate_check.verdict import Difference
@@ -46,8 +45,6 @@ PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 PARTS = ("reasons", "springs", "pictures", "tables")
 """Parts of the page; a judged field has no springs."""
-ROUNDING = 1e-9
-"""Difference, over the largest displacement, below which none remains."""
 
 
 def first_screen(
@@ -129,6 +126,17 @@ def _limit_sentences(found: Comparison) -> list[str]:
         large = geometric_limitations(found.case, found.reference, found.nonlinear)
         said[1:1] = [each.fact for each in large]
     return said
+
+
+def _gap_sentence(found: Comparison) -> str:
+    """Gap that springs join, and the spacing that resolves it."""
+    gaps, unit = found.gaps[0], found.case.unit
+    x, y = (quantity_text(each, "m", unit).split()[0] for each in gaps[0, :2])
+    width, spacing = (quantity_text(gaps[0, 2] / many, "m", unit) for many in (1, NARROW))
+    return (
+        f"Springs bridge a gap or hole of the body, {width} wide at ({x}, {y}), that their cells "
+        f"do not resolve: take a spacing of {spacing} or less."
+    )
 
 
 def _hole_sentence(found: Comparison) -> str:
@@ -276,9 +284,8 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
 
 def _kind_sentence(found: Comparison) -> str:
     limit, size = found.limit, found.size
-    bridged = say_bridged(found.springs[0].lattice)
-    if bridged:
-        return bridged
+    if len(found.gaps[0]):
+        return _gap_sentence(found)
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if math.isfinite(limit.order) else ""
@@ -299,9 +306,9 @@ def _limit_reason(found: Comparison, away: float) -> str:
     unknown = found.limit.uncertainty / found.size + found.reference.error
     if law > max(unknown, 0.5 * away):
         return f": their law at large strain differs from elasticity's by {percent(law)}"
+    if not found.kind:
+        return ": no difference remains on any of these lattices"
     if found.kind == COARSE:
-        if max(away, float(found.relative.max())) <= ROUNDING:
-            return ": no difference remains on any of these lattices"
         spacing = away <= unknown
         return ": what is left is spacing" if spacing else ", which lies within the band"
     if found.kind == OTHER_MATERIAL:

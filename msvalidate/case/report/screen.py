@@ -9,15 +9,14 @@ from dataclasses import replace
 from typing import Any
 
 from msvalidate.case.advise.advice import constants_lines
-from msvalidate.case.compare.choice import BEYOND, COARSEST, NONE, Choice, Need
+from msvalidate.case.compare.choice import HEADS, Choice, need_rows
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.compare.quantities import POINT_STRESS
 from msvalidate.case.file.case import Case
-from msvalidate.case.file.units import quantity_text
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.headline import DISPLACEMENT
 from msvalidate.case.report.page import quantity_summary
-from msvalidate_check.text import WIDTH, align_table, duration, percent
+from msvalidate_check.text import WIDTH, align_table, percent
 from msvalidate_check.verdict import Difference
 
 MAX_LINES = 14
@@ -85,34 +84,5 @@ def _quantity_lines(case: Case, rows: Sequence[Difference], candidate: str) -> l
 
 def _need_lines(chosen: Choice, unit: str) -> list[str]:
     """Table of what the targets take, of springs and of elements."""
-    if not chosen.elements:
-        return []
-    springs = chosen.springs or (None,) * len(chosen.elements)
-    rows = [
-        (percent(mesh.target), *_spring_texts(need, unit), *_element_texts(mesh))
-        for need, mesh in zip(springs, chosen.elements, strict=True)
-    ]
-    heads = ("to reach", "spacing", "springs", "time", "elements", "time")
-    return align_table(heads, rows, (True, False, True, True, True, True))
-
-
-def _spring_texts(need: Need | None, unit: str) -> tuple[str, str, str]:
-    """Spacing, number of springs and time that a target takes."""
-    if need is None or need.where == NONE:
-        return "of the mesh" if need is None else "no spacing does", "", ""
-    spacing = quantity_text(need.spacing, "m", unit)
-    if not need.count:
-        return f"finer than tried {spacing}", "", ""
-    more = {COARSEST: " or larger", BEYOND: ", not tried"}.get(need.where, "")
-    if not math.isnan(need.least):
-        low, high = (quantity_text(each, "m", unit).split()[0] for each in (need.least, need.most))
-        more += f" ({low} to {high})"
-    return f"{spacing}{more}", f"{need.count:,}", duration(need.seconds)
-
-
-def _element_texts(need: Need) -> tuple[str, str]:
-    """Number of nodes and time that a target takes."""
-    if not need.count:
-        return "finer than tried", ""
-    fewer = " or fewer" if need.where == COARSEST else ""
-    return f"{need.count:,} nodes{fewer}", duration(need.seconds)
+    rows = need_rows(chosen, unit)
+    return align_table(HEADS, rows, (True, False, True, True, True, True)) if rows else []

@@ -54,6 +54,7 @@ from msvalidate.simulators.gate.rows import (
     MOVING,
     PASSED,
     STOPPED,
+    STRETCHED,
     TOLD,
     UNSTATED,
     Gate,
@@ -173,7 +174,7 @@ def gate(
         FREE_FALL: partial(_free_fall, simulator, block),
         "small turn": partial(_small_turn, simulator, block, stiffness),
         "turn by 30°": partial(_large_turn, simulator, block),
-        "stretched step": lambda: size_rows("step", _out_of_range(block.material, stiffness())),
+        STRETCHED: lambda: size_rows("step", _out_of_range(block.material, stiffness())),
     })  # fmt: skip
     tested = Gate(())
     hanging = stretched_block(material, own, hanging=True)

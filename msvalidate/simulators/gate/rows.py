@@ -10,6 +10,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate.simulators.exchange.protocol import Answer
 from msvalidate.simulators.probe.reading import BAND
 from msvalidate_check.causes import Phrase, phrase
+from msvalidate_check.scales import FAR_UNIT
 
 Word = Literal["passed", "stopped", "cannot", "told", "not at rest", "not asked"]
 PASSED: Word = "passed"
@@ -18,6 +19,7 @@ TOLD: Word = "told"
 MOVING: Word = "not at rest"
 LEFT_OUT: Word = "not asked"
 FREE_FALL, AGAIN, MODULUS = "free fall", "the same again", "twice the modulus"
+STRETCHED = "stretched step"
 CONVERGENCE = HALF_STEP, ITERATIONS, MORE_STEPS = (
     "dt / 2",
     "twice the iterations",
@@ -32,6 +34,11 @@ documented laws stay within 2, and springs of stiffness E h on each edge within 
 UNSTATED = 1e-3
 """Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
 that readings of a modulus are held to."""
+SHORTER = 3.0
+"""Factor by which half the step changes more than half the length of a run does.
+
+The motion that is left decays exponentially with the length: half of it leaves the square root.
+"""
 DIVERGED = 0.01
 """Error of the mean velocity relative to the largest, below which forces between nodes diverge."""
 
@@ -99,6 +106,17 @@ class Gate:
         return tuple(row for row in self.rows if row.unit == TIMES)
 
     @property
+    def shows_units(self) -> bool:
+        """True if one short step has a stiffness near a power of 1000 times the requested one.
+
+        No time step or length of run explains that, as both leave such a step nearly as it is.
+        """
+        powers = [
+            math.log10(abs(row.value)) / 3 for row in self.units if row.name.startswith(STRETCHED)
+        ]
+        return any(round(n) and abs(n - round(n)) <= math.log10(FAR_UNIT) / 3 for n in powers)
+
+    @property
     def unconverged(self) -> GateRow | None:
         """Test of convergence with the largest change; None if the same question changes too.
 
@@ -124,13 +142,14 @@ def remedies_of(rows: Mapping[str, GateRow], first: Answer) -> tuple[str, ...]:
     nothing, if more iterations in each do, or if a run of twice the length is stated to do less.
     """
     half, more = rows[HALF_STEP], rows[MORE_STEPS]
-    if _fails(more, UNSTATED):
+    by_step = half.value > SHORTER * math.sqrt(more.value)
+    if _fails(more, UNSTATED) and not by_step:
         return (LENGTH,)
     if not _fails(half, UNSTATED):
         hidden = half.verdict == "cannot" and first.about.get("forces_at") == "end"
         return (LENGTH, STEP) if hidden else (LENGTH,)
     states = "change_when_twice_as_long" in first.about.get("at_rest", {})
-    alone = more.verdict == PASSED or _fails(rows[ITERATIONS], UNSTATED)
+    alone = by_step or more.verdict == PASSED or _fails(rows[ITERATIONS], UNSTATED)
     return (STEP,) if alone or (states and half.verdict == STOPPED) else (LENGTH, STEP)
 
 

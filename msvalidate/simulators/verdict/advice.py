@@ -41,9 +41,9 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
     kinds = [each.kind for each in found.causes]
     if asked.ended or (asked.failures and "units" not in kinds):
         return _advice("ended" if asked.ended else "failed")
-    if found.word == STOPPED:
+    if found.word == STOPPED and not found.gate.shows_units:
         return _at_gate(found, asked)
-    if found.word == NOT_AT_REST:
+    if found.word == NOT_AT_REST and not found.gate.shows_units:
         return _converge(found)
     if "units" in kinds:
         return _advice("give units")

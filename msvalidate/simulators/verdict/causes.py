@@ -45,10 +45,12 @@ def rows_verdict(
     still = convergence_causes(gate, change)
     pulled = law[0] if law else next((r.on_mesh.E for r in rows if r.body == "pulled"), 0.0)
     total = law[0] / reading.E if law and reading and reading.E else 1.0
+    units = _gate_causes(gate.units or size_rows("body", pulled / material.E))
     causes = [
+        *(units if gate.shows_units else []),
         *still,
         *_law_causes(material, reading, law, rows),
-        *_gate_causes(gate.units or size_rows("body", pulled / material.E)),
+        *units,
         *_factor_causes(rows, total, linear=linear),
         *(_rounded(row) for row in rows if row.is_rounded),
     ]
@@ -73,8 +75,10 @@ def rows_verdict(
 
 
 def stop_verdict(gate: Gate) -> Verdict:
-    """Report what stopped a simulator, convergence first and units next."""
-    found = [*convergence_causes(gate), *_gate_causes([*gate.units, *gate.stops])]
+    """Report what stopped a simulator; units come first if a short step shows them."""
+    units, still = _gate_causes(gate.units), convergence_causes(gate)
+    first = [*units, *still] if gate.shows_units else [*still, *units]
+    found = [*first, *_gate_causes(gate.stops)]
     return Verdict(STOPPED, tuple(found) or (Cause("nothing passed", of=phrase("nothing passed")),))
 
 

@@ -68,6 +68,8 @@ class Judgement(Verdict):
         A body at 5 % strain beside elements of its documented law; None where that is not known.
     notes
         What could not be asked, and why.
+    mass
+        Mass of the bodies relative to the requested one, as forces and steps show it together.
     """
 
     asked: Isotropic
@@ -77,6 +79,7 @@ class Judgement(Verdict):
     bodies: tuple[BodyRow, ...] = ()
     large: AtLargeStrain | None = None
     notes: tuple[Note, ...] = ()
+    mass: float = 1.0
 
     @property
     def is_accepted(self) -> bool:
@@ -156,7 +159,7 @@ def judge_simulator(
     )  # fmt: skip
     return Judgement(
         **vars(verdict), asked=material, predicted=predicted, gate=gated, reading=reading,
-        bodies=rows, large=large, notes=tuple(notes),
+        bodies=rows, large=large, notes=tuple(notes), mass=total,
     )  # fmt: skip
 
 

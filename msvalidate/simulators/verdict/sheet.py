@@ -170,7 +170,8 @@ def _law_table(found: Judgement) -> SheetTable:
             rows.append(("of the pulled body", *_pair(E, nu), *_away((E, nu), asked)))
         below.append(text_of(phrase("no reading")))
     else:
-        rows.append(_read_row(reading, asked))
+        pulled = any(row.body == "pulled" and row.driven == "loads" for row in found.bodies)
+        rows.append(_read_row(reading, asked, found.mass, pulled=pulled))
         below = _reading_lines(reading)
     return SheetTable(
         "law at small strain", ("", "E (Pa)", "nu", "E over asked", "nu less asked"),
@@ -187,13 +188,20 @@ def _away(one: tuple[float, float], asked: tuple[float, float]) -> tuple[str, st
     return f"{one[0] / asked[0]:.5g}", f"{away:+.5f}"
 
 
-def _read_row(reading: Reading, asked: tuple[float, float]) -> tuple[str, ...]:
-    e = reading.elastic
+def _read_row(
+    reading: Reading, asked: tuple[float, float], mass: float, *, pulled: bool
+) -> tuple[str, ...]:
+    """Moduli by steps, which show E over the mass; `pulled` if a body shows E by forces too."""
+    e, label = reading.elastic, "read"
     if reading.E is None or reading.nu is None:
-        return ("read", "none", "none", "", "")
-    away = _away((reading.E, reading.nu), asked)
-    return ("read", f"{reading.E:.6g} ± {e.E_error:.1g}", f"{reading.nu:.5g} ± {e.nu_error:.1g}",
-            *away)  # fmt: skip
+        return (label, "none", "none", "", "")
+    E = mass * reading.E
+    if mass != 1:
+        label = f"read, masses {mass:.3g} times"
+    elif reading.masses is not None and not pulled:
+        label = "read, masses as asked"
+    return (label, f"{E:.6g} ± {mass * e.E_error:.1g}", f"{reading.nu:.5g} ± {e.nu_error:.1g}",
+            *_away((E, reading.nu), asked))  # fmt: skip
 
 
 def _reading_lines(reading: Reading) -> list[str]:

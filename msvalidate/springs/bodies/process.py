@@ -76,7 +76,7 @@ def run_limited(
         )
     except OSError as error:
         raise ProblemError(
-            f"adapter {format_value(words[0])}: {error.strerror}; give a program that can be run"
+            f"program {format_value(words[0])}: {error.strerror}; give one that can be run"
         ) from error
     streams = [_Stream(each) for each in (process.stdout, process.stderr) if each is not None]
     code: int | None = None

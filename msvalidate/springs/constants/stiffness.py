@@ -287,7 +287,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     Raises
     ------
     ProblemError
-        If the tensor has another shape, or is not positive definite.
+        If the tensor has another shape, is not symmetric or not positive definite.
 
     Examples
     --------
@@ -392,9 +392,16 @@ def is_of_material(tensor: Array, material: Isotropic) -> bool:
 
 
 def check_voigt(tensor: Array, dim: int | None = None) -> Array:
-    """The tensor as an array, of the plane or of space, or as said."""
+    """Return a symmetric Voigt tensor as an array, of 2D or 3D, or of `dim`."""
     C = finite("tensor", tensor)
     if C.shape not in {(3, 3), (6, 6)} or dim not in (None, AXES_OF[len(C)]):
         need = "a plane one, (3, 3)" if dim == 2 else "a plane one, (3, 3), or a solid's, (6, 6)"
         raise ProblemError(f"tensor: shape {C.shape}; give {need}")
+    apart = np.abs(C - C.T)
+    if apart.max() > ALIKE * np.abs(C).max():
+        i, j = np.unravel_index(apart.argmax(), C.shape)
+        raise ProblemError(
+            f"tensor: not symmetric, C[{i}, {j}] = {C[i, j]:g} and C[{j}, {i}] = {C[j, i]:g}; give "
+            "(C + C.T) / 2"
+        )
     return C

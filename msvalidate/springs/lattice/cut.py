@@ -18,6 +18,8 @@ slit or crack narrower than a cell, it joins them: take cells smaller than the g
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import shapely
 from scipy.spatial import cKDTree
@@ -31,7 +33,7 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.records import dataclass
 from msvalidate.springs.lattice.corners import corners_of_cell
-from msvalidate.springs.lattice.filled import PatternLattice
+from msvalidate.springs.lattice.filled import Lattice, PatternLattice
 from msvalidate.springs.lattice.grid_cut import ROUNDING, CutCells, cut_cells
 from msvalidate.springs.lattice.outline import outline
 from msvalidate.springs.lattice.pattern import Pattern
@@ -337,23 +339,32 @@ def narrow_holes(lattice: CutLattice) -> Array:
     return np.asarray(found[found[:, 2] < NARROW * lattice.spacing])
 
 
-def bridged_gaps(lattice: CutLattice) -> Array:
-    """Middles (g, 2) in m of sides between neighbouring cells that the body reaches nowhere.
+def bridged_gaps(lattice: Lattice) -> Array:
+    """Middle and width (m) of gaps and holes that springs bridge, the narrowest first, (g, 3).
 
-    Both cells have the body in them and share points off it, so their springs join what the body
-    does not. None are looked for in space.
+    Around a gap, the body has several parts in the three by three cells about one of them; their
+    springs share points, and join what the body does not. A hole narrower than a cell is bridged
+    too. None are looked for in solids that are no prisms along z, nor in lattices that are not cut.
     """
-    if lattice.domain.dim != 2:
-        return np.empty((0, 2))
-    around = np.stack([lattice.cells, np.roll(lattice.cells, -1, axis=1)], axis=2)
-    sides = np.sort(around, axis=2)
-    filled = np.repeat(lattice.fraction >= FILLED, 4)
-    ends = sides.reshape(-1, 2)[filled]
-    pairs, count = np.unique(ends, axis=0, return_counts=True)
-    shared = pairs[(count == 2) & ~lattice.inside[pairs].any(axis=1)]
-    if not len(shared):
-        return np.empty((0, 2))
-    body = outline(lattice.domain)
+    none = np.empty((0, 3))
+    if not isinstance(lattice, CutLattice):
+        return none
+    try:
+        body = outline(lattice.domain)
+    except ProblemError:
+        return none
+    h, low = lattice.spacing, lattice.points[lattice.cells[lattice.fraction >= FILLED, 0], :2]
+    low = h * np.unique(np.round(low / h, 6), axis=0)  # of solids one layer
     shapely.prepare(body)
-    away = ~shapely.intersects(body, shapely.linestrings(lattice.points[shared]))
-    return np.asarray(lattice.points[shared[away]].mean(axis=1))
+    low = low[~shapely.covers(body, shapely.box(*(low - h).T, *(low + 2 * h).T))]
+    holes = narrow_holes(lattice)
+    found = [holes[holes[:, 2] < h]]
+    for x, y in low:
+        parts = shapely.get_parts(shapely.clip_by_rect(body, x - h, y - h, x + 2 * h, y + 2 * h))
+        parts = parts[shapely.area(parts) >= FILLED * h**2]
+        for one, other in combinations(parts, 2):
+            across = shapely.shortest_line(one, other)
+            middle = shapely.get_coordinates(across).mean(axis=0)
+            found.append(np.array([(*middle, shapely.length(across))]))
+    gaps = np.concatenate([none, *found])
+    return np.asarray(gaps[gaps[:, 2].argsort(kind="stable")])

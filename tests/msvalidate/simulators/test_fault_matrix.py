@@ -54,11 +54,11 @@ def damped(request):
     return answer if answer.velocity is None else replace(answer, velocity=0.9 * answer.velocity)
 
 
-def changed(names, factor, at_rest, forces_at="start"):
+def changed(names, factor, at_rest, forces_at="start", base=clean):
     """Rest with a factor of dt, iterations, steps and E; `names` are those of its settings."""
 
     def simulate(request):
-        answer = clean(request)
+        answer = base(request)
         own = {"dt": 0.01, "iterations": 10, "steps": 200} | dict(request.settings)
         about = dict(answer.about) | {"forces_at": forces_at}
         about["settings"] = {name: [own[name], ""] for name in names}
@@ -80,7 +80,16 @@ def constraints(names, residual=False):
     return changed(names, lambda o, E: 1 + 500 * E * o["dt"] / o["iterations"], stated, "end")
 
 
-def unfinished(names, told=True):
+def settling(names):
+    """Few iterations in a step, and a run whose length leaves a little as well."""
+
+    def soft(own, E):
+        return (1 + 500 * E * own["dt"] / own["iterations"]) * (1 - np.exp(-own["steps"] / 20))
+
+    return changed(names, soft, lambda *_: {"change_when_twice_as_long": 0.0}, "end")
+
+
+def unfinished(names, told=True, base=clean):
     """Runs that stop before they are at rest; half the step is half the time."""
 
     def left(own, times=1):
@@ -89,7 +98,7 @@ def unfinished(names, told=True):
     def stated(own, size):
         return {"change_when_twice_as_long": 3 * size * (left(own) - left(own, 2))} if told else {}
 
-    return changed(names, lambda own, _: 1 - left(own), stated)
+    return changed(names, lambda own, _: 1 - left(own), stated, base=base)
 
 
 GIVEN = "give lengths"
@@ -117,6 +126,13 @@ FAULTS = {
     "constraints, iterations": (
         constraints(("iterations",), residual=True), "time step", {LONGER, HAND_ON},
     ),
+    "constraints, settling": (
+        settling(("dt", "iterations", "steps")), "time step", {LONGER, "steps=", HAND_ON, GIVEN},
+    ),
+    "short run, k × 0.001": (
+        unfinished(("dt", "steps"), base=stiffer(springs, 1e-3)), "units",
+        {LONGER, SHORTER, "steps=", "dt=", DAMPING, HAND_ON},
+    ),
     "short run, steps": (unfinished(("steps",)), "rest", {SHORTER, DAMPING, HAND_ON}),
     "short run, both": (unfinished(("dt", "steps")), "rest", {SHORTER, "dt=", HAND_ON}),
     "short run, untold": (unfinished(("dt", "steps"), told=False), "rest", {SHORTER, "dt="}),
@@ -141,6 +157,8 @@ def test_the_true_cause_is_reported_and_no_wrong_remedy(fault, material):
     assert kind in kinds, sheet.lines(fault)
     assert not [each for each in forbidden if each in sheet.next], sheet.next
     assert any(each in sheet.next for each in REMEDIES.get(kind, ("",))), sheet.next
+    if kind == "units" and "rest in" not in fault:
+        assert sheet.word.startswith("units?")
     if kind in {"rest", "time step"}:
         assert kinds[0] in {"rest", "time step"}
         assert sheet.word.startswith("not converged")

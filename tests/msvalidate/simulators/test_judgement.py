@@ -303,6 +303,18 @@ def test_steps_alone_show_damping_and_e_over_the_mass(mass, kept, kinds, said):
     assert found.causes[0].said.startswith(said), found.causes
 
 
+def test_doubled_masses_do_not_halve_the_modulus_of_the_table():
+    heavy = Asked(simulator_of("linear", 2.0))
+    found = judge_simulator(heavy, ASKED, meshes=("tet4",), parts=("probe", "bodies"))
+    (law,) = (t for t in sheet_of(found, heavy).tables if t.title.startswith("law"))
+    (row,) = (row for row in law.rows if row[0].startswith("read"))
+    assert row[0] == "read, masses 2 times"
+    assert float(row[3]) == pytest.approx(1.0, abs=1e-3)
+    alone = judge_simulator(heavy, ASKED, parts=("probe",))
+    (law,) = (t for t in sheet_of(alone, heavy).tables if t.title.startswith("law"))
+    assert law.rows[-1][0] == "read, masses as asked"
+
+
 def test_e_and_masses_over_the_density_are_told_as_that_and_not_as_units():
     def simulate(request: Request) -> Answer:
         light = replace(request.material, E=request.material.E / 1000, density=1.0)

@@ -13,6 +13,7 @@ from msvalidate.case.compare.budget import budget, mesh_rows
 from msvalidate.case.compare.choice import _equal_cost, choice_sentences, choose
 from msvalidate.case.compare.comparison import NOT_TOLD, compare_case
 from msvalidate.case.file.case import Case
+from msvalidate.case.report.headline import recommend
 from msvalidate.case.report.page import sentences
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Box, Isotropic, Polygon, Problem, Segment, Support, Traction
@@ -47,7 +48,25 @@ def bent():
 def test_another_material_has_no_spacing():
     chosen = choose(compare_case(beam(cells=6, constants=(1e5, 2e5))))
     assert [need.where for need in chosen.springs] == ["none", "none"]
-    assert "for about 5 % in displacement: no spacing does" in choice_sentences(chosen)[0]
+    assert "To reach 5 %, springs: no spacing does" in choice_sentences(chosen)[0]
+
+
+@pytest.mark.parametrize("offset", [0.0, -0.02, 0.01])
+def test_no_spacing_is_extrapolated_while_springs_bridge_a_gap(offset):
+    left, right = 1.0 + offset, 1.04 + offset
+    slot = ((right, 1.0), (right, 0.25), (left, 0.25), (left, 1.0))
+    body = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), *slot, (0.0, 1.0)))
+    ends = Segment((0.0, 1.0), (0.0, 0.0)), Segment((2.0, 0.0), (2.0, 1.0))
+    supports, loads = (Support(ends[0], (0.0, 0.0)),), (Traction(ends[1], (10.0, 0.0)),)
+    coarse = Case(Problem(body, LAW, supports, loads), spacing=0.25, accuracy=0.01, unit="mm")
+    found = compare_case(replace(coarse, quantities=("displacement",)))
+    chosen = choose(found)
+    assert found.kind == NOT_TOLD
+    assert found.gaps[0][0] == pytest.approx([(left + right) / 2, found.gaps[0][0, 1], 0.04])
+    assert [need.where for need in chosen.springs] == ["bridged"] * 2
+    assert "springs: resolve the gap of 40 mm first;" in choice_sentences(chosen, "mm")[0]
+    assert "a gap of 40 mm" in recommend(found, chosen).sentence
+    assert "40 mm wide at" in "".join(sentences(found)[1])
 
 
 def test_a_mesh_of_as_many_nodes_as_the_finest_springs_is_compared():
@@ -62,7 +81,10 @@ def test_a_mesh_of_as_many_nodes_as_the_finest_springs_is_compared():
 def test_what_every_lattice_meets_takes_the_coarsest():
     rollers = (Support(BEAM.side("left"), (0.0, None)), Support(BEAM.side("bottom"), (None, 0.0)))
     pulled = Problem(BEAM, LAW, rollers, (Traction(BEAM.side("right"), (10.0, 0.0)),))
-    need = choose(compare_case(Case(pulled, cells=8, quantities=("displacement",)))).springs[0]
+    found = compare_case(Case(pulled, cells=8, quantities=("displacement",)))
+    need = choose(found).springs[0]
+    assert found.kind == ""
+    assert "no difference remains on any of these lattices" in " ".join(sentences(found)[1])
     assert (need.where, need.cells, need.count) == ("coarsest", 1, 11)
 
 

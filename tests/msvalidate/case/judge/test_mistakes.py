@@ -25,6 +25,7 @@ from msvalidate.springs.constants.routes import calibrate_by_route
 from msvalidate.springs.lattice import CutLattice
 from msvalidate.springs.statics.equilibrium import equilibrium
 from msvalidate_check.beside import Field, Mistake
+from msvalidate_check.diagnosis import explain
 from msvalidate_check.mistakes import explain_mistakes
 from reference_fem import box_discretisation, solve_problem
 from reference_fem.body import nodal_forces
@@ -289,6 +290,15 @@ def test_a_factor_in_bending_is_reported_with_its_rivals(factor, rivals, monkeyp
     assert "modulus" in kinds
     assert kinds.index("modulus") < kinds.index(rivals)
     assert [each.left for each in causes] == sorted(each.left for each in causes)
+    if factor == 1e-3:
+        assert {"unit", "unit of k"} <= set(kinds[:4])
+
+
+def test_units_of_stiffness_are_named_beside_lengths_for_springs_too(monkeypatch):
+    b = bench("cantilever")
+    causes = judged(monkeypatch, b, b.springs([1e3 * k for k in b.made.constants])).verdict.causes
+    assert {"unit", "unit of k"} <= set().union(*(each.kinds for each in causes[:4]))
+    assert "from a confusion of N/m and N/mm" in " ".join(each.said for each in causes[:4])
 
 
 def test_a_field_that_may_still_move_is_said_not_to_be_converged_first(monkeypatch):
@@ -329,6 +339,19 @@ def test_a_rest_length_that_changes_little_is_no_rival(excess, count):
     assert all("rest lengths differ" in each.said and "+0.001" in each.said for each in causes[1:])
 
 
+@pytest.mark.parametrize(("noise", "first"), [(0.0, "coarse mesh"), (5e-3, "modulus")])
+def test_a_uniform_factor_has_sizes_as_rivals_where_a_mesh_fits(noise, first):
+    rng = np.random.default_rng(5)
+    places, elastic, other = rng.normal(size=(3, 40, 2))
+    coarse = 0.8 * elastic + 2e-3 * other
+    mesh = Mistake("coarse mesh", lambda: [(0.0, elastic), (0.1, coarse)])
+    candidate = coarse + noise * rng.normal(size=(40, 2))
+    field = Field(places, candidate, elastic, 1e-7, "loads", ((-3, 3),) * 2, mistakes=(mesh,))
+    kinds = [each.kind for each in explain(field)]
+    assert {"modulus", "load", "thickness", "coarse mesh"} <= set(kinds)
+    assert kinds[0] == first
+
+
 def test_models_that_are_too_large_are_left_out_and_reported():
     b = bench("block")
     made = known_mistakes(replace(b.case, cells=20), b.places, b.reference)
@@ -336,3 +359,11 @@ def test_models_that_are_too_large_are_left_out_and_reported():
     whole = next(each for each in made.mistakes if each.kind == "whole boundary springs")
     assert len(whole.path()) == 2
     assert "Springs at 0.05 m are not tried: more than 3,000 unknowns." in made.omitted
+
+
+def test_lengths_of_causes_are_in_the_unit_of_the_case(monkeypatch):
+    b = bench("millimetres")
+    found = judged(monkeypatch, b, MISTAKES["coarse quadrilaterals"](b))
+    (mesh,) = (each for each in found.verdict.causes if each.kind == "coarse mesh")
+    assert f"about {1e3 * mesh.value:.3g} mm:" in mesh.said
+    assert not [each for each in judged_sentences(found)[1] if " m:" in each or " m " in each]

@@ -30,6 +30,7 @@ def row(error, uncertainty=1e-4, quantity="displacement"):
 
 def compared(values, rows, problem=LOADED, kind="", size=1e-9):
     return SimpleNamespace(
+        gaps=((),),
         rows=rows,
         displacement=size * values,
         reference=SimpleNamespace(

@@ -157,6 +157,7 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
     (lambda: repeat_cell(patterns.fcc(), 10**6), "repeated cell: 4e+18 points"),
     (lambda: moduli(np.diag([1.0, 2.0, 3.0])), "is not of cubic symmetry along the axes"),
     (lambda: isotropic_moduli(np.diag([1.0, 1.0, 0.0])), "some strain costs no energy"),
+    (lambda: isotropic_moduli(np.eye(3) + np.eye(3, k=1)), "C[0, 1] = 1 and C[1, 0] = 0; give"),
 ])  # fmt: skip
 def test_bad_input_is_refused(call, message):
     with refused(message):
