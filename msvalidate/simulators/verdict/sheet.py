@@ -170,8 +170,8 @@ def _law_table(found: Judgement) -> SheetTable:
             rows.append(("of the pulled body", *_pair(E, nu), *_away((E, nu), asked)))
         below.append(text_of(phrase("no reading")))
     else:
-        pulled = any(row.body == "pulled" and row.driven == "loads" for row in found.bodies)
-        rows.append(_read_row(reading, asked, found.mass, pulled=pulled))
+        by_forces = any(row.body == "pulled" and row.driven == "loads" for row in found.bodies)
+        rows.append(_read_row(reading, asked, found.mass, pulled=by_forces))
         below = _reading_lines(reading)
     return SheetTable(
         "law at small strain", ("", "E (Pa)", "nu", "E over asked", "nu less asked"),
