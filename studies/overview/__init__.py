@@ -45,10 +45,13 @@ def solve_reversed(problem: kit.Problem, network: kit.Network, answer: kit.Answe
 
 
 FAULTS = {
-    "every spring 1 % stiffer": {"springs": solve_stiffened},
-    "diagonals 2 % stiffer": {"springs": solve_slanted},
-    "energy of volumes left out": {"springs": solve_without_volumes},
-    "displacements of the wrong sign": {"springs": solve_reversed},
+    name: {"springs": springs, "questions": ("part",)}
+    for name, springs in {
+        "every spring 1 % stiffer": solve_stiffened,
+        "diagonals 2 % stiffer": solve_slanted,
+        "energy of volumes left out": solve_without_volumes,
+        "displacements of the wrong sign": solve_reversed,
+    }.items()
 }
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 

@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 
 from msvalidate.case.file.case import Case
+from msvalidate.case.judge import judgement
 from msvalidate.case.judge.judgement import budget, judge_result
 from msvalidate.case.judge.mistake_fields import Catalogue
 from msvalidate.case.judge.results import read_result
@@ -59,6 +60,28 @@ def elastic(nu=0.3, pulled=False):
 def elastic_in_plane_stress(nu=0.3):
     law = Isotropic(1e5, nu, "plane_stress")
     return solve_problem(replace(problem(), material=law), MESH).at(X)
+
+
+MODELS = {"converge_case": {}, "known_mistakes": {}, "answer_in_full": {}}
+"""Functions of a judgement that look at the case and the points alone, and their results."""
+
+
+def shared(model, results):
+    """The model, solved once for all fields of a case at the same points."""
+
+    def solved(case, at, *rest):
+        key = case, at.tobytes() if isinstance(at, np.ndarray) else id(at)
+        if key not in results:
+            results[key] = model(case, at, *rest)
+        return results[key]
+
+    return solved
+
+
+@pytest.fixture(autouse=True)
+def shared_models(monkeypatch):
+    for name, results in MODELS.items():
+        monkeypatch.setattr(judgement, name, shared(getattr(judgement, name), results))
 
 
 def judged(tmp_path, points, move, asked=None, **options):
