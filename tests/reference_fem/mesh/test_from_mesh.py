@@ -54,7 +54,7 @@ def mesh_of(body):
 
 # Tests of mesh files show that every format gives the same mesh.
 @pytest.mark.parametrize(
-    ("element", "form"), zip(ELEMENTS, cycle(["gmsh22", "vtu", "vtk"]), strict=False)
+    ("element", "form"), list(zip(ELEMENTS, cycle(["gmsh22", "vtu", "vtk"]), strict=False))
 )
 def test_box_and_its_mesh_file_move_alike(element, form, tmp_path):
     box = box_of(element)

@@ -40,6 +40,7 @@ BEAM = Box((2.0, 1.0))
 HELD = (Support(BEAM.side("left"), (0.0, 0.0)),)
 
 
+@functools.cache
 def problem(nu=0.3, load=-10.0):
     loads = (Traction(BEAM.side("right"), (0.5 * load, load)),)
     return Problem(BEAM, Isotropic(1e5, nu, "plane_strain"), HELD, loads, "beam")
@@ -60,6 +61,12 @@ def elastic(nu=0.3, pulled=False):
 def elastic_in_plane_stress(nu=0.3):
     law = Isotropic(1e5, nu, "plane_stress")
     return solve_problem(replace(problem(), material=law), MESH).at(X)
+
+
+@functools.cache
+def case_of(asked, accuracy):
+    """One case for a problem, so that its models are solved once."""
+    return Case(asked, accuracy=accuracy)
 
 
 MODELS = {"converge_case": {}, "known_mistakes": {}, "answer_in_full": {}}
@@ -87,7 +94,7 @@ def shared_models(monkeypatch):
 def judged(tmp_path, points, move, asked=None, **options):
     path = tmp_path / "field.npz"
     np.savez(path, points=points, displacement=move, **options.pop("arrays", {}))
-    case = Case(asked or problem(), accuracy=options.pop("accuracy", 2e-3))
+    case = case_of(asked or problem(), options.pop("accuracy", 2e-3))
     return judge_result(case, read_result(path, 2), **options)
 
 
@@ -193,8 +200,7 @@ def test_a_model_without_an_answer_is_recorded(tmp_path, monkeypatch):
     assert "known mistakes are not compared: no factor." in " ".join(judged_sentences(found)[1])
 
 
-@pytest.mark.parametrize("turn", [[[0, 1], [1, 0]], [[0, 1], [-1, 0]]])
-def test_exchanged_axes_of_a_slender_cantilever_end_in_a_verdict(tmp_path, turn):
+def test_exchanged_axes_of_a_slender_cantilever_end_in_a_verdict(tmp_path):
     """The best factor of such a field is 0."""
     beam = Box((10.0, 1.0))
     held, pull = (
@@ -203,7 +209,7 @@ def test_exchanged_axes_of_a_slender_cantilever_end_in_a_verdict(tmp_path, turn)
     )
     slender = Problem(beam, Isotropic(1e6, 0.3, "plane_stress"), (held,), (pull,))
     mesh = box_discretisation(beam, (40, 4), "Q2")
-    move = solve_problem(slender, mesh).displacement @ np.array(turn)
+    move = solve_problem(slender, mesh).displacement[:, ::-1]
     assert judged(tmp_path, mesh.points, move, slender).verdict.word == "differs"
 
 
@@ -256,13 +262,13 @@ def test_points_in_any_order_outside_doubled_and_in_a_unit(tmp_path):
 def test_a_place_repeated_often_takes_no_more_memory_than_its_points(tmp_path):
     rng = np.random.default_rng(7)
     often = np.repeat(X[:1], 20_000, axis=0) + 1e-13 * rng.normal(size=(20_000, 2))
-    move = np.concatenate([elastic()[:1].repeat(20_000, axis=0), elastic()])
+    move = np.concatenate([elastic(), elastic()[:1].repeat(20_000, axis=0)])
     judged(tmp_path, X, elastic())  # what is imported at first use does not count
     tracemalloc.start()
     judged(tmp_path, X, elastic())
     alone = tracemalloc.get_traced_memory()[1]
     tracemalloc.reset_peak()
-    found = judged(tmp_path, np.concatenate([often, X]), move)
+    found = judged(tmp_path, np.concatenate([X, often]), move)
     more = tracemalloc.get_traced_memory()[1] - alone
     tracemalloc.stop()
     assert len(found.matched.places) == len(X)

@@ -95,8 +95,7 @@ def test_a_linear_target_and_the_springs_law_make_up_large_displacements():
         assert parts["linear reference"] + parts["law"] == pytest.approx(own, rel=0.1)
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("volume", [0.0, 4e4])
+@pytest.mark.parametrize(("law", "volume"), list(zip(LAWS, (0.0, 4e4), strict=True)))
 def test_parts_of_large_displacements_add_up(law, volume):
     constants = {"constants": (8e4, 4e4), "volume": volume}
     found = compare_case(pulled_down(law=law, geometry="nonlinear", **constants))
