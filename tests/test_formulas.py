@@ -147,7 +147,7 @@ TRIANGULAR = homogenise(patterns.triangular(), (1.0,)).tensor
 
 @cache
 def formulas():
-    """Computed by the tests that need them: some rows take a second, and collection takes none."""
+    """Compute all rows in the tests that need them; some take a second."""
     return {  # printed -> values of its symbols, what it comes to by another way, relative error
         "k2/(2k1 + k2)": (CELLS[["k1", "k2"]].to_dict("series"), CELLS["nu_springs"], EXACT),
         "k2/(k1 + k2)": ({"k1": 2, "k2": 3}, square(2, 3)[0, 1] / square(2, 3)[0, 0], EXACT),
@@ -225,9 +225,10 @@ def formulas():
 
 
 def test_a_formula_is_what_it_says():
-    @table("printed, row", formulas().items())
-    def check(printed, row):
-        values, expected, error = row
+    rows = ((printed, *row) for printed, row in formulas().items())
+
+    @table("printed, values, expected, error", rows)
+    def check(printed, values, expected, error):
         np.testing.assert_allclose(evaluated(printed, values), expected, rtol=error)
 
     check()

@@ -64,22 +64,22 @@ def elastic_in_plane_stress(nu=0.3):
 
 
 @functools.cache
-def case_of(asked, accuracy):
-    """One case for a problem, so that its models are solved once."""
-    return Case(asked, accuracy=accuracy)
+def case_of(target, accuracy):
+    """Return the same case for a problem, so that its models are solved once."""
+    return Case(target, accuracy=accuracy)
 
 
 MODELS = {"converge_case": {}, "known_mistakes": {}, "answer_in_full": {}}
-"""Functions of a judgement that look at the case and the points alone, and their results."""
+"""Models that depend on the case and the points alone, and their results."""
 
 
 def shared(model, results):
-    """The model, solved once for all fields of a case at the same points."""
+    """Solve a model once for all fields of a case at the same points."""
 
-    def solved(case, at, *rest):
-        key = case, at.tobytes() if isinstance(at, np.ndarray) else id(at)
+    def solved(case, points, *rest):
+        key = case, points.tobytes() if isinstance(points, np.ndarray) else id(points)
         if key not in results:
-            results[key] = model(case, at, *rest)
+            results[key] = model(case, points, *rest)
         return results[key]
 
     return solved
