@@ -26,7 +26,8 @@ SLOW = Path(__file__).with_name("slow.csv")
 
 
 LONGEST = {"test_studies.py", "test_command_line.py", "test_jobs.py", "test_documents.py"}
-LONGEST |= {"test_case_runs.py", "test_range.py", "test_judging.py", "test_check.py"}
+LONGEST |= {"test_case_runs.py", "test_mistakes.py", "test_judging.py", "test_check.py"}
+LONGEST |= {"test_range.py", "test_sweep.py", "test_general.py", "test_commands.py"}
 """Files of more than ten seconds; a worker takes a file whole."""
 
 
