@@ -692,7 +692,7 @@ def documented(parsed):
     return lines
 
 
-@cache  # files of a package are those of its parts too
+@cache
 def code_tokens(source):
     """Number of names, operators, numbers and strings; an f-string is one, in any Python."""
     kinds = {tokenize.NAME, tokenize.OP, tokenize.NUMBER, tokenize.STRING}
