@@ -25,8 +25,9 @@ SLOW = Path(__file__).with_name("slow.csv")
 `make test`, parted by |. `make slow` runs the rest."""
 
 
-LONGEST = {"test_studies.py", "test_answers.py", "test_command_line.py", "test_jobs.py"}
-LONGEST |= {"test_documents.py"}
+LONGEST = {"test_studies.py", "test_command_line.py", "test_jobs.py", "test_documents.py"}
+LONGEST |= {"test_case_runs.py", "test_mistakes.py", "test_judging.py", "test_check.py"}
+LONGEST |= {"test_range.py", "test_sweep.py", "test_general.py", "test_commands.py"}
 """Files of more than ten seconds; a worker takes a file whole."""
 
 

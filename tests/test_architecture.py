@@ -692,6 +692,7 @@ def documented(parsed):
     return lines
 
 
+@cache
 def code_tokens(source):
     """Number of names, operators, numbers and strings; an f-string is one, in any Python."""
     kinds = {tokenize.NAME, tokenize.OP, tokenize.NUMBER, tokenize.STRING}

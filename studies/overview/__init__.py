@@ -39,16 +39,13 @@ def solve_without_volumes(
     return kit.solve_springs(problem, replace(network, volumes=None), answer)
 
 
-def solve_reversed(problem: kit.Problem, network: kit.Network, answer: kit.Answer) -> kit.Array:
-    """A candidate whose displacements have the wrong sign."""
-    return -kit.solve_springs(problem, network, answer)
-
-
 FAULTS = {
-    "every spring 1 % stiffer": {"springs": solve_stiffened},
-    "diagonals 2 % stiffer": {"springs": solve_slanted},
-    "energy of volumes left out": {"springs": solve_without_volumes},
-    "displacements of the wrong sign": {"springs": solve_reversed},
+    name: {"springs": springs, "questions": ("part",)}
+    for name, springs in {
+        "every spring 1 % stiffer": solve_stiffened,
+        "diagonals 2 % stiffer": solve_slanted,
+        "energy of volumes left out": solve_without_volumes,
+    }.items()
 }
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 

@@ -128,16 +128,7 @@ def test_quantities_are_held_to_the_band():
         assert_elastic(case, None, case.wanted, quantities=wanted)
 
 
-def is_long(name):
-    """Bodies in space of more than a cell, corners and rubber: elements take seconds."""
-    in_space = name.endswith("space") and not name.startswith("cell")
-    return in_space or name.startswith(("l_shape", "cook", "rubber"))
-
-
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(e, marks=pytest.mark.slow) if is_long(e) else e for e in case_names()],
-)
+@pytest.mark.parametrize("name", case_names())
 def test_case_judge_says_the_same(name, tmp_path):
     """A field 3 % too soft, bent, turned and shifted a little: beside both references."""
     case = elastic_case(name, case_facts(name)["ratios"][-1 if "rubber" in name else 2])

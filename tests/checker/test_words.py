@@ -7,7 +7,7 @@ from msvalidate_check import causes, check
 from tests.checker.faulty_fields import faulty_fields
 from tests.checker.faulty_pairs import faulty_pairs
 
-EVERY = 5
+EVERY = 15
 
 
 def decided():

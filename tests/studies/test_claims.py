@@ -1,6 +1,7 @@
 """The study `claims`: verdicts follow numbers, every link is there, forms agree."""
 
 import re
+from functools import cache
 from io import StringIO
 
 import pandas as pd
@@ -36,6 +37,12 @@ def results(study, **tables):
     where = baseline_folder("quick") / study
     found = {path.stem: pd.read_csv(path) for path in where.glob("*.csv")} if study else {}
     return Results("quick", run={study: found | tables})
+
+
+@cache
+def committed(form):
+    """Evidence of the ledger of the committed tables."""
+    return claims.run(setting=Setting(quick=form == "quick"))
 
 
 def row(evidence, number):
@@ -132,7 +139,7 @@ def named(check):
 
 def test_the_committed_ledger_is_made_of_the_committed_tables():
     for form in FORMS:
-        found = claims.run(setting=Setting(quick=form == "quick")).tables
+        found = committed(form).tables
         for name, made in found.items():
             kept = pd.read_csv(baseline_folder(form) / "claims" / f"{name}.csv")
             text = made[list(kept)].astype(object).to_csv(index=False)
@@ -158,7 +165,7 @@ def test_small_and_full_form_come_to_the_same_verdicts():
 
 def test_numbers_of_this_run_come_before_those_of_the_baseline():
     advice = pd.read_csv(baseline_folder("quick") / "damping/advice.csv")
-    ours = row(claims.run(setting=QUICK), 27)
+    ours = row(committed("quick"), 27)
     assert ours["number"] == pytest.approx(1313 / 588)  # of the plate to 1e-6, as in `damping`
     theirs = row(claims.run(results("damping", advice=advice.assign(steps=7.0)), setting=QUICK), 27)
     assert (theirs["number"], theirs["verdict"]) == (1, record.TRUE)
@@ -188,7 +195,7 @@ QUALIFIED = {
 
 
 def test_a_headline_reads_the_same_in_both_forms():
-    quick = claims.run(setting=QUICK).tables["topics"]
+    quick = committed("quick").tables["topics"]
     pd.testing.assert_frame_equal(quick, TOPICS)
     moved = results("damping", stop_rule=pd.read_csv(STOPS).assign(error_over_asked=7.0))
     told = claims.run(moved, setting=QUICK).tables["topics"]

@@ -92,9 +92,8 @@ def rows_of_squares(difference):
     return mine
 
 
-@pytest.mark.parametrize("size", [0.01, -0.01])
-def test_springs_wrong_by_1_percent_have_orders_out_of_bounds(size):
-    candidate = faults.with_fault(stiffen_all, size)
+def test_springs_wrong_by_1_percent_have_orders_out_of_bounds():
+    candidate = faults.with_fault(stiffen_all, 0.01)
     pair = [bent.deflection(candidate, Bent("plane_strain", 0.499, "square", n)) for n in (8, 16)]
     wrong = rows_of_squares(lambda mine: pair / mine["deflection_mixed"] - 1)
     assert rubber.orders_outside(wrong)[0] > 0.2

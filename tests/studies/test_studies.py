@@ -29,7 +29,7 @@ TELLING = {
     "cost": "a solver that stops early and states no error",
     "damping": "forces a fiftieth of a step late",
     "displacement": "every spring 0.1 % softer",
-    "electrostatics": "half of a segment's force to each end",
+    "electrostatics": "segments seen as points",
     "large_strain": "rest lengths of diagonals 0.1 % off",
     "lattices": "one neighbour direction missing",
     "overview": "energy of volumes left out",

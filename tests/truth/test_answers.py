@@ -13,6 +13,8 @@ from tests.truth import exact
 from tests.truth.judge import tally
 
 A_SLICE = 100
+LONG_SEED = 14
+"""Seed of a body of 314 points that takes 45 s; `make slow` judges it."""
 
 
 def _agrees(seeds):
@@ -22,7 +24,7 @@ def _agrees(seeds):
 
 
 def test_what_is_answered_is_right_within_its_stated_error():
-    _agrees(range(15))
+    _agrees({*range(24)} - {LONG_SEED})
 
 
 @pytest.mark.slow

@@ -55,8 +55,8 @@ def test_indices_that_are_none_are_refused_without_a_warning(bad, what):
 
 @table("held", [2 * HELD, HELD.astype(str), HELD + 0j, HELD[:2], np.nan * HELD])
 def test_what_is_no_boolean_is_refused(held):
-    with pytest.raises(ProblemError, match=r"held: .*give booleans \(4, 2\)"):
-        ring(held=held)
+    with pytest.raises(ProblemError, match=r"fixed: .*give booleans \(4, 2\)"):
+        ring(fixed=held)
 
 
 MASKED = np.ma.array([0.3, 0.4, 0.5, 0.6], mask=[0, 0, 1, 0])
@@ -68,7 +68,7 @@ MASKED = np.ma.array([0.3, 0.4, 0.5, 0.6], mask=[0, 0, 1, 0])
         {"stiffness": MASKED},
         {"points": np.ma.masked_less(CORNERS, 4.5)},
         {"springs": np.ma.masked_greater(RING, 2)},
-        {"held": np.ma.array(HELD, mask=HELD)},
+        {"fixed": np.ma.array(HELD, mask=HELD)},
     ],
 )
 def test_masked_arrays_are_refused(change):

@@ -51,11 +51,11 @@ def test_no_surface_prints_agrees_out_of_the_range(path):
 REMOVED = "not found|no stable equilibrium|come apart|separates|not solved"
 
 
-@pytest.mark.parametrize("path", [*INSIDE, *OUTSIDE], ids=stem)
+@pytest.mark.parametrize("path", INSIDE, ids=stem)
 def test_no_record_that_agrees_lacks_a_part(path):
     verdict, text, page = record_of(path)
-    assert (verdict["verdict"] == "agrees") == (path in INSIDE)
-    assert "agrees" not in text or not re.search(REMOVED, text + page)
+    assert verdict["verdict"] == "agrees"
+    assert not re.search(REMOVED, text + page)
 
 
 WITHOUT_OBSTACLE = [p for p in (*INSIDE, *OUTSIDE) if "contact" not in p.read_text("utf-8")]

@@ -141,8 +141,7 @@ def test_trajectories_of_all_paths_agree_after_2000_steps(dim):
 # To the bit -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("far", [False, True])
-@pytest.mark.parametrize("shuffled", [False, True])
+@pytest.mark.parametrize(("shuffled", "far"), [(False, False), (True, True)])
 @pytest.mark.parametrize(("dim", "cells"), SHAPES)
 def test_threads_and_waves_change_no_bit(dim, cells, shuffled, far):
     """Whatever the number of threads, also where a spring joins the first point to the last."""

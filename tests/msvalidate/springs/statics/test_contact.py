@@ -149,7 +149,9 @@ def test_at_large_depth_forces_are_along_the_obstacles_normals(depth):
 
 
 def test_what_is_too_deep_is_said_with_how_far_there_is_an_equilibrium():
-    network, touching = pressed(Obstacle("disc", (0.4, SIZE), (0.0, -1.0), 0.2), depth=0.19)
+    network, touching = pressed(
+        Obstacle("disc", (0.4, SIZE), (0.0, -1.0), 0.2), cells=6, depth=0.19
+    )
     with pytest.raises(SolverError, match=r"contact: no equilibrium beyond 0\.\d+ of the obstacle"):
         solve_contact(network, touching, "nonlinear")
 
