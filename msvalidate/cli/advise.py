@@ -96,7 +96,7 @@ def _advise(args: argparse.Namespace) -> list[str]:
     summary += constants_lines(found, density=" (default)" * (args.density is None))
     summary.append(step_sentence(found, args.step))
     summary += [f"not for this material: {', '.join(cannot)}"] * bool(cannot)
-    summary += _engines(args.engine, found[0], notes=args.verbose)
+    summary += _engines(args.engine, found[0], args.step, notes=args.verbose)
     if not args.verbose:
         return [line for text in summary for line in textwrap.wrap(text, WIDTH) or [text]]
     lines = [*summary, *(line for advice in found for line in advice_lines(advice))]
@@ -137,20 +137,23 @@ def _letters(m: Isotropic) -> str:
     )
 
 
-def _engines(engine: str | None, advice: Advice, *, notes: bool) -> list[str]:
+def _engines(engine: str | None, advice: Advice, step: float | None, *, notes: bool) -> list[str]:
     """Table of the numbers that other programs take, with notes and sources if requested."""
     if engine is None:
         return ["numbers for other programs: --engine springs, --engine cells; formulas: -v"]
     m, springs = advice.material, engine == "springs"
     lam, mu = lame(3, m.E, m.nu)
-    names = {"mu": mu, "lam": lam, "E": m.E, "rho": m.density, "t": m.thickness}
+    names = {"mu": mu, "lam": lam, "E": m.E, "rho": m.density, "t": m.thickness, "m": advice.mass}
+    names |= {"lam2": lame(2, m.E, m.nu)[0]} | ({"dt": step} if step else {})
     each = [names | {"k": kind.constant, "L": kind.length} for kind in advice.kinds]
     rows = []
     table = Path(advise_package.__file__).with_name("engines.toml").read_text(encoding="utf-8")
     for row in tomllib.loads(table)["engine"]:
         if (row["takes"] != "elements") == springs and row.get("axes", m.dim) == m.dim:
             factor, number = row["factor"], "none"
-            if factor:  # of our own table
+            if "dt" in factor and not step:
+                number = f"{factor}; give --step"
+            elif factor:  # of our own table
                 values = dict.fromkeys(f"{eval(factor, known):.6g}" for known in each)  # noqa: S307
                 number = f"{factor} = {', '.join(values)} {row['unit']}"
             rows.append((row["name"], number, *([row["note"], row["source"]] if notes else [])))

@@ -298,7 +298,8 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
             f"damping force -c·m·v on each point, c = {a.damping.rate:.3g} 1/s, by the slowest "
             f"motion that this load excites ({a.damping.omega:.3g} rad/s), not by E and nu: within "
             f"{100 * a.damping.accuracy:g} "
-            f"% of rest after {a.damping.seconds:.3g} s, {a.steps_to_rest:,} steps of leapfrog"
+            f"% of rest after {a.damping.seconds:.3g} s, {a.steps_to_rest:,} steps of leapfrog; "
+            f"stiffness-proportional damping of ratio ζ: β = 2ζ/ω = {2 / a.damping.omega:.3g} ζ s"
         )
     return (
         f"{a.lattice}, spacing {a.spacing:.6g} m, route {a.route}: {solid} {a.source}",

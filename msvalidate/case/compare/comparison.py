@@ -32,7 +32,7 @@ from msvalidate.case.springs.lattice_springs import (
     extrapolate,
     solve_finer,
 )
-from msvalidate.case.springs.mesh_springs import MeshSprings, compare_on_mesh
+from msvalidate.case.springs.mesh_springs import MeshSprings, compare_on_mesh, springs_alone
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Anisotropic,
@@ -102,6 +102,8 @@ class Comparison:
         Of each lattice, `bridged_gaps`.
     on_mesh
         Springs on the body's own mesh, where it has one.
+    alone
+        Difference of springs alone on the edges of that mesh, NaN without them.
     missing
         Parts of the answer that an exception removed.
     """
@@ -118,6 +120,7 @@ class Comparison:
     notes: tuple[str | NotCompared, ...]
     gaps: tuple[Array, ...]
     on_mesh: MeshSprings | None = None
+    alone: float = math.nan
     missing: tuple[Limitation, ...] = ()
 
     @cached_property
@@ -263,7 +266,8 @@ def compare_case(case: Case) -> Comparison:
     off = max_length(values[0] - reference.displacement.value)
     kind = kind if off > ROUNDING * max_length(reference.displacement.value) else ""
     given = (answers, support[0], limit, reference, homogenised, rows, kind, remarks, gaps)
-    return Comparison(case, points, *given, on_mesh, tuple(missing))
+    alone = springs_alone(case, reference)
+    return Comparison(case, points, *given, on_mesh, alone, tuple(missing))
 
 
 def break_springs(rule: Fracture, case: Case, springs: SpringAnswer) -> FractureResult:

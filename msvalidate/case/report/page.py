@@ -172,6 +172,8 @@ def _mesh_sentence(found: Comparison) -> str:
     )
     off = [row.error for row in found.rows if row.quantity == "displacement"]
     nearer = "; here the lattice is nearer" if off and off[0] < first["difference"] else ""
+    if math.isfinite(found.alone):
+        said += f" Springs alone on these edges differ by {percent(found.alone)}."
     return f"{said} {fault}{nearer}." if fault else said
 
 

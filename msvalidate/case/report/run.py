@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -59,6 +60,7 @@ def case_files(
         "kind": found.kind,
         "limitations": [asdict(each) for each in found.limitations],
         "springs": [advice_record(each) for each in found.advice],
+        "springs_alone": found.alone if math.isfinite(found.alone) else None,
         "on_mesh": found.on_mesh.table.to_dict("records") if found.on_mesh else [],
         "choice": asdict(chosen),
         "notes": list(map(str, found.notes)),

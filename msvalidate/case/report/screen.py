@@ -35,6 +35,7 @@ def case_lines(found: Comparison, chosen: Choice, verdict: Mapping[str, Any]) ->
         *_wrapped(f"{found.case.name}: {verdict['headline']}"),
         *_quantity_lines(found.case, found.rows, "springs"),
         *_wrapped(verdict["recommendation"]),
+        *[f"springs alone on these edges: {percent(found.alone)}"] * math.isfinite(found.alone),
         *_need_lines(chosen, found.case.unit),
         *constants_lines(
             found.advice, found.case.unit, " (default)" * ("density" in found.case.notes)

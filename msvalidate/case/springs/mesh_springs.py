@@ -7,22 +7,25 @@ not.
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
-from msvalidate.case.file.case import EDGE_ROUTES, MESH_EDGES, Case
+from msvalidate.case.file.case import EDGE_ROUTES, MESH_EDGES, Case, spacing_of
 from msvalidate.case.file.part_mesh import count_one_cell_thick, spacing_of_points
 from msvalidate.case.springs.lattice_springs import (
     SpringAnswer,
     displacements_at,
     extrapolate,
     solve_finer,
+    solve_springs,
 )
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Isotropic, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.constants.stiffness import NEAR_RATIO, springs_ratio
 from reference_fem.converged import Reference, is_nearly_incompressible
 
 
@@ -102,6 +105,39 @@ def mesh_warning(problem: Problem) -> tuple[str, str]:
         "they are squares or cubes, too stiff if they are several times as long as thick"
     )
     return cause, "take a mesh with two cells or more through each wall"
+
+
+def springs_alone(case: Case, reference: Reference) -> float:
+    """Difference of springs alone on the edges of a part's own mesh from elasticity.
+
+    For engines without cells. The springs have their own ratio, which is within `NEAR_RATIO` of
+    that of the material.
+
+    Returns
+    -------
+    float
+        Largest difference relative to the largest displacement at the points of the mesh. NaN
+        without a mesh, with several materials, at another ratio, or if these springs have no
+        equilibrium.
+    """
+    problem, law = case.problem, case.problem.material
+    if not isinstance(problem.domain, Mesh) or not isinstance(law, Isotropic) or problem.zones:
+        return math.nan
+    nu = springs_ratio(law)
+    if abs(law.nu - nu) > NEAR_RATIO or problem.contacts or case.geometry == "nonlinear":
+        return math.nan
+    other = replace(
+        case, problem=replace(problem, material=replace(law, nu=nu)), lattice=MESH_EDGES,
+        route=EDGE_ROUTES[0], constants=None, volume=0.0, spacing=problem.domain.mean_edge,
+        cells=None, fracture=None,
+    )  # fmt: skip
+    try:
+        answer = solve_springs(other, spacing_of(other))
+        points = np.asarray(answer.lattice.points)
+        exact = replace(reference, points=points).displacement.value
+    except (ProblemError, SolverError):
+        return math.nan
+    return max_length(answer.at(points) - exact) / (max_length(exact) or 1.0)
 
 
 def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshSprings | None, str]:

@@ -37,7 +37,7 @@ from msvalidate.problem.checks import format_value, require_one_of, whole_number
 from msvalidate.simulators.exchange.lammps import lammps_files
 from msvalidate.simulators.exchange.protocol import Request, Springs
 from msvalidate.springs.constants.homogenise import deforms_affinely
-from msvalidate.springs.constants.stiffness import ALIKE, springs_ratio
+from msvalidate.springs.constants.stiffness import ALIKE, NEAR_RATIO, springs_ratio
 from msvalidate.springs.lattice import Lattice
 from msvalidate.springs.lattice.patterns import all_patterns
 from msvalidate.springs.network import Network
@@ -56,8 +56,6 @@ CELLS = {2: ("triangle", "quad"), 3: ("tetra", "hexahedron")}
 ACROSS = 8
 """Cells across the narrowest side of a box or an outline where nothing is said."""
 MOST_HALVINGS = 6
-CLOSE = 0.01
-"""Poisson's ratios so near to each other count as one, and the difference is stated."""
 
 
 def export_case(
@@ -81,7 +79,7 @@ def export_case(
         Of the cells: see `CELLS`. A mesh file has its own.
     springs
         Give the network that stands for the case too: nodes are its points, on its own lattice;
-        its ratio is that of springs alone, and the case's within `CLOSE` of it.
+        its ratio is that of springs alone, and the case's within `NEAR_RATIO` of it.
     settings
         Of the simulator, by its own names.
 
@@ -275,11 +273,11 @@ def _spring_request(
     others, gravity = _loads_apart(case.problem)
     near = nearest_case(replace(case, problem=others))
     own, nu = (getattr(each.problem.material, "nu", 0.0) for each in (case, near))
-    if abs(own - nu) > CLOSE:
+    if abs(own - nu) > NEAR_RATIO:
         raise ProblemError(
             f"--springs: at ratio {own:g} the {case.lattice} lattice has cells that resist a "
-            f"change of volume beside its springs; take nu within {CLOSE:g} of {nu:.6g}, which "
-            "springs alone have, or write the cells too: case export --to csv"
+            f"change of volume beside its springs; take nu within {NEAR_RATIO:g} of {nu:.6g}, "
+            "which springs alone have, or write the cells too: case export --to csv"
         )
     _, lattice, network, _ = make_network(near, spacing_of(near))
     refuse_cells(near, network)

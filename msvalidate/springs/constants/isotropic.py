@@ -107,9 +107,10 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
     best = exact[0] if exact else min(tries, key=lambda fit: float(fit.cost))
     solid = homogenise(pattern, tuple(best.x), spacing)
     if np.abs(best.fun).max() > ALIKE:
+        nearest = np.where(best.x < 1e-12 * best.x.max(), 0.0, best.x)  # rounding
         raise ProblemError(
             f"{pattern.name} lattice: no spring constants make it isotropic at nu = {nu:.6g}; the "
-            f"nearest found, {', '.join(f'{k:.3g}' for k in best.x)} N/m, leave "
+            f"nearest found, {', '.join(f'{k:.3g}' for k in nearest)} N/m, leave "
             f"{_describe_tensor(solid.tensor)}: take a ratio nearer to those of its rules, or give "
             "the constants"
         )

@@ -38,6 +38,10 @@ Cauchy's relation C12 = C66 (C44 in 3D) and isotropy, C11 = C12 + 2·C66 (C44), 
 AXES_OF = {1: 1, 3: 2, 6: 3}
 """Number of axes, by that of Voigt components."""
 UNIT = {1: "N", 2: "N/m", 3: "Pa"}
+NEAR_RATIO = 0.01
+"""Largest difference from the ratio of springs alone at which they replace the material.
+
+Displacements then change by about as much, and every command reports the change."""
 ALIKE = 1e-9
 """Entries of a tensor closer than this fraction of the largest are one, or none."""
 

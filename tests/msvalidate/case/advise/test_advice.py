@@ -155,15 +155,25 @@ def test_a_price_is_in_proportion_to_the_change_of_the_ratio():
 def test_every_program_has_its_number(capsys):
     # By hand, of k = μh: μ = E/2.5 at nu = 1/4, h = 2.
     for engine, axes, said in (
-        ("springs", "", ("k/2 = 4", "k = 8 ", "k*L = 16, 22.6274 N", "1/k = 0.125 m/N")),
+        (
+            "springs",
+            "--step 1",
+            (
+                "m/(2*dt**2)) = 0.333333 1",
+                "k/2 = 4",
+                "k = 8 ",
+                "k*L = 16, 22.6274 N",
+                "1/k = 0.125 m/N",
+            ),
+        ),
         ("cells", "", ("E = 10 Pa", "mu = 4 Pa", "E/rho = 2.5 Pa")),
-        ("cells", "--thickness .5", ("mu*t = 2 N/m",)),
+        ("cells", "--thickness .5", ("mu*t = 2 N/m", "lam2*t = 1.33333 N/m")),
     ):
         words = f"advise --E 10 --nu .25 --density 4 --spacing 2 --engine {engine} {axes}"
         assert main(words.split()) == 0
         out = capsys.readouterr().out
         assert all(each in out for each in said)
-        assert ("triangles  " in out) == bool(axes)
+        assert ("triangles  " in out) == ("thickness" in axes)
     rows = tomllib.loads(ENGINES.read_text(encoding="utf-8"))["engine"]
     assert {row["factor"] for row in rows} == {
         "",
@@ -175,6 +185,8 @@ def test_every_program_has_its_number(capsys):
         "mu",
         "E/rho",
         "mu*t",
+        "lam2*t",
+        "k/(k + m/(2*dt**2))",
     }
 
 

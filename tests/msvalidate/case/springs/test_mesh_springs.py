@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from msvalidate.case.file.part_mesh import count_one_cell_thick, straighten
 from msvalidate.case.file.reading import parse_source
 from msvalidate.case.report.page import sentences
 from msvalidate.case.springs.lattice_springs import solve_springs
-from msvalidate.case.springs.mesh_springs import mesh_warning, one_cell_deflection
+from msvalidate.case.springs.mesh_springs import mesh_warning, one_cell_deflection, springs_alone
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -30,6 +31,7 @@ from msvalidate.problem.normals import pressure
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.export import nearest_case
 from reference_fem.body import solve_problem
+from reference_fem.converged import converge
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 
@@ -110,6 +112,26 @@ def test_they_stand_beside_the_lattice_and_close_in_with_order_two(element):
     said = " ".join(sentences(found)[1])
     assert "Springs on the part's own mesh" in said
     assert ("push" in said) == bool(own.table["pushing"].iloc[0])
+
+
+def test_springs_alone_on_the_edges_are_compared_near_their_own_ratio():
+    ring = sector("P2", turn=0.0)
+    held = Support(ring.side("low"), (None, 0.0)), Support(ring.side("high"), (0.0, None))
+    pressed = (pressure(ring.side("inner"), ring, 1e3),)
+
+    def both(nu):
+        problem = Problem(ring, Isotropic(1e6, nu, "plane_strain"), held, pressed)
+        return Case(problem, cells=4), converge(problem, ring.points)
+
+    case, reference = both(0.25)
+    springs = solve_springs(replace(case, lattice="mesh edges", route="springs"), ring.mean_edge)
+    points = np.asarray(springs.lattice.points)
+    exact = replace(reference, points=points).displacement.value
+    own = np.linalg.norm(springs.at(points) - exact, axis=1).max()
+    own /= np.linalg.norm(exact, axis=1).max()
+    assert springs_alone(case, reference) == pytest.approx(own, rel=1e-9)
+    assert springs_alone(*both(0.2595)) == pytest.approx(own, abs=0.02)
+    assert math.isnan(springs_alone(*both(0.2605)))
 
 
 def test_on_mesh_is_refused_where_there_is_none():
