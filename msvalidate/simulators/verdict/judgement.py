@@ -131,7 +131,7 @@ def judge_simulator(
     reading = None
     if "probe" in parts:
         stepped = own | dict(probed or {})
-        reading = _noted("probe", notes, lambda: probe(simulator, material, settings=stepped))
+        reading = try_or_note("probe", notes, lambda: probe(simulator, material, settings=stepped))
     bodies = "bodies" in parts
     found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
     read, total = _law(reading, found, predicted, material)
@@ -139,7 +139,7 @@ def judge_simulator(
     large, furthest = None, own | dict(converged or {})
     linear = elements is linear_elements
     if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
-        large = _noted("large strain", notes, lambda: at_large_strain(
+        large = try_or_note("large strain", notes, lambda: at_large_strain(
             simulator, material, laws.stress_of(law, material.E, material.nu), furthest,
             lambda asked: masses_on(asked, reading, total),
         ))  # fmt: skip
@@ -163,7 +163,7 @@ def _body_rows(
 ) -> tuple[BodyRow, ...]:
     """A row a body, brought further to rest; of single precision under more load too."""
     law, reading, total = known
-    settled = _noted(
+    settled = try_or_note(
         "brought further to rest", notes, lambda: bring_further(simulator, own, converged, found)
     )
     rows = of_one_kind(
@@ -194,7 +194,7 @@ def _refuse_material(material: Isotropic) -> None:
         )
 
 
-def _noted(what: str, notes: list[Note], act: Callable[[], Found]) -> Found | None:
+def try_or_note(what: str, notes: list[Note], act: Callable[[], Found]) -> Found | None:
     """What is found; None where that fails, which is told."""
     try:
         return act()

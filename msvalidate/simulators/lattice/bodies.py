@@ -1,0 +1,246 @@
+"""A cantilever of a lattice at rest, compared with elasticity and with our network of its springs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from msvalidate.case.judge.mistakes import factorise_network
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.problem import (
+    Anisotropic,
+    Array,
+    Box,
+    Isotropic,
+    Material,
+    Problem,
+    SolverError,
+    Support,
+    Traction,
+    Weight,
+)
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.problem.records import field as default
+from msvalidate.simulators.exchange.protocol import (
+    Answer,
+    Request,
+    Simulator,
+    SimulatorError,
+    ask,
+    stated_residual_motion,
+)
+from msvalidate.simulators.lattice.measure import LatticeSprings
+from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
+from msvalidate.simulators.probe.masses import Masses, patterns
+from msvalidate.simulators.probe.probe import STRAIN
+from msvalidate.springs.network import spring_network
+from msvalidate_check.beside import Field, Mistake, best_scale
+from msvalidate_check.causes import Cause
+from msvalidate_check.diagnosis import explain
+from reference_fem.body import solve_problem
+from reference_fem.elasticity import solve_on
+from reference_fem.mesh.boxes import box_discretisation
+from reference_fem.mesh.from_mesh import mesh_discretisation
+
+COUNTS = {2: (8, 4), 3: (4, 2, 2)}
+"""Cells of the cantilever along each axis."""
+FINER = {2: ("Q2", 2), 3: ("H2", 1)}
+"""Element of the elasticity that a body is compared with, and its parts of a cell's side."""
+END, WEIGHT = "end load", "weight"
+"""Loads of the cantilever."""
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeBody:
+    """A cantilever at rest.
+
+    Parameters
+    ----------
+    load
+        `END` or `WEIGHT`.
+    part, request, about
+        Mesh and springs, the request, and the simulator's own record of the answer.
+    move
+        Displacement (n, d) in m: the odd part of those under the load and under its opposite.
+    rest
+        Part of the displacement that may still change, as stated; NaN if it is not known.
+    prestrain
+        Elongation of the body that is the same under both loads: of rest lengths.
+    errors
+        Largest difference relative to the largest displacement, from elasticity of the material and
+        of the homogenised solid, and from our network of its springs; NaN if it is not known.
+    factor
+        Displacement relative to that of our network.
+    mesh_error
+        Difference of linear elements on the same mesh from the homogenised solid, likewise.
+    causes
+        Explanations of what our network leaves.
+    """
+
+    load: str
+    part: Regular
+    request: Request
+    move: Array
+    rest: float
+    about: Mapping[str, Any]
+    prestrain: float
+    errors: Mapping[str, float] = default(default_factory=dict)
+    factor: float = np.nan
+    mesh_error: float = 0.0
+    causes: tuple[Cause, ...] = ()
+
+
+def bring_to_rest(
+    simulator: Simulator,
+    shape: str,
+    material: Isotropic,
+    settings: Mapping[str, Any],
+    precision: str,
+    spacing: float = SPACING,
+) -> list[LatticeBody]:
+    """Bring the cantilever to rest under each load and its opposite.
+
+    Raises
+    ------
+    CannotRepresent, SimulatorError
+        As the simulator, or if the body does not move.
+    """
+    part = regular_block(shape, COUNTS[material.dim], spacing)
+    bodies = []
+    for load in (END, WEIGHT):
+        force, gravity = _loads(part, material, load, STRAIN.get(precision, STRAIN["float64"]))
+        x = part.mesh.points
+        held = np.repeat(x[:, :1] == 0, x.shape[1], axis=1)
+        mass = RegularBlock(part.mesh, material).lumped
+        request = Request(
+            "rest", part.mesh, material, mass=mass, gravity=gravity, force=force, held=held,
+            value=np.zeros(x.shape), settings=settings, name=f"cantilever, {load}",
+        )  # fmt: skip
+        answer = ask(simulator, request)
+        back = ask(simulator, replace(request, force=-force, gravity=-gravity))
+        there, other = np.asarray(answer.displacement), np.asarray(back.displacement)
+        move, length = (there - other) / 2, part.box.size[0]
+        even = float((there + other)[x[:, 0] == length, 0].mean()) / 2 / length
+        if not max_length(move):
+            raise SimulatorError(f"answer: {request.name}: the body does not move")
+        rest = stated_residual_motion(request, Answer(displacement=move, about=answer.about))
+        bodies.append(LatticeBody(load, part, request, move, rest, answer.about, even))
+    return bodies
+
+
+def _loads(part: Regular, law: Isotropic, load: str, strain: float) -> tuple[Array, Array]:
+    """Forces (n, d) in N and gravity (d,) in m/s² that strain the root by about `strain`."""
+    x, (length, height) = part.mesh.points, part.box.size[:2]
+    force, gravity = np.zeros(x.shape), np.zeros(x.shape[1])
+    if load == WEIGHT:
+        gravity[-1] = -strain * law.E * height / (3 * law.density * length**2)
+        return force, gravity
+    share = RegularBlock(part.mesh, law).lumped * (x[:, 0] == length)
+    traction = strain * law.E * height / (6 * length)
+    total = traction * part.box.volume / length * law.thickness
+    force[:, -1] = -total * share / share.sum()
+    return force, gravity
+
+
+def compare_body(
+    body: LatticeBody,
+    C: Array | None,
+    springs: LatticeSprings | None,
+    masses: Masses | None,
+    band: float,
+) -> LatticeBody:
+    """Compare a body with elasticity, with its homogenised solid and with our network."""
+    material, request = body.request.material, body.request
+    elastic = _elasticity(body, material)
+    errors, own, mesh_error = {"elasticity": _apart(body.move, elastic)}, elastic, 0.0
+    if C is not None:
+        solid = Anisotropic(C, material.density, material.thickness)
+        elastic = _elasticity(body, solid)
+        elements = mesh_discretisation(request.mesh)
+        own = solve_on(elements, solid, request.held, request.value, request.load, allow_locked=True)
+        errors |= {"solid": _apart(body.move, elastic), "elements": _apart(body.move, own)}
+        mesh_error = _apart(own, elastic)
+    if springs is not None and springs.misfit <= band:
+        mass = request.mass
+        if masses is not None:
+            pattern = patterns(RegularBlock(request.mesh, material)).get(masses.pattern, mass)
+            mass = pattern * (mass.sum() / pattern.sum())
+        network = network_displacement(body, springs.constants, springs.weight, mass)
+        errors["network"] = _apart(body.move, network)
+        if errors["network"] <= errors.get("elements", np.inf):
+            own = network
+    body = replace(body, errors=errors, mesh_error=mesh_error)
+    factor = best_scale(body.move, own)
+    if not factor > 0 or _apart(body.move / factor, own) > band:
+        driven = "loads" if body.load == END else "weight"
+        x = request.mesh.points
+        span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
+        mistakes = []
+        if springs is not None:
+            equal = partial(network_displacement, body, springs.constants, springs.weight)
+            even = np.full(len(x), request.mass.mean())
+            mistakes.append(Mistake("equal masses", lambda: [(1.0, equal(even))]))
+        field = Field(x, body.move, own, band / 10, driven, span, mistakes=mistakes)
+        causes = explain(field)
+        return replace(body, factor=factor, causes=causes)
+    return replace(body, factor=factor)
+
+
+def _apart(move: Array, other: Array) -> float:
+    return max_length(move - other) / max_length(other)
+
+
+def network_displacement(
+    body: LatticeBody, constants: Array, weight: float, mass: Array
+) -> Array:
+    """Displacement (n, d) in m of our network of springs under a body's loads."""
+    request, part = body.request, body.part
+    network = spring_network(
+        part.mesh.points, part.springs, part.stiffness(constants, weight), mass=mass,
+        fixed=request.held, force=request.force + np.outer(mass, request.gravity),
+    )  # fmt: skip
+    factor = factorise_network(network)
+    if factor is None:
+        raise SolverError("cantilever: the springs measured are not stable")
+    return factor(network)
+
+
+def fit_to_rest(body: LatticeBody, start: LatticeSprings) -> LatticeSprings:
+    """Springs whose network moves as a body under its end load, for programs without motion."""
+    kinds = min(len(start.constants), 2)
+
+    def springs(p: Array) -> tuple[Array, float]:
+        constants = start.constants.copy()
+        constants[:kinds] *= np.exp(p[:kinds])
+        return constants, float(np.exp2(p[kinds]) / 2)
+
+    def misfit(p: Array) -> Array:
+        u = network_displacement(body, *springs(p), body.request.mass)
+        return np.asarray((u - body.move).ravel() / max_length(body.move))
+
+    first = network_displacement(body, *springs(np.zeros(kinds + 1)), body.request.mass)
+    times = best_scale(first, body.move)
+    if not times > 0:
+        raise SimulatorError(f"answer: {body.request.name}: it moves against its load")
+    fit = least_squares(misfit, np.r_[np.full(kinds, np.log(times)), 0.0], xtol=1e-12)
+    left = float(np.linalg.norm(fit.fun.reshape(body.move.shape), axis=1).max())
+    return LatticeSprings(*springs(fit.x), left)
+
+
+def _elasticity(body: LatticeBody, law: Material) -> Array:
+    """Displacement (n, d) in m of elasticity under a body's loads, by quadratic elements."""
+    request, size = body.request, body.part.box.size
+    box, none = Box(size), (0.0,) * len(size)
+    total = tuple((request.force.sum(axis=0) * size[0] / (box.volume * law.thickness)).tolist())
+    load: Weight | Traction = Weight(tuple(request.gravity.tolist()))
+    if body.load == END:
+        load = Traction(box.side("right"), total)
+    problem = Problem(box, law, (Support(box.side("left"), none),), (load,), "cantilever")
+    element, parts = FINER[len(size)]
+    cells = tuple(parts * n for n in COUNTS[len(size)])
+    solution = solve_problem(problem, box_discretisation(box, cells, element))
+    return np.asarray(solution.at(request.mesh.points))
