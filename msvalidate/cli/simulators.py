@@ -27,10 +27,12 @@ from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
 from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.problem.material import State
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.progress import report_step
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
+from msvalidate.simulators.exchange.declaration import declared_cells
 from msvalidate.simulators.exchange.export import on_mesh
 from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.exchange.protocol import (
@@ -44,14 +46,18 @@ from msvalidate.simulators.exchange.protocol import (
 from msvalidate.simulators.gate.gate import convergence_tests
 from msvalidate.simulators.verdict.causes import convergence_causes
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
+from msvalidate.simulators.verdict.lattice import judge_lattice
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
+from msvalidate.springs.constants.stiffness import CAUCHY
 from msvalidate_check import exchange
 from msvalidate_check.checking import ACCURACY
 from msvalidate_check.text import WIDTH
 from msvalidate_check.verdict import AGREES
 
+TETRA_RATIO = 0.3
+"""Default ratio of elements."""
 RUN = "-run"
 """End of the name of the folder in which the latest question stays, beside its page."""
 
@@ -159,16 +165,21 @@ def check_adapter(args: argparse.Namespace) -> int:
         args.law = _known_law(args.law)
         folder = _folder_of_check(args, name)
         kept = folder and folder.with_name(f"{folder.name}{RUN}")
-        material = Isotropic(args.modulus, args.ratio, "solid", args.density)
         parts = tuple(args.only or PARTS)
         log = folder and log_path(folder)
-        asked = Asked(Program(args.adapter, args.limit, kept), parts)
+        program = Program(args.adapter, args.limit, kept)
+        cells, dim = declared_cells(program)
+        material = _material(args, cells, dim)
+        asked = Asked(program, parts)
         started, settings, probed = datetime.now(UTC), dict(args.set), dict(args.probe_set)
         try:
             with Progress(name, shown=not args.quiet, log=log):
-                found = judge_simulator(
-                    asked, material, settings, law=args.law, probed=probed, parts=parts
-                )
+                if cells == "tetra":
+                    found = judge_simulator(
+                        asked, material, settings, law=args.law, probed=probed, parts=parts
+                    )
+                else:
+                    found = judge_lattice(asked, cells, material, settings, parts=parts)
                 sheet = sheet_of(found, asked, parts)
                 record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
                 text = f"{json_of(record)}\n".encode()
@@ -200,6 +211,15 @@ def check_adapter(args: argparse.Namespace) -> int:
     if folder is not None:
         tell(f"{name}: {folder / PAGE}")
     return printed or code
+
+
+def _material(args: argparse.Namespace, cells: str, dim: int) -> Isotropic:
+    """Material of a check; the default ratio of lattices is that of springs alone."""
+    state: State = "solid" if dim == 3 else "plane_stress"
+    ratio = args.ratio
+    if ratio is None:
+        ratio = TETRA_RATIO if cells == "tetra" else CAUCHY[dim]
+    return Isotropic(args.modulus, ratio, state, args.density)
 
 
 def _known_law(given: str) -> str:

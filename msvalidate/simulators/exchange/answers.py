@@ -7,7 +7,7 @@ import re
 import zipfile
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
@@ -151,8 +151,8 @@ class About(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
 class Declared(msgspec.Struct, omit_defaults=True):
     """Keys of `result.json` as the answer to "declare"; other keys are left unread."""
 
-    cells: list[Literal["quad", "triangle", "hexahedron", "tetra", "points"]] = []
-    dimension: Literal[2, 3] | None = None
+    cells: list[str] = []
+    dimension: int | None = None
 
 
 def read_answer(folder: str | Path, request: Request) -> Answer:

@@ -152,9 +152,21 @@ def compare_body(
     springs: LatticeSprings | None,
     masses: Masses | None,
     band: float,
+    total: float = 1.0,
 ) -> LatticeBody:
-    """Compare a body with elasticity, with its homogenised solid and with our network."""
-    material, request = body.request.material, body.request
+    """Compare a body with elasticity, with its homogenised solid and with our network.
+
+    Parameters
+    ----------
+    C, springs, masses
+        Homogenised tensor (Pa), springs and masses as measured; None if they are not known.
+    band
+        Largest difference relative to the largest displacement that is none.
+    total
+        Mass relative to the requested one.
+    """
+    material = body.request.material
+    request = replace(body.request, mass=total * body.request.mass)
     elastic = _elasticity(body, material)
     errors, own, mesh_error = {"elasticity": _apart(body.move, elastic)}, elastic, 0.0
     if C is not None:
@@ -171,7 +183,7 @@ def compare_body(
             mass = pattern * (mass.sum() / pattern.sum())
         network = network_displacement(body, springs.constants, springs.weight, mass)
         errors["network"] = _apart(body.move, network)
-        if errors["network"] <= errors.get("elements", np.inf):
+        if errors["network"] <= band or errors.get("elements", 1.0) > band:
             own = network
     body = replace(body, errors=errors, mesh_error=mesh_error)
     factor = best_scale(body.move, own)

@@ -33,6 +33,7 @@ from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import CannotRepresent, Simulator
 from msvalidate.simulators.gate.gate import gate
 from msvalidate.simulators.gate.rows import Gate
+from msvalidate.simulators.lattice.report import LatticeReport
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
@@ -67,6 +68,8 @@ class Judgement(Verdict):
         A body at 5 % strain beside elements of its documented law; None where that is not known.
     notes
         What could not be asked, and why.
+    lattice
+        Solid, springs and bodies of a simulator that was asked on cells of its own.
     """
 
     asked: Isotropic
@@ -76,6 +79,7 @@ class Judgement(Verdict):
     bodies: tuple[BodyRow, ...] = ()
     large: AtLargeStrain | None = None
     notes: tuple[Note, ...] = ()
+    lattice: LatticeReport | None = None
 
 
 def judge_simulator(
