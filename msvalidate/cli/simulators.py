@@ -27,8 +27,8 @@ from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.problem.material import State
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.material import State
 from msvalidate.problem.progress import report_step
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
@@ -46,7 +46,7 @@ from msvalidate.simulators.exchange.protocol import (
 from msvalidate.simulators.gate.gate import convergence_tests
 from msvalidate.simulators.verdict.causes import convergence_causes
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
-from msvalidate.simulators.verdict.lattice import judge_lattice
+from msvalidate.simulators.verdict.lattice import judge_lattice, with_lattice
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
@@ -56,6 +56,8 @@ from msvalidate_check.checking import ACCURACY
 from msvalidate_check.text import WIDTH
 from msvalidate_check.verdict import AGREES
 
+THICKNESS = 0.2
+"""Thickness (m) of plane bodies: any but 1, which hides that it is forgotten."""
 TETRA_RATIO = 0.3
 """Default ratio of elements."""
 RUN = "-run"
@@ -178,6 +180,7 @@ def check_adapter(args: argparse.Namespace) -> int:
                     found = judge_simulator(
                         asked, material, settings, law=args.law, probed=probed, parts=parts
                     )
+                    found = with_lattice(found, asked, settings | probed)
                 else:
                     found = judge_lattice(asked, cells, material, settings, parts=parts)
                 sheet = sheet_of(found, asked, parts)
@@ -219,7 +222,8 @@ def _material(args: argparse.Namespace, cells: str, dim: int) -> Isotropic:
     ratio = args.ratio
     if ratio is None:
         ratio = TETRA_RATIO if cells == "tetra" else CAUCHY[dim]
-    return Isotropic(args.modulus, ratio, state, args.density)
+    thickness = 1.0 if dim == 3 else THICKNESS
+    return Isotropic(args.modulus, ratio, state, args.density, thickness)
 
 
 def _known_law(given: str) -> str:

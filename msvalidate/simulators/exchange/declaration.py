@@ -42,7 +42,7 @@ def declared_cells(simulator: Simulator) -> tuple[str, int]:
     known = {**DIMENSION, "points": about.get("dimension")}
     if known.get(cells[0]) not in {2, 3}:
         raise ProblemError(
-            f"declared cells {format_value(cells[0])}: give some of {', '.join(known)}; points need "
-            "a dimension, 2 or 3"
+            f"declared cells {format_value(cells[0])}: give some of {', '.join(known)}; points "
+            "need a dimension, 2 or 3"
         )
     return cells[0], int(known[cells[0]])

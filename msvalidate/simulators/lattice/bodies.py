@@ -73,8 +73,8 @@ class LatticeBody:
     errors
         Largest difference relative to the largest displacement, from elasticity of the material and
         of the homogenised solid, and from our network of its springs; NaN if it is not known.
-    factor
-        Displacement relative to that of our network.
+    factor, left
+        Displacement relative to that of our network, or of elements, and what this factor leaves.
     mesh_error
         Difference of linear elements on the same mesh from the homogenised solid, likewise.
     causes
@@ -90,6 +90,7 @@ class LatticeBody:
     prestrain: float
     errors: Mapping[str, float] = default(default_factory=dict)
     factor: float = np.nan
+    left: float = np.nan
     mesh_error: float = 0.0
     causes: tuple[Cause, ...] = ()
 
@@ -173,7 +174,9 @@ def compare_body(
         solid = Anisotropic(C, material.density, material.thickness)
         elastic = _elasticity(body, solid)
         elements = mesh_discretisation(request.mesh)
-        own = solve_on(elements, solid, request.held, request.value, request.load, allow_locked=True)
+        own = solve_on(
+            elements, solid, request.held, request.value, request.load, allow_locked=True
+        )
         errors |= {"solid": _apart(body.move, elastic), "elements": _apart(body.move, own)}
         mesh_error = _apart(own, elastic)
     if springs is not None and springs.misfit <= band:
@@ -185,9 +188,10 @@ def compare_body(
         errors["network"] = _apart(body.move, network)
         if errors["network"] <= band or errors.get("elements", 1.0) > band:
             own = network
-    body = replace(body, errors=errors, mesh_error=mesh_error)
     factor = best_scale(body.move, own)
-    if not factor > 0 or _apart(body.move / factor, own) > band:
+    left = _apart(body.move / factor, own) if factor else np.inf
+    body = replace(body, errors=errors, mesh_error=mesh_error, factor=factor, left=left)
+    if factor < 0 or left > band:
         driven = "loads" if body.load == END else "weight"
         x = request.mesh.points
         span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
@@ -198,17 +202,15 @@ def compare_body(
             mistakes.append(Mistake("equal masses", lambda: [(1.0, equal(even))]))
         field = Field(x, body.move, own, band / 10, driven, span, mistakes=mistakes)
         causes = explain(field)
-        return replace(body, factor=factor, causes=causes)
-    return replace(body, factor=factor)
+        return replace(body, causes=causes)
+    return body
 
 
 def _apart(move: Array, other: Array) -> float:
     return max_length(move - other) / max_length(other)
 
 
-def network_displacement(
-    body: LatticeBody, constants: Array, weight: float, mass: Array
-) -> Array:
+def network_displacement(body: LatticeBody, constants: Array, weight: float, mass: Array) -> Array:
     """Displacement (n, d) in m of our network of springs under a body's loads."""
     request, part = body.request, body.part
     network = spring_network(

@@ -35,6 +35,8 @@ from msvalidate.simulators.probe.reading import BAND
 SIZES = {2: (2, 4, 8), 3: (2, 3, 4, 6)}
 """Cells a side by the number of axes: as many sizes as C(n) has coefficients for springs that reach
 over two cells and more."""
+LARGER = {2: (4, 8, 12), 3: (3, 4, 5, 6)}
+"""The same where inner nodes are brought to rest: layers along opposite sides do not meet."""
 WEIGHED = {2: 4, 3: 2}
 """Cells a side of the block whose masses are measured."""
 INNER = 0.01
@@ -130,7 +132,9 @@ def measure_lattice(
     precision: Precision = first.about["precision"]
     forces_at = "start" if first.force is not None else str(first.about["forces_at"])
     if first.force is None and first.about["mass"] != "lumped":
-        raise CannotRepresent("a mass matrix that is not diagonal; only tetrahedra are read with it")
+        raise CannotRepresent(
+            "a mass matrix that is not diagonal; only tetrahedra are read with it"
+        )
     known = {"precision": precision, "forces_at": forces_at}
     masses = None if first.force is not None else measure_masses(replace(first_bench, **known))
 
@@ -141,16 +145,17 @@ def measure_lattice(
         m = (m * (bench.block.lumped.sum() / m.sum()))[:, None]
         return replace(bench, inertia=lambda v: m * v, **known)
 
-    benches = [weighed(bench_of(count)) for count in SIZES[dim]]
+    sizes = SIZES[dim]
+    benches = [weighed(bench_of(count)) for count in sizes]
     strain, relaxed, bound = STRAIN[precision], False, False
     fits = [fit_strains(benches[-1], strain)]
     forces = np.array([there.odd(back).force for there, back in fits[0].pairs])
     inner = benches[-1].block.inner
     if max_abs(forces[:, inner]) > INNER * max_abs(forces):
-        settled = [_settling(bench) for bench in benches]
+        settled = [_settling(weighed(bench_of(count))) for count in LARGER[dim]]
         try:
             fits = [fit_strains(settled[-1], strain)]
-            benches, relaxed = settled, True
+            benches, relaxed, sizes = settled, True, LARGER[dim]
         except CannotRepresent as error:
             notes.append(note_of("inner nodes at rest in a uniform strain", error))
             bound = True
@@ -158,17 +163,22 @@ def measure_lattice(
     if not max_abs(fits[0].C):
         raise SimulatorError("lattice: no strain makes a force; give the springs a stiffness")
     tensors = [(fit.C + fit.C.T) / 2 for fit in fits]
-    C = extrapolate(SIZES[dim], tensors)
+    C = extrapolate(sizes, tensors)
     rest = benches[0].push(np.zeros((dim, dim)))
     out = max_abs(rest.force.sum(axis=0)) > BAND * np.abs(rest.force).sum()
     prestrain = 0.0 if out else -float(np.trace(rest.stress) / C[:dim, :dim].sum())
     G = np.diag([strain, *(0.0,) * (dim - 1)])
-    heavy = weighed(bench_of(SIZES[dim][0], 2.0)).push(G).stress[0, 0] - rest.stress[0, 0]
+    heavy = (
+        replace(weighed(bench_of(sizes[0], 2.0)), settle=benches[0].settle).push(G).stress[0, 0]
+        - rest.stress[0, 0]
+    )
     light = benches[0].push(G).stress[0, 0] - rest.stress[0, 0]
-    blocks = [regular_block(shape, (count,) * dim, spacing) for count in SIZES[dim][:1]]
-    springs = fit_springs(blocks[0], C, tensors[0], material.thickness)
+    smallest = regular_block(shape, (sizes[0],) * dim, spacing)
+    springs = fit_springs(smallest, C, tensors[0], material.thickness)
     divided = abs(2 * heavy / light - 1) < DIVIDED
-    return MeasuredLattice(C, tensors[0], springs, masses, prestrain, divided, relaxed, bound, precision)
+    return MeasuredLattice(
+        C, tensors[0], springs, masses, prestrain, divided, relaxed, bound, precision
+    )
 
 
 def extrapolate(sizes: tuple[int, ...], tensors: list[Array]) -> Array:

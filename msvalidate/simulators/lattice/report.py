@@ -71,10 +71,10 @@ def make_report(
         return None
     compare = partial(compare_body, springs=springs, masses=masses, band=BAND)
     compared = tuple(compare(body, C) for body in bodies)
-    factor = next((each.factor for each in compared if not each.rest > BAND), math.nan)
+    first = next((each for each in compared if not max(each.rest, each.left) > BAND), None)
     meant = abs(isotropic_moduli(C).E * law.thickness / axes_moduli(law, dim, "")[0] - 1) <= SHOWN
-    if masses is not None and factor > 0 and not compared[0].causes:
-        total = 1.0 if meant or abs(factor - 1) <= BAND else 1 / factor
+    if masses is not None and first is not None and first.factor > 0:
+        total = 1.0 if meant or abs(first.factor - 1) <= BAND else 1 / first.factor
         C = C * total
         springs = replace(springs, constants=springs.constants * total)
         compared = tuple(compare(body, C, springs=springs, total=total) for body in bodies)

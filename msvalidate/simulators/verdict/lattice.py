@@ -22,8 +22,13 @@ from msvalidate.simulators.exchange.protocol import (
 )
 from msvalidate.simulators.gate.gate import STEPS, gate, motion, stretched_block
 from msvalidate.simulators.gate.rows import (
+    CONVERGENCE,
     FREE_FALL,
+    HALF_STEP,
+    ITERATIONS,
     LENGTH,
+    MORE_STEPS,
+    PASSED,
     SCALE,
     STEP,
     UNSTATED,
@@ -34,7 +39,12 @@ from msvalidate.simulators.lattice.measure import MeasuredLattice, measure_latti
 from msvalidate.simulators.lattice.regular import SPACING
 from msvalidate.simulators.lattice.report import LatticeReport, make_report
 from msvalidate.simulators.probe.reading import BAND, SHOWN
-from msvalidate.simulators.verdict.causes import CAUSE, NOT_EXPLAINED, convergence_causes, stop_verdict
+from msvalidate.simulators.verdict.causes import (
+    CAUSE,
+    NOT_EXPLAINED,
+    convergence_causes,
+    stop_verdict,
+)
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement, try_or_note
 from msvalidate.simulators.verdict.sentences import Cause
 from msvalidate.springs.constants.stiffness import axes_moduli
@@ -80,15 +90,27 @@ def judge_lattice(
         return simulator(replace(request, points_only=cells == "points"))
 
     gated = gate(asked, material, own, shape) if "gate" in parts else Gate(())
+    size = {row.name: row.value for row in gated.rows}
+    small = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
+    rows = (replace(row, verdict=PASSED) if row.name in small else row for row in gated.rows)
+    gated = replace(gated, rows=tuple(rows))
+    if (
+        size.get(MORE_STEPS, 1.0)
+        <= UNSTATED
+        < max(size.get(k, 0.0) for k in (HALF_STEP, ITERATIONS))
+    ):
+        gated, parts = replace(gated, remedies=(STEP,)), ()  # nothing is read of such steps
     steps, bodies = None, list[LatticeBody]()
-    if "probe" in parts and STEP not in (gated.unconverged and gated.remedies or ()):
+    if "probe" in parts:
         act = partial(measure_lattice, asked, shape, material, own, notes, spacing)
         steps = try_or_note("steps", notes, act)
     if "bodies" in parts:
         precision = steps.precision if steps else "float64"
         place = partial(bring_to_rest, asked, shape, material, own, precision, spacing)
         bodies = try_or_note("bodies at rest", notes, place) or []
-    report = try_or_note("lattice", notes, partial(make_report, shape, material, spacing, steps, bodies))
+    report = try_or_note(
+        "lattice", notes, partial(make_report, shape, material, spacing, steps, bodies)
+    )
     causes = _causes(asked, shape, material, own, gated, report, steps, bodies)
     causes = list({each.kind: each for each in reversed(causes)}.values())[::-1]
     word = AGREES if not causes else CAUSE
@@ -103,6 +125,15 @@ def judge_lattice(
         word, tuple(causes), asked=material, predicted=None, gate=gated, notes=tuple(notes),
         lattice=report,
     )  # fmt: skip
+
+
+def with_lattice(found: Judgement, simulator: Simulator, settings: Mapping[str, Any]) -> Judgement:
+    """The judgement of springs on tetrahedra, with the solid that a regular block of them is."""
+    if found.reading is None or not found.reading.is_bound:
+        return found
+    other = judge_lattice(simulator, "tetra", found.asked, settings, parts=("probe",))
+    notes = (*found.notes, *other.notes)
+    return replace(found, lattice=other.lattice, notes=notes)
 
 
 # Causes, the first of which is to be mended first --------------------------------------------------
@@ -130,7 +161,9 @@ def _causes(
     times = report.mean.E / E if report else 1.0
     if not found and (gated.units or not 1 / SCALE < times < SCALE):
         found.append(_cause("units", times))
-    prestrain = steps.prestrain if steps else max((b.prestrain for b in bodies), default=0.0, key=abs)
+    prestrain = (
+        steps.prestrain if steps else max((b.prestrain for b in bodies), default=0.0, key=abs)
+    )
     if abs(prestrain) > (PRESTRAIN if steps else 10 * PRESTRAIN):
         found.append(_cause("rest length", prestrain))
     block = stretched_block(law, own, shape)
@@ -157,7 +190,8 @@ def _causes(
 def _of_springs(report: LatticeReport, law: Isotropic, times: float, E: float) -> list[Cause]:
     """Causes in the constants and the boundary weight, or in the moduli."""
     found, mean, springs, right = [], report.mean, report.springs, report.right
-    central = max(springs.misfit, right.misfit) <= BAND
+    alone = all(body.left <= BAND or body.rest > BAND for body in report.bodies)
+    central = alone and max(springs.misfit, right.misfit) <= BAND
     each = {"zener": mean.zener, "k1": springs.constants[0], "right1": right.constants[0]}
     if len(springs.constants) > 1:
         each |= {"k2": springs.constants[1], "right2": right.constants[1]}
@@ -167,10 +201,11 @@ def _of_springs(report: LatticeReport, law: Isotropic, times: float, E: float) -
         found.append(_cause(key, report.misfit, **each, ratio=each.get("k2", 0) / each["k1"],
                             right=each.get("right2", 0) / each["right1"]))  # fmt: skip
     elif abs(times - 1) > SHOWN and 1 / SCALE < times < SCALE:
-        found.append(_cause("modulus", times))
+        thin = abs(times * law.thickness - 1) <= SHOWN
+        found.append(_cause("thickness" if thin else "modulus", times))
     if report.misfit <= BAND and abs(mean.nu - ratio) > SHOWN:
         found.append(_cause("nu", mean.nu, requested=ratio))
-    if abs(springs.weight - 0.5) > BAND and springs.misfit <= BAND:
+    if alone and abs(springs.weight - 0.5) > BAND and springs.misfit <= BAND:
         found.append(_cause("boundary weight", springs.weight))
     return found
 
@@ -182,13 +217,14 @@ def _of_bodies(report: LatticeReport) -> list[Cause]:
         on_mesh = body.mesh_error > BAND and body.errors["solid"] <= 2 * body.mesh_error
         if body.factor < 0:
             found.append(_cause("gravity sign" if body.load == WEIGHT else "load sign"))
-        elif body.causes and not on_mesh:
-            what = body.causes[0]
-            found.append(Cause("body", what.value, phrase("lattice body", body=body.load, cause=what)))
-        elif not body.causes and abs(body.factor - 1) > BAND:
-            found.append(_cause(body.load, body.factor))
-        elif min(body.errors.values()) > BAND and not on_mesh and not body.causes:
-            found.append(Cause("body", body.errors["solid"], phrase("lattice left", body=body.load)))
+        elif body.left <= BAND:
+            if abs(body.factor - 1) > BAND:
+                found.append(_cause(body.load, body.factor))
+        elif not on_mesh:
+            of = phrase("lattice left", body=body.load)
+            if body.causes:
+                of = phrase("lattice body", body=body.load, cause=body.causes[0].said)
+            found.append(Cause("body", body.left, of))
     return found
 
 
@@ -212,6 +248,7 @@ def _falling(simulator: Simulator, block: Request) -> list[Cause]:
 
 def _creeps(simulator: Simulator, block: Request) -> bool:
     """Return true if half the damping moves a body as far as twice the steps do."""
+
     def size(**times: float) -> float:
         settings = {name: factor * named[name] for name, factor in times.items()}
         request = replace(block, settings={**block.settings, **settings})

@@ -49,7 +49,9 @@ def _lattice(lattice: LatticeReport) -> dict[str, Any]:
         "C": lattice.C,
         "springs": springs,
         "total_mass": lattice.total,
-        "bodies": [{"load": b.load, "rest": b.rest, "factor": b.factor, **b.errors} for b in lattice.bodies],
+        "bodies": [
+            {"load": b.load, "rest": b.rest, "factor": b.factor, **b.errors} for b in lattice.bodies
+        ],
     }
     if steps is not None:
         whose = None if steps.masses is None else text_of(steps.masses.words)

@@ -243,13 +243,21 @@ def _lattice_tables(found: Judgement, lattice: LatticeReport) -> list[SheetTable
     if lattice.steps is not None:
         masses = lattice.steps.masses
         below.append(phrase("no masses") if masses is None else masses.line)
-        below += [Phrase(f"lattice {name}") for name in ("relaxed", "bound") if vars(lattice.steps)[name]]
+        below += [
+            Phrase(f"lattice {name}") for name in ("relaxed", "bound") if vars(lattice.steps)[name]
+        ]
     if math.isfinite(lattice.total):
         below.append(phrase("lattice total", total=lattice.total))
-    tables = [SheetTable("law at small strain", LAW_COLUMNS, tuple(rows), tuple(map(text_of, below)))]
+    tables = [
+        SheetTable("law at small strain", LAW_COLUMNS, tuple(rows), tuple(map(text_of, below)))
+    ]
     columns = ("cantilever", *(f"from {name}" for name in REFERENCES.values()), "may still change")
     lines = [
-        (b.load, *(percent(b.errors[n]) if n in b.errors else "" for n in REFERENCES), percent(b.rest))
+        (
+            b.load,
+            *(percent(b.errors[n]) if n in b.errors else "" for n in REFERENCES),
+            percent(b.rest),
+        )
         for b in lattice.bodies
     ]
     if lines:

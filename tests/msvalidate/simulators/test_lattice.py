@@ -1,0 +1,207 @@
+"""Lattices of springs as simulators: the solid that each is, and planted mistakes named first."""
+
+import json
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from msvalidate.case.judge.mistakes import factorise_network
+from msvalidate.problem import Isotropic
+from msvalidate.problem.records import replace
+from msvalidate.simulators.exchange.asked import Asked
+from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent
+from msvalidate.simulators.verdict.advice import next_step
+from msvalidate.simulators.verdict.judgement import judge_simulator
+from msvalidate.simulators.verdict.lattice import judge_lattice, with_lattice
+from msvalidate.simulators.verdict.record import record_of
+from msvalidate.simulators.verdict.sheet import sheet_of
+from msvalidate.springs.network import internal_force, spring_network
+from tests.msvalidate.simulators import position_based
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "spring_simulator.py"
+PLATE = Isotropic(1e7, 1 / 3, "plane_stress", 1000.0, 0.2)
+SOLID = Isotropic(1e7, 1 / 4, "solid", 1000.0)
+FEW = {"steps": 500}
+
+
+def example(old="", new=""):
+    """The simulator of the example in this process, with a text of it changed."""
+    text = EXAMPLE.read_text(encoding="utf-8")
+    assert old in text
+    names = {"__name__": "example"}
+    exec(text.replace(old, new) if old else text, names)
+
+    def simulate(asked):
+        arrays, about = names["simulate"](
+            asked.task, asked.mesh.points, asked.mesh.cells, asked.mass, asked.force, asked.held,
+            asked.value, asked.start, asked.material, asked.gravity, asked.dt, asked.steps,
+            asked.settings,
+        )  # fmt: skip
+        return Answer(**arrays, about=about)
+
+    return simulate
+
+
+def judged(simulator, cells="quad", material=PLATE, settings=FEW, **more):
+    """Judgement, kind of the advice, and sheet."""
+    asked = Asked(simulator)
+    found = judge_lattice(asked, cells, material, settings, **more)
+    return found, next_step(found, asked).kind, sheet_of(found, asked)
+
+
+RETURN = "    return np.r_[sides, diagonals], np.repeat([k1 / 2, k2]"
+ONCE = "    sides = np.unique(np.sort(sides), axis=0)\n"
+STATE = "L0, m, damping = np.linalg.norm(X[b] - X[a], axis=1), mass[:, None], 0.0"
+MISTAKES = {
+    "boundary weight": (RETURN, ONCE + RETURN.replace("k1 / 2", "k1")),
+    "ratio of constants": ("3 / 8 * E", "3 / 2 * E"),
+    "units": ("3 / 4 * E * thickness, 3 / 8 * E", "750 * E * thickness, 375 * E"),
+    "total mass": (STATE, STATE.replace("mass[:", "2 * mass[:")),
+    "masses": (STATE, STATE.replace("mass[:", "(0 * mass + mass.mean())[:")),
+    "damping at rest": ('"damping", 1.0)', '"damping", 100.0)'),
+    "damping in motion": ("mass[:, None], 0.0", "mass[:, None], 50.0"),
+    "rest": ('own.get("steps", 900)', "60"),
+    "rest length": ("np.linalg.norm(X[b]", "1.01 * np.linalg.norm(X[b]"),
+    "over density": ("material.E, material.t", "material.E / material.density, material.t"),
+    "gravity sign": ("m * gravity", "-m * gravity"),
+    "thickness": ("material.E, material.thickness", "material.E, 1.0"),
+}
+"""Cause -> text of the example, and what stands there with that mistake."""
+
+
+@pytest.mark.parametrize("cause", MISTAKES)
+def test_a_planted_mistake_is_named_first(cause):
+    found, advice, sheet = judged(example(*MISTAKES[cause]))
+    assert found.causes[0].kind == cause, sheet.causes
+    assert advice == f"mend lattice {cause}" or cause == advice.split()[-1] == "rest"
+
+
+@pytest.mark.parametrize(
+    ("material", "spacing"),
+    [(PLATE, 2**-4), (replace(PLATE, E=1e5), 0.37 / 8), (replace(PLATE, E=7e10), 2**-4)],
+)
+def test_the_example_agrees_with_its_solid(material, spacing):
+    found, advice, sheet = judged(example(), material=material, spacing=spacing)
+    assert (found.word, found.causes, advice) == ("agrees", (), "own body")
+    assert pytest.approx(material.E, rel=1e-6) == found.lattice.mean.E
+    assert sheet.agrees
+    assert "nu 0.3333 and Zener ratio 1;" in sheet.tables[1].below[0]
+    kept = json.loads(json.dumps(record_of(found)["lattice"]))
+    assert kept["springs"]["weight"] == pytest.approx(0.5)
+    assert [body["network"] < 1e-3 for body in kept["bodies"]] == [True, True]
+
+
+def test_constraints_with_few_iterations_are_told_to_take_more():
+    found, advice, sheet = judged(position_based.simulate, settings={})
+    assert [cause.kind for cause in found.causes][:1] == ["time step"]
+    assert advice == "settle"
+    assert "iterations=24" in sheet.next
+
+
+# Programs of other kinds ---------------------------------------------------------------------------
+
+
+def static(springs_of, kind=float):
+    """Forces of springs between points, and their equilibrium by one solve."""
+
+    def simulate(asked):
+        ends, k = springs_of(asked)
+        X = asked.mesh.points
+        network = spring_network(
+            X, ends, k, mass=asked.mass, fixed=asked.held,
+            displacement=np.where(asked.held, asked.value, 0.0), force=asked.load,
+        )  # fmt: skip
+        about = {"simulator": "static", "version": "1", "law": "", "precision": "float64"}
+        if asked.task == "rest":
+            u = factorise_network(network)(network)
+            return Answer(displacement=u, about=about | {"at_rest": {"residual": 0.0}})
+        if asked.steps > 1:
+            raise CannotRepresent("static")
+        return Answer(force=internal_force(network, asked.start), about=about)
+
+    return simulate
+
+
+def cubes(k2):
+    """Springs of each cube: a quarter of those on its edges, half of those on its faces."""
+
+    def springs_of(asked):
+        h = asked.mesh.mean_edge
+        corners = np.array(list(combinations(range(8), 2)))
+        ends = asked.mesh.cells[:, corners].reshape(-1, 2)
+        d = np.diff(asked.mesh.points[ends], axis=1)[:, 0]
+        axes = (np.abs(d) > h / 2).sum(axis=1)
+        k = asked.material.E / 2.5 * h * np.array([0, 1 / 4, k2 / 2, 0])[axes]
+        return ends[axes < 3], k[axes < 3]
+
+    return springs_of
+
+
+def edges(constant):
+    """Springs along the edges of simplices, k = constant · E times thickness or spacing."""
+
+    def springs_of(asked):
+        cells, law = asked.mesh.cells, asked.material
+        pairs = np.array(list(combinations(range(cells.shape[1]), 2)))
+        ends = np.unique(np.sort(cells[:, pairs].reshape(-1, 2)), axis=0)
+        size = law.thickness if law.dim == 2 else asked.mesh.mean_edge
+        return ends, np.full(len(ends), constant * law.E * size)
+
+    return springs_of
+
+
+def neighbours(asked):
+    """Springs between all points nearer than 2.1 spacings, softer the longer they are."""
+    assert asked.points_only
+    X = asked.mesh.points
+    distance = np.linalg.norm(X[:, None] - X[None], axis=2)
+    h = distance[distance > 0].min()
+    ends = np.argwhere(np.triu((distance > 0) & (distance < 2.1 * h)))
+    return ends, asked.material.E * asked.material.thickness * h / distance[tuple(ends.T)]
+
+
+def test_cubes_are_a_solid_and_a_wrong_ratio_of_constants_is_named():
+    found, _, _ = judged(static(cubes(1.0)), "hexahedron", SOLID)
+    assert (found.word, found.causes) == ("agrees", ())
+    assert found.lattice.mean.nu == pytest.approx(1 / 4, abs=1e-6)
+    found, advice, _ = judged(static(cubes(2.0)), "hexahedron", SOLID)
+    assert advice == "mend lattice ratio of constants"
+    assert found.lattice.mean.zener == pytest.approx(4 / 3, rel=1e-5)
+
+
+def test_equal_springs_on_triangles_are_isotropic():
+    found, advice, _ = judged(static(edges(3 / 4)), "triangle")
+    # C11 = 3/2 k and C12 = k/2 make E = 4/3 k; boundary springs count whole.
+    assert advice == "mend lattice boundary weight"
+    assert (found.lattice.mean.E, found.lattice.springs.weight) == pytest.approx((1e7, 1.0), 1e-5)
+
+
+def test_points_are_brought_to_rest_where_a_uniform_strain_leaves_forces():
+    found, _, _ = judged(static(neighbours), "points", parts=("probe",))
+    # Of an endless lattice: k h² n⊗n over neighbours at 1, √2 and 2 spacings, k as 1/length.
+    k = 1e7 * np.array([1 + 4 / 2, 2 / np.sqrt(2) / 2 * 2])
+    C = found.lattice.C
+    assert (C[0, 0], C[0, 1]) == pytest.approx((k[0] + k[1] / 2, k[1] / 2), rel=5e-3)
+    assert found.lattice.steps.relaxed
+
+
+def test_springs_on_tetrahedra_have_a_homogenised_solid():
+    simulator = static(edges(1 / 3))
+    found = judge_simulator(simulator, Isotropic(1e7, 0.3, "solid"), parts=("probe",))
+    assert found.reading.E is None
+    lattice = with_lattice(found, simulator, {}).lattice
+    assert 0.2 < lattice.mean.nu < 0.3
+    assert lattice.springs.misfit < 1e-5
+
+
+def test_a_program_that_has_rest_alone_is_fitted():
+    def rest(asked):
+        if asked.task == "motion":
+            raise CannotRepresent("no motion")
+        return example("3 / 8 * E", "3 / 2 * E")(asked)
+
+    found, advice, _ = judged(rest)
+    assert advice == "mend lattice ratio of constants"
+    assert found.lattice.mean.zener == pytest.approx(4, rel=1e-2)
