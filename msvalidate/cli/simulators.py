@@ -170,12 +170,12 @@ def check_adapter(args: argparse.Namespace) -> int:
         parts = tuple(args.only or PARTS)
         log = folder and log_path(folder)
         program = Program(args.adapter, args.limit, kept)
-        cells, dim = declared_cells(program)
-        material = _material(args, cells, dim)
         asked = Asked(program, parts)
         started, settings, probed = datetime.now(UTC), dict(args.set), dict(args.probe_set)
         try:
             with Progress(name, shown=not args.quiet, log=log):
+                cells, dim = declared_cells(program)
+                material = _material(args, cells, dim)
                 if cells == "tetra":
                     found = judge_simulator(
                         asked, material, settings, law=args.law, probed=probed, parts=parts

@@ -30,7 +30,7 @@ def declared_cells(simulator: Simulator) -> tuple[str, int]:
     """
     corners = np.concatenate([np.zeros((1, 3)), np.eye(3)])
     request = Request(
-        "declare", Mesh(corners, [[0, 1, 2, 3]], "tetra"), Isotropic(1e7, 0.3, "solid"),
+        "declare", Mesh(corners, np.arange(4)[None], "tetra"), Isotropic(1e7, 0.3, "solid"),
         mass=np.full(4, 1000 / 24), gravity=np.zeros(3), force=np.zeros((4, 3)),
         held=np.zeros((4, 3), dtype=bool), value=np.zeros((4, 3)), name="declaration",
     )  # fmt: skip
@@ -45,4 +45,4 @@ def declared_cells(simulator: Simulator) -> tuple[str, int]:
             f"declared cells {format_value(cells[0])}: give some of {', '.join(known)}; points "
             "need a dimension, 2 or 3"
         )
-    return cells[0], int(known[cells[0]])
+    return cells[0], int(known[cells[0]] or 3)

@@ -1,4 +1,4 @@
-"""A cantilever of a lattice at rest, compared with elasticity and with our network of its springs."""
+"""A cantilever of a lattice at rest, compared with elasticity and a network of its springs."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock
 from msvalidate.simulators.probe.masses import Masses, patterns
 from msvalidate.simulators.probe.probe import STRAIN
 from msvalidate.springs.network import spring_network
-from msvalidate_check.beside import Field, Mistake, best_scale
+from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
 from msvalidate_check.diagnosis import explain
 from reference_fem.body import solve_problem
@@ -192,7 +192,7 @@ def compare_body(
     left = _apart(body.move / factor, own) if factor else np.inf
     body = replace(body, errors=errors, mesh_error=mesh_error, factor=factor, left=left)
     if factor < 0 or left > band:
-        driven = "loads" if body.load == END else "weight"
+        driven: Driven = "loads" if body.load == END else "weight"
         x = request.mesh.points
         span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
         mistakes = []

@@ -41,6 +41,8 @@ WEIGHED = {2: 4, 3: 2}
 """Cells a side of the block whose masses are measured."""
 INNER = 0.01
 """Part of the largest force that inner nodes may carry in a uniform strain."""
+FREE = 1e-3
+"""Smallest eigenvalue of a tensor relative to its largest entry: less is no stiffness."""
 DIVIDED = 0.25
 """Part by which a stiffness may differ from that of half or twice the density."""
 
@@ -99,6 +101,11 @@ class MeasuredLattice:
     bound: bool = False
     precision: str = "float64"
 
+    @property
+    def is_mechanism(self) -> bool:
+        """Return true if some uniform strain costs no energy."""
+        return bool(np.linalg.eigvalsh(self.C)[0] <= FREE * max_abs(self.C))
+
 
 def measure_lattice(
     simulator: Simulator,
@@ -115,9 +122,7 @@ def measure_lattice(
     CannotRepresent, SimulatorError
         As the simulator, or if no masses fit its steps.
     """
-    dim = material.dim
-    state = "solid" if dim == 3 else "plane_strain"
-    speed = wave_speed(replace(material, state=state))
+    dim, speed = material.dim, wave_speed(material)
 
     def bench_of(count: int, density: float = 1.0) -> Bench:
         heavy = replace(material, density=density * material.density)
@@ -132,18 +137,17 @@ def measure_lattice(
     precision: Precision = first.about["precision"]
     forces_at = "start" if first.force is not None else str(first.about["forces_at"])
     if first.force is None and first.about["mass"] != "lumped":
-        raise CannotRepresent(
-            "a mass matrix that is not diagonal; only tetrahedra are read with it"
-        )
-    known = {"precision": precision, "forces_at": forces_at}
-    masses = None if first.force is not None else measure_masses(replace(first_bench, **known))
+        raise CannotRepresent("a mass matrix that is not diagonal; these cells need lumped masses")
+    first_bench = replace(first_bench, precision=precision, forces_at=forces_at)
+    masses = None if first.force is not None else measure_masses(first_bench)
 
     def weighed(bench: Bench) -> Bench:
+        bench = replace(bench, precision=precision, forces_at=forces_at)
         if masses is None:
-            return replace(bench, inertia=lambda v: v, **known)
+            return bench
         m = patterns(bench.block).get(masses.pattern, bench.block.lumped)
         m = (m * (bench.block.lumped.sum() / m.sum()))[:, None]
-        return replace(bench, inertia=lambda v: m * v, **known)
+        return replace(bench, inertia=lambda v: m * v)
 
     sizes = SIZES[dim]
     benches = [weighed(bench_of(count)) for count in sizes]
@@ -168,17 +172,12 @@ def measure_lattice(
     out = max_abs(rest.force.sum(axis=0)) > BAND * np.abs(rest.force).sum()
     prestrain = 0.0 if out else -float(np.trace(rest.stress) / C[:dim, :dim].sum())
     G = np.diag([strain, *(0.0,) * (dim - 1)])
-    heavy = (
-        replace(weighed(bench_of(sizes[0], 2.0)), settle=benches[0].settle).push(G).stress[0, 0]
-        - rest.stress[0, 0]
-    )
-    light = benches[0].push(G).stress[0, 0] - rest.stress[0, 0]
+    heavy = replace(weighed(bench_of(sizes[0], 2.0)), settle=benches[0].settle)
+    more, light = (bench.push(G).stress[0, 0] - rest.stress[0, 0] for bench in (heavy, benches[0]))
     smallest = regular_block(shape, (sizes[0],) * dim, spacing)
     springs = fit_springs(smallest, C, tensors[0], material.thickness)
-    divided = abs(2 * heavy / light - 1) < DIVIDED
-    return MeasuredLattice(
-        C, tensors[0], springs, masses, prestrain, divided, relaxed, bound, precision
-    )
+    flags = abs(2 * more / light - 1) < DIVIDED, relaxed, bound
+    return MeasuredLattice(C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision)
 
 
 def extrapolate(sizes: tuple[int, ...], tensors: list[Array]) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from itertools import combinations
 
@@ -17,10 +18,10 @@ from msvalidate.springs.lattice.patterns import cubic18, square
 
 SPACING = 2.0**-4
 """Spacing (m): coordinates are exact in single precision."""
-PARTS = {
-    "quad": [range(4)],
+PARTS: Mapping[str, list[tuple[int, ...]]] = {
+    "quad": [(0, 1, 2, 3)],
     "triangle": [(a, (a + 1) % 4, -1) for a in range(4)],
-    "hexahedron": [range(8)],
+    "hexahedron": [tuple(range(8))],
     "tetra": [(0, a, b, 6) for a, b in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
 }
 """Cells in each square or cube, as corners in the order of VTK; tetrahedra as [Kuhn1960]. Four
@@ -66,7 +67,7 @@ def regular_block(shape: str, counts: tuple[int, ...], spacing: float = SPACING)
     if shape == "triangle":
         cells = np.column_stack([cells, len(points) + np.arange(len(cells))])
         points = np.concatenate([points, points[lattice.cells].mean(axis=1)])
-    corners = np.array([list(part) for part in PARTS[shape]])
+    corners = np.array(PARTS[shape])
     cells = cells[:, corners].reshape(-1, corners.shape[1])
     pairs = np.array(list(combinations(range(cells.shape[1]), 2)))
     springs = np.unique(np.sort(cells[:, pairs].reshape(-1, 2), axis=1), axis=0)

@@ -62,6 +62,8 @@ def make_report(
     dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
     target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
     right = fit_springs(block, target, target, law.thickness)
+    if steps is not None and steps.is_mechanism:
+        return None
     if steps is not None:
         C, springs, masses = steps.C, steps.springs, steps.masses
     elif bodies:

@@ -52,7 +52,7 @@ from msvalidate_check.causes import phrase
 from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 PRESTRAIN = 1e-4
-"""Relative excess of rest lengths from which it is a mistake: its stress is that of such a strain."""
+"""Relative excess of rest lengths from which it is a mistake: its stress is of such a strain."""
 CREEPS = 0.2
 """Part by which half the damping may differ from twice the steps in a body that creeps."""
 
@@ -116,7 +116,11 @@ def judge_lattice(
     word = AGREES if not causes else CAUSE
     if gated.rows and not gated.passed:
         word, stopped = "gate", stop_verdict(gated).causes
-        causes += [each for each in stopped if each.kind not in {c.kind for c in causes}]
+        causes += [
+            Cause(c.kind, c.value, c.of)
+            for c in stopped
+            if c.kind not in {each.kind for each in causes}
+        ]
     elif any(each.kind in {LENGTH, STEP} for each in causes):
         word = NOT_AT_REST
     elif any(each.kind == "body" for each in causes) or report is None:
@@ -133,10 +137,11 @@ def with_lattice(found: Judgement, simulator: Simulator, settings: Mapping[str, 
         return found
     other = judge_lattice(simulator, "tetra", found.asked, settings, parts=("probe",))
     notes = (*found.notes, *other.notes)
-    return replace(found, lattice=other.lattice, notes=notes)
+    causes = (*found.causes, *other.causes)
+    return replace(found, lattice=other.lattice, causes=causes, notes=notes)
 
 
-# Causes, the first of which is to be mended first --------------------------------------------------
+# Causes, the first of which is to be mended first ------------------------------------------------
 
 
 def _cause(kind: str, value: float = math.nan, **values: object) -> Cause:
@@ -175,7 +180,7 @@ def _causes(
         found.append(_cause("damping at rest"))
     found += still
     if report is None:
-        return found
+        return [*found, _cause("mechanism")] if steps and steps.is_mechanism else found
     if found and found[0].kind == "rest length":  # the stiffness changes by as much
         return found
     masses = steps.masses if steps else None
@@ -183,11 +188,11 @@ def _causes(
         found.append(_cause("total mass", report.total))
     if masses is not None and masses.off > max(BAND, masses.error):
         found.append(_cause("masses", masses.off, pattern=masses.words))
-    found += _of_springs(report, law, times, E)
+    found += _of_springs(report, law, times)
     return found if still else [*found, *_of_bodies(report)]
 
 
-def _of_springs(report: LatticeReport, law: Isotropic, times: float, E: float) -> list[Cause]:
+def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cause]:
     """Causes in the constants and the boundary weight, or in the moduli."""
     found, mean, springs, right = [], report.mean, report.springs, report.right
     alone = all(body.left <= BAND or body.rest > BAND for body in report.bodies)

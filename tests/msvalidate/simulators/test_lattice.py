@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from msvalidate.case.judge.mistakes import factorise_network
-from msvalidate.problem import Isotropic
+from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.asked import Asked
+from msvalidate.simulators.exchange.declaration import declared_cells
+from msvalidate.simulators.exchange.folders import request_files
 from msvalidate.simulators.exchange.protocol import Answer, CannotRepresent
+from msvalidate.simulators.gate.gate import stretched_block
 from msvalidate.simulators.verdict.advice import next_step
 from msvalidate.simulators.verdict.judgement import judge_simulator
 from msvalidate.simulators.verdict.lattice import judge_lattice, with_lattice
@@ -19,11 +22,13 @@ from msvalidate.simulators.verdict.record import record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate.springs.network import internal_force, spring_network
 from tests.msvalidate.simulators import position_based
+from tests.table import table
+from tests.test_command_line import run
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "spring_simulator.py"
 PLATE = Isotropic(1e7, 1 / 3, "plane_stress", 1000.0, 0.2)
 SOLID = Isotropic(1e7, 1 / 4, "solid", 1000.0)
-FEW = {"steps": 500}
+FEW = {"steps": 700}
 
 
 def example(old="", new=""):
@@ -31,7 +36,7 @@ def example(old="", new=""):
     text = EXAMPLE.read_text(encoding="utf-8")
     assert old in text
     names = {"__name__": "example"}
-    exec(text.replace(old, new) if old else text, names)
+    exec(text.replace(old, new) if old else text, names)  # noqa: S102
 
     def simulate(asked):
         arrays, about = names["simulate"](
@@ -100,10 +105,46 @@ def test_constraints_with_few_iterations_are_told_to_take_more():
     assert "iterations=24" in sheet.next
 
 
-# Programs of other kinds ---------------------------------------------------------------------------
+@table(
+    ("about", "cells"),
+    [
+        ({"cells": ["quad", "tetra"]}, ("quad", 2)), ({}, ("tetra", 3)), (None, ("tetra", 3)),
+        ({"cells": ["points"], "dimension": 2}, ("points", 2)), ({"cells": ["points"]}, None),
+        ({"cells": ["quads"]}, None),
+    ],
+)  # fmt: skip
+def test_an_adapter_declares_its_cells_or_has_tetrahedra(about, cells):
+    def simulate(asked):
+        if about is None:
+            raise CannotRepresent(f"a {asked.task}")
+        return Answer(about=about)
+
+    if cells is None:
+        with pytest.raises(ProblemError, match="declared cells"):
+            declared_cells(simulate)
+    else:
+        assert declared_cells(simulate) == cells
 
 
-def static(springs_of, kind=float):
+def test_the_example_runs_as_an_adapter(tmp_path):
+    done = run("adapter", "check", str(EXAMPLE), "--only", "gate", "--out", ".", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("spring_simulator: passes the gate")
+    kept = tmp_path / "spring_simulator-check-run" / "case"
+    assert json.loads((kept / "request.json").read_text())["cells"] == "quad"
+
+
+def test_points_alone_have_no_cells():
+    points = replace(stretched_block(PLATE, {}, "quad"), points_only=True)
+    files = request_files(points)
+    assert {name for name in files if "." in name} == {"request.json", "points.csv", "nodal.csv"}
+    assert json.loads(files["request.json"])["cells"] == "points"
+
+
+# Programs of other kinds ------------------------------------------------------------------------
+
+
+def static(springs_of):
     """Forces of springs between points, and their equilibrium by one solve."""
 
     def simulate(asked):
