@@ -32,7 +32,6 @@ from msvalidate.problem.material import State
 from msvalidate.problem.progress import report_step
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
 from msvalidate.simulators.exchange.asked import Asked, NoAnswerError
-from msvalidate.simulators.exchange.declaration import declared_cells
 from msvalidate.simulators.exchange.export import on_mesh
 from msvalidate.simulators.exchange.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.exchange.protocol import (
@@ -46,7 +45,7 @@ from msvalidate.simulators.exchange.protocol import (
 from msvalidate.simulators.gate.gate import convergence_tests
 from msvalidate.simulators.verdict.causes import convergence_causes
 from msvalidate.simulators.verdict.judgement import PARTS, judge_simulator
-from msvalidate.simulators.verdict.lattice import judge_lattice, with_lattice
+from msvalidate.simulators.verdict.lattice import declared_cells, judge_lattice, with_lattice
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sheet import sheet_of

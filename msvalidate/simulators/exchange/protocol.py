@@ -62,7 +62,7 @@ CANNOT = 77
 LARGEST = 1e30
 """Of a number in an answer, m, m/s or N: its powers are still numbers, and nothing moves so far."""
 Task = Literal["rest", "motion", "declare"]
-"""Bring the body to rest, take steps from given positions, or name the cells of the program."""
+"""Solve for equilibrium, take steps from given positions, or declare the program's cells."""
 DIMENSION = {"quad": 2, "triangle": 2, "hexahedron": 3, "tetra": 3}
 """Cells that a program may declare, and their number of axes; "points" needs a dimension."""
 ForcesAt = Literal["start", "end"]

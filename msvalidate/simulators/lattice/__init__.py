@@ -1,1 +1,1 @@
-"""Lattices of springs as simulators: homogenised solid, boundary weight, bodies at rest."""
+"""Lattices of springs as simulators: homogenised solid, boundary weight, cantilever."""

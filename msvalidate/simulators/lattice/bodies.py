@@ -1,7 +1,8 @@
-"""A cantilever of a lattice at rest, compared with elasticity and a network of its springs."""
+"""Cantilever of a lattice, compared with elasticity and with a network of its springs."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -33,10 +34,18 @@ from msvalidate.simulators.exchange.protocol import (
     ask,
     stated_residual_motion,
 )
-from msvalidate.simulators.lattice.measure import LatticeSprings
+from msvalidate.simulators.lattice.measure import LatticeSprings, MeasuredLattice, fit_springs
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
 from msvalidate.simulators.probe.masses import Masses, patterns
 from msvalidate.simulators.probe.probe import STRAIN
+from msvalidate.simulators.probe.reading import BAND, SHOWN
+from msvalidate.springs.constants.stiffness import (
+    Moduli,
+    axes_moduli,
+    isotropic_moduli,
+    isotropic_part,
+    isotropic_tensor,
+)
 from msvalidate.springs.network import spring_network
 from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
@@ -49,14 +58,14 @@ from reference_fem.mesh.from_mesh import mesh_discretisation
 COUNTS = {2: (8, 4), 3: (4, 2, 2)}
 """Cells of the cantilever along each axis."""
 FINER = {2: ("Q2", 2), 3: ("H2", 1)}
-"""Element of the elasticity that a body is compared with, and its parts of a cell's side."""
+"""Element of the reference, and the number of its cells per side of a cell."""
 END, WEIGHT = "end load", "weight"
 """Loads of the cantilever."""
 
 
 @dataclass(frozen=True, eq=False)
 class LatticeBody:
-    """A cantilever at rest.
+    """A cantilever in equilibrium.
 
     Parameters
     ----------
@@ -73,7 +82,7 @@ class LatticeBody:
     errors
         Largest difference relative to the largest displacement, from elasticity of the material and
         of the homogenised solid, and from our network of its springs; NaN if it is not known.
-    factor, left
+    factor, residual
         Displacement relative to that of our network, or of elements, and what this factor leaves.
     mesh_error
         Difference of linear elements on the same mesh from the homogenised solid, likewise.
@@ -90,7 +99,7 @@ class LatticeBody:
     prestrain: float
     errors: Mapping[str, float] = default(default_factory=dict)
     factor: float = np.nan
-    left: float = np.nan
+    residual: float = np.nan
     mesh_error: float = 0.0
     causes: tuple[Cause, ...] = ()
 
@@ -103,7 +112,7 @@ def bring_to_rest(
     precision: str,
     spacing: float = SPACING,
 ) -> list[LatticeBody]:
-    """Bring the cantilever to rest under each load and its opposite.
+    """Solve for the cantilever under each load and its opposite.
 
     Raises
     ------
@@ -169,7 +178,7 @@ def compare_body(
     material = body.request.material
     request = replace(body.request, mass=total * body.request.mass)
     elastic = _elasticity(body, material)
-    errors, own, mesh_error = {"elasticity": _apart(body.move, elastic)}, elastic, 0.0
+    errors, own, mesh_error = {"elasticity": _difference(body.move, elastic)}, elastic, 0.0
     if C is not None:
         solid = Anisotropic(C, material.density, material.thickness)
         elastic = _elasticity(body, solid)
@@ -177,21 +186,24 @@ def compare_body(
         own = solve_on(
             elements, solid, request.held, request.value, request.load, allow_locked=True
         )
-        errors |= {"solid": _apart(body.move, elastic), "elements": _apart(body.move, own)}
-        mesh_error = _apart(own, elastic)
+        errors |= {
+            "solid": _difference(body.move, elastic),
+            "elements": _difference(body.move, own),
+        }
+        mesh_error = _difference(own, elastic)
     if springs is not None and springs.misfit <= band:
         mass = request.mass
         if masses is not None:
             pattern = patterns(RegularBlock(request.mesh, material)).get(masses.pattern, mass)
             mass = pattern * (mass.sum() / pattern.sum())
         network = network_displacement(body, springs.constants, springs.weight, mass)
-        errors["network"] = _apart(body.move, network)
+        errors["network"] = _difference(body.move, network)
         if errors["network"] <= band or errors.get("elements", 1.0) > band:
             own = network
     factor = best_scale(body.move, own)
-    left = _apart(body.move / factor, own) if factor else np.inf
-    body = replace(body, errors=errors, mesh_error=mesh_error, factor=factor, left=left)
-    if factor < 0 or left > band:
+    residual = _difference(body.move / factor, own) if factor else np.inf
+    body = replace(body, errors=errors, mesh_error=mesh_error, factor=factor, residual=residual)
+    if factor < 0 or residual > band:
         driven: Driven = "loads" if body.load == END else "weight"
         x = request.mesh.points
         span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
@@ -206,7 +218,7 @@ def compare_body(
     return body
 
 
-def _apart(move: Array, other: Array) -> float:
+def _difference(move: Array, other: Array) -> float:
     return max_length(move - other) / max_length(other)
 
 
@@ -241,8 +253,8 @@ def fit_to_rest(body: LatticeBody, start: LatticeSprings) -> LatticeSprings:
     if not times > 0:
         raise SimulatorError(f"answer: {body.request.name}: it moves against its load")
     fit = least_squares(misfit, np.r_[np.full(kinds, np.log(times)), 0.0], xtol=1e-12)
-    left = float(np.linalg.norm(fit.fun.reshape(body.move.shape), axis=1).max())
-    return LatticeSprings(*springs(fit.x), left)
+    residual = float(np.linalg.norm(fit.fun.reshape(body.move.shape), axis=1).max())
+    return LatticeSprings(*springs(fit.x), residual)
 
 
 def _elasticity(body: LatticeBody, law: Material) -> Array:
@@ -258,3 +270,69 @@ def _elasticity(body: LatticeBody, law: Material) -> Array:
     cells = tuple(parts * n for n in COUNTS[len(size)])
     solution = solve_problem(problem, box_discretisation(box, cells, element))
     return np.asarray(solution.at(request.mesh.points))
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeReport:
+    """Solid, springs and bodies of a lattice.
+
+    Parameters
+    ----------
+    C, mean, misfit
+        Homogenised tensor (Pa), moduli of the nearest isotropic solid, and the part of the tensor
+        that this solid leaves.
+    springs, right
+        Springs that have the tensor, and those of the requested material.
+    steps
+        As steps show it; None of programs without motion.
+    total
+        Mass relative to the requested one; NaN if it is not known.
+    bodies
+        Cantilevers in equilibrium.
+    """
+
+    C: Array
+    mean: Moduli
+    misfit: float
+    springs: LatticeSprings
+    right: LatticeSprings
+    steps: MeasuredLattice | None
+    total: float
+    bodies: tuple[LatticeBody, ...]
+
+
+def make_report(
+    shape: str,
+    law: Isotropic,
+    spacing: float,
+    steps: MeasuredLattice | None,
+    bodies: list[LatticeBody],
+) -> LatticeReport | None:
+    """Solid, springs and bodies; the mass by what bodies under forces and steps show."""
+    dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
+    target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
+    right = fit_springs(block, target, target, law.thickness)
+    if steps is not None and steps.is_mechanism:
+        return None
+    if steps is not None:
+        C, springs, masses = steps.C, steps.springs, steps.masses
+    elif bodies:
+        springs, masses = fit_to_rest(bodies[0], right), None
+        C = block.tensor(springs.constants, 0.5, law.thickness)
+    else:
+        return None
+    compare = partial(compare_body, springs=springs, masses=masses, band=BAND)
+    compared = tuple(compare(body, C) for body in bodies)
+    first = next((each for each in compared if not max(each.rest, each.residual) > BAND), None)
+    meant = abs(isotropic_moduli(C).E * law.thickness / axes_moduli(law, dim, "")[0] - 1) <= SHOWN
+    if masses is not None and first is not None and first.factor > 0:
+        total = 1.0 if meant or abs(first.factor - 1) <= BAND else 1 / first.factor
+        C = C * total
+        springs = replace(springs, constants=springs.constants * total)
+        compared = tuple(compare(body, C, springs=springs, total=total) for body in bodies)
+    mean = isotropic_moduli(C)
+    residual = C - isotropic_part(C)
+    scale = np.sqrt(np.r_[np.ones(dim), np.full(len(C) - dim, 2.0)])
+    misfit = np.linalg.norm(residual * np.outer(scale, scale))
+    misfit /= np.linalg.norm(C * np.outer(scale, scale))
+    return LatticeReport(C, mean, float(misfit), springs, right, steps, total, compared)

@@ -1,8 +1,8 @@
 """Homogenised tensor, boundary excess and masses of a lattice, measured by single steps.
 
 Blocks of n cells a side in uniform strain have the mean tensor C(n), a polynomial of 1/n: its value
-at 0 is the homogenised tensor, and what is left is the boundary's. Inner nodes that a uniform
-strain leaves out of balance are brought to rest by the simulator's own solver first.
+at 0 is the homogenised tensor, and the rest is due to the boundary. Inner nodes that a uniform
+strain leaves out of balance are relaxed first, by the simulator's own solver.
 """
 
 from __future__ import annotations
@@ -33,23 +33,26 @@ from msvalidate.simulators.probe.probe import STRAIN, fit_strains
 from msvalidate.simulators.probe.reading import BAND
 
 SIZES = {2: (2, 4, 8), 3: (2, 3, 4, 6)}
-"""Cells a side by the number of axes: as many sizes as C(n) has coefficients for springs that reach
-over two cells and more."""
+"""Cells per side, by the number of axes.
+
+There are as many sizes as C(n) has coefficients if springs reach over two cells."""
 LARGER = {2: (4, 8, 12), 3: (3, 4, 5, 6)}
-"""The same where inner nodes are brought to rest: layers along opposite sides do not meet."""
+"""Cells per side if inner nodes are relaxed.
+
+The boundary layers of opposite sides then stay apart."""
 WEIGHED = {2: 4, 3: 2}
 """Cells a side of the block whose masses are measured."""
 INNER = 0.01
-"""Part of the largest force that inner nodes may carry in a uniform strain."""
+"""Largest force on inner nodes in a uniform strain, relative to the largest."""
 FREE = 1e-3
 """Smallest eigenvalue of a tensor relative to its largest entry: less is no stiffness."""
 DIVIDED = 0.25
-"""Part by which a stiffness may differ from that of half or twice the density."""
+"""Relative difference of a stiffness from half of it at twice the density."""
 
 
 @dataclass(frozen=True, eq=False)
 class LatticeSprings:
-    """Constants of the springs that have a tensor, and the weight of those on the boundary.
+    """Springs with a given tensor, and the weight of those on the boundary.
 
     Parameters
     ----------
@@ -85,7 +88,7 @@ class MeasuredLattice:
     over_density
         True if the stiffness is divided by the density.
     relaxed, bound
-        True if inner nodes were brought to rest, and if they could not be, so that `C` is an upper
+        True if inner nodes were relaxed, and if they could not be, so that `C` is an upper
         bound.
     precision
         Of the simulator's positions.
@@ -161,7 +164,7 @@ def measure_lattice(
             fits = [fit_strains(settled[-1], strain)]
             benches, relaxed, sizes = settled, True, LARGER[dim]
         except CannotRepresent as error:
-            notes.append(note_of("inner nodes at rest in a uniform strain", error))
+            notes.append(note_of("relaxed inner nodes", error))
             bound = True
     fits = [*(fit_strains(bench, strain) for bench in benches[:-1]), *fits]
     if not max_abs(fits[0].C):
@@ -204,7 +207,7 @@ def fit_springs(block: Regular, C: Array, small: Array, thickness: float) -> Lat
 
 
 def _settling(bench: Bench) -> Bench:
-    """The bench, its inner nodes brought to rest with all others held in a uniform strain."""
+    """The bench with inner nodes relaxed and all others fixed in a uniform strain."""
     block, inner = bench.block, bench.block.inner
 
     def settle(move: Array) -> Array:

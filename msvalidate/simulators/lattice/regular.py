@@ -24,8 +24,9 @@ PARTS: Mapping[str, list[tuple[int, ...]]] = {
     "hexahedron": [tuple(range(8))],
     "tetra": [(0, a, b, 6) for a, b in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
 }
-"""Cells in each square or cube, as corners in the order of VTK; tetrahedra as [Kuhn1960]. Four
-triangles meet in the middle of a square, its last point: equal springs on them are isotropic."""
+"""Cells in each square or cube, as corners in VTK's order; tetrahedra as [Kuhn1960].
+
+Four triangles meet in the middle of a square, its last point: equal springs are then isotropic."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,7 @@ class RegularBlock(Block):
 
     @cached_property
     def slopes(self) -> Array:
-        """Gradients (c, k, d) in 1/m of the corners' shape functions in the middle of each cell."""
+        """Gradients (c, k, d) in 1/m of the shape functions in cell centres."""
         local = self.mesh.kind.slopes(self.mesh.kind.middle[None])[0]
         edges = np.einsum("cka,kb->cab", self.mesh.points[self.mesh.cells], local)
         return np.asarray(local @ np.linalg.inv(edges))

@@ -33,7 +33,7 @@ from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import CannotRepresent, Simulator
 from msvalidate.simulators.gate.gate import gate
 from msvalidate.simulators.gate.rows import Gate
-from msvalidate.simulators.lattice.report import LatticeReport
+from msvalidate.simulators.lattice.bodies import LatticeReport
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (

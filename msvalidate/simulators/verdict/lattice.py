@@ -1,4 +1,4 @@
-"""A lattice judged: gate, steps, bodies at rest, the solid that it is, and the mistake in it."""
+"""Judge a lattice: gate, steps, cantilever, effective solid, and the mistake in it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.problem.checks import format_value
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.asked import Note
 from msvalidate.simulators.exchange.protocol import (
+    DIMENSION,
     Answer,
     CannotRepresent,
     Request,
@@ -34,10 +36,15 @@ from msvalidate.simulators.gate.rows import (
     UNSTATED,
     Gate,
 )
-from msvalidate.simulators.lattice.bodies import WEIGHT, LatticeBody, bring_to_rest
+from msvalidate.simulators.lattice.bodies import (
+    WEIGHT,
+    LatticeBody,
+    LatticeReport,
+    bring_to_rest,
+    make_report,
+)
 from msvalidate.simulators.lattice.measure import MeasuredLattice, measure_lattice
 from msvalidate.simulators.lattice.regular import SPACING
-from msvalidate.simulators.lattice.report import LatticeReport, make_report
 from msvalidate.simulators.probe.reading import BAND, SHOWN
 from msvalidate.simulators.verdict.causes import (
     CAUSE,
@@ -52,9 +59,34 @@ from msvalidate_check.causes import phrase
 from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 PRESTRAIN = 1e-4
-"""Relative excess of rest lengths from which it is a mistake: its stress is of such a strain."""
+"""Smallest relative excess of rest lengths that is a mistake."""
 CREEPS = 0.2
-"""Part by which half the damping may differ from twice the steps in a body that creeps."""
+"""Relative difference of half the damping from twice the steps in a creeping body."""
+
+
+def declared_cells(simulator: Simulator) -> tuple[str, int]:
+    """Return the first of the cells that an adapter declares, and the number of axes.
+
+    An adapter that does not answer the question has tetrahedra.
+
+    Raises
+    ------
+    ProblemError
+        If the cells are unknown, or points have no dimension.
+    """
+    block = replace(stretched_block(Isotropic(1e7, 0.3, "solid"), {}), task="declare")
+    try:
+        about = simulator(block).about
+    except (CannotRepresent, SimulatorError):
+        about = {}
+    (cells, *_) = about.get("cells") or ["tetra"]
+    dim = DIMENSION.get(cells, about.get("dimension") if cells == "points" else None)
+    if dim not in {2, 3}:
+        raise ProblemError(
+            f"declared cells {format_value(cells)}: give some of {', '.join(DIMENSION)}, or points "
+            "and a dimension, 2 or 3"
+        )
+    return cells, int(dim)
 
 
 def judge_lattice(
@@ -86,10 +118,10 @@ def judge_lattice(
     own, dim, notes = dict(settings or {}), material.dim, list[Note]()
     shape = {2: "quad", 3: "hexahedron"}[dim] if cells == "points" else cells
 
-    def asked(request: Request) -> Answer:
+    def send(request: Request) -> Answer:
         return simulator(replace(request, points_only=cells == "points"))
 
-    gated = gate(asked, material, own, shape) if "gate" in parts else Gate(())
+    gated = gate(send, material, own, shape) if "gate" in parts else Gate(())
     size = {row.name: row.value for row in gated.rows}
     small = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
     rows = (replace(row, verdict=PASSED) if row.name in small else row for row in gated.rows)
@@ -102,16 +134,16 @@ def judge_lattice(
         gated, parts = replace(gated, remedies=(STEP,)), ()  # nothing is read of such steps
     steps, bodies = None, list[LatticeBody]()
     if "probe" in parts:
-        act = partial(measure_lattice, asked, shape, material, own, notes, spacing)
+        act = partial(measure_lattice, send, shape, material, own, notes, spacing)
         steps = try_or_note("steps", notes, act)
     if "bodies" in parts:
         precision = steps.precision if steps else "float64"
-        place = partial(bring_to_rest, asked, shape, material, own, precision, spacing)
-        bodies = try_or_note("bodies at rest", notes, place) or []
+        place = partial(bring_to_rest, send, shape, material, own, precision, spacing)
+        bodies = try_or_note("cantilever", notes, place) or []
     report = try_or_note(
         "lattice", notes, partial(make_report, shape, material, spacing, steps, bodies)
     )
-    causes = _causes(asked, shape, material, own, gated, report, steps, bodies)
+    causes = _causes(send, shape, material, own, gated, report, steps, bodies)
     causes = list({each.kind: each for each in reversed(causes)}.values())[::-1]
     word = AGREES if not causes else CAUSE
     if gated.rows and not gated.passed:
@@ -123,7 +155,7 @@ def judge_lattice(
         ]
     elif any(each.kind in {LENGTH, STEP} for each in causes):
         word = NOT_AT_REST
-    elif any(each.kind == "body" for each in causes) or report is None:
+    elif any(each.kind == "body" for each in causes) or (report is None and set(parts) - {"gate"}):
         word = NOT_EXPLAINED
     return Judgement(
         word, tuple(causes), asked=material, predicted=None, gate=gated, notes=tuple(notes),
@@ -131,14 +163,16 @@ def judge_lattice(
     )  # fmt: skip
 
 
-def with_lattice(found: Judgement, simulator: Simulator, settings: Mapping[str, Any]) -> Judgement:
-    """The judgement of springs on tetrahedra, with the solid that a regular block of them is."""
-    if found.reading is None or not found.reading.is_bound:
-        return found
-    other = judge_lattice(simulator, "tetra", found.asked, settings, parts=("probe",))
-    notes = (*found.notes, *other.notes)
-    causes = (*found.causes, *other.causes)
-    return replace(found, lattice=other.lattice, causes=causes, notes=notes)
+def with_lattice(
+    judgement: Judgement, simulator: Simulator, settings: Mapping[str, Any]
+) -> Judgement:
+    """Add the solid of a regular block to the judgement of springs on tetrahedra."""
+    if judgement.reading is None or not judgement.reading.is_bound:
+        return judgement
+    other = judge_lattice(simulator, "tetra", judgement.asked, settings, parts=("probe",))
+    notes = (*judgement.notes, *other.notes)
+    causes = (*judgement.causes, *other.causes)
+    return replace(judgement, lattice=other.lattice, causes=causes, notes=notes)
 
 
 # Causes, the first of which is to be mended first ------------------------------------------------
@@ -152,7 +186,7 @@ def _causes(
     simulator: Simulator,
     shape: str,
     law: Isotropic,
-    own: Mapping[str, Any],
+    settings: Mapping[str, Any],
     gated: Gate,
     report: LatticeReport | None,
     steps: MeasuredLattice | None,
@@ -171,13 +205,13 @@ def _causes(
     )
     if abs(prestrain) > (PRESTRAIN if steps else 10 * PRESTRAIN):
         found.append(_cause("rest length", prestrain))
-    block = stretched_block(law, own, shape)
+    block = stretched_block(law, settings, shape)
     if any(row.name == FREE_FALL for row in gated.stops):
         found += _falling(simulator, block)
     change = max([gated.moving, *(b.rest for b in bodies if b.rest > BAND)])
     still: list[Cause] = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
     if still and still[0].kind == LENGTH and _creeps(simulator, block):
-        found.append(_cause("damping at rest"))
+        found.append(_cause("damping"))
     found += still
     if report is None:
         return [*found, _cause("mechanism")] if steps and steps.is_mechanism else found
@@ -195,7 +229,7 @@ def _causes(
 def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cause]:
     """Causes in the constants and the boundary weight, or in the moduli."""
     found, mean, springs, right = [], report.mean, report.springs, report.right
-    alone = all(body.left <= BAND or body.rest > BAND for body in report.bodies)
+    alone = all(body.residual <= BAND or body.rest > BAND for body in report.bodies)
     central = alone and max(springs.misfit, right.misfit) <= BAND
     each = {"zener": mean.zener, "k1": springs.constants[0], "right1": right.constants[0]}
     if len(springs.constants) > 1:
@@ -216,20 +250,20 @@ def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cau
 
 
 def _of_bodies(report: LatticeReport) -> list[Cause]:
-    """Causes that bodies at rest show beside their solid."""
+    """Causes that cantilevers show, compared with their solid."""
     found = []
     for body in report.bodies:
         on_mesh = body.mesh_error > BAND and body.errors["solid"] <= 2 * body.mesh_error
         if body.factor < 0:
             found.append(_cause("gravity sign" if body.load == WEIGHT else "load sign"))
-        elif body.left <= BAND:
+        elif body.residual <= BAND:
             if abs(body.factor - 1) > BAND:
                 found.append(_cause(body.load, body.factor))
         elif not on_mesh:
             of = phrase("lattice left", body=body.load)
             if body.causes:
                 of = phrase("lattice body", body=body.load, cause=body.causes[0].said)
-            found.append(Cause("body", body.left, of))
+            found.append(Cause("body", body.residual, of))
     return found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.gate.rows import PASSED, STOPPED, GateRow
-from msvalidate.simulators.lattice.report import LatticeReport
+from msvalidate.simulators.lattice.bodies import LatticeReport
 from msvalidate.simulators.probe.reading import Reading
 from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sentences import text_of

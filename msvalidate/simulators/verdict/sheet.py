@@ -9,7 +9,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.rows import LEFT_OUT, LENGTH, PASSED, STEP, GateRow
-from msvalidate.simulators.lattice.report import LatticeReport
+from msvalidate.simulators.lattice.bodies import LatticeReport
 from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import next_step
 from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
