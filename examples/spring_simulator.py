@@ -57,11 +57,11 @@ if __name__ == "__main__":
     if request.task != "declare":
         request.mesh = SimpleNamespace(points=table("points.csv"))
         request.mesh.cells = table("cells.csv").astype(int)
-        mass, request.force, held, request.value = np.split(table("nodal.csv"), [1, 3, 5], axis=1)
-        request.mass, request.held = mass[:, 0], held == 1
+        mass, force, held, value = np.split(table("nodal.csv"), [1, 3, 5], axis=1)
+        start = table("start.csv") if request.task == "motion" else None
+        vars(request).update(mass=mass[:, 0], force=force, held=held == 1, value=value, start=start)
         request.gravity = np.array(request.gravity)
         request.material = SimpleNamespace(**request.material)
-        request.start = table("start.csv") if request.task == "motion" else None
         arrays, about = simulate(request)
     np.savez(out / "result.npz", **arrays)
     (out / "result.json").write_text(json.dumps(about))

@@ -52,7 +52,7 @@ of higher order in a law are of the size of powers of the lowest, or of the stra
 
 @dataclass(frozen=True, eq=False)
 class StrainFit:
-    """C (Pa) by pairs of states of each unit strain, how much is left of it, and the pairs."""
+    """C (Pa) by pairs of opposite strained states, and these pairs."""
 
     C: Array
     shrunk: float
@@ -148,7 +148,7 @@ def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> 
 
 
 def fit_strains(bench: Bench, strain: float) -> StrainFit:
-    """C = S E⁻¹, with mean stresses S and strains E (6, 6) or (3, 3), a column a state."""
+    """Fit C = S E⁻¹ to mean stresses S and strains E, a column a state."""
     d = bench.block.mesh.dim
     pairs, S, E = [], [], []
     for a, b in VOIGT[d]:

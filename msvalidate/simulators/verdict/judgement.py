@@ -199,7 +199,7 @@ def _refuse_material(material: Isotropic) -> None:
 
 
 def try_or_note(what: str, notes: list[Note], act: Callable[[], Found]) -> Found | None:
-    """What is found; None where that fails, which is told."""
+    """Return the result of an action, or None and a note if it fails."""
     try:
         return act()
     except (CannotRepresent, SolverError) as error:

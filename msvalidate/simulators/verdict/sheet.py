@@ -228,13 +228,13 @@ def _reading_lines(reading: Reading) -> list[str]:
 # Lattices -----------------------------------------------------------------------------------------
 
 
-def _lattice_tables(found: Judgement, lattice: LatticeReport) -> list[SheetTable]:
-    """Moduli of the lattice beside the requested ones, and its cantilevers at rest."""
-    law, mean, springs = found.asked, lattice.mean, lattice.springs
+def _lattice_tables(judgement: Judgement, lattice: LatticeReport) -> list[SheetTable]:
+    """Moduli of the lattice beside the requested ones, and its cantilevers."""
+    law, mean, springs = judgement.asked, lattice.mean, lattice.springs
     E, nu = axes_moduli(law, law.dim, "lattice")
-    asked = E / law.thickness, nu
-    pairs = {"requested": asked, "nearest isotropic": (mean.E, mean.nu)}
-    rows = [(name, *_pair(*pair), *_away(pair, asked)) for name, pair in pairs.items()]
+    requested = E / law.thickness, nu
+    pairs = {"requested": requested, "nearest isotropic": (mean.E, mean.nu)}
+    rows = [(name, *_pair(*pair), *_away(pair, requested)) for name, pair in pairs.items()]
     solid = phrase("lattice of", **vars(mean), misfit=percent(lattice.misfit))
     below = [solid]
     if springs.misfit <= BAND:
@@ -251,7 +251,7 @@ def _lattice_tables(found: Judgement, lattice: LatticeReport) -> list[SheetTable
     tables = [
         SheetTable("law at small strain", LAW_COLUMNS, tuple(rows), tuple(map(text_of, below)))
     ]
-    columns = ("cantilever", *(f"from {name}" for name in REFERENCES.values()), "may still change")
+    columns = ("load", *(f"from {name}" for name in REFERENCES.values()), "may still change")
     lines = [
         (
             b.load,
@@ -261,7 +261,7 @@ def _lattice_tables(found: Judgement, lattice: LatticeReport) -> list[SheetTable
         for b in lattice.bodies
     ]
     if lines:
-        tables.append(SheetTable("bodies at rest: differences", columns, tuple(lines)))
+        tables.append(SheetTable("cantilever: differences", columns, tuple(lines)))
     return tables
 
 
