@@ -30,6 +30,7 @@ from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, format_value
+from msvalidate.problem.material import State
 from msvalidate.problem.progress import report_step
 from msvalidate.simulators.bodies.blocks import RATIOS
 from msvalidate.simulators.bodies.laws import LAWS, law_named, predicted
@@ -49,16 +50,22 @@ from msvalidate.simulators.gate.rows import LENGTH, MOVING, PASSED, STEP, STOPPE
 from msvalidate.simulators.probe.reading import BAND
 from msvalidate.simulators.verdict.causes import convergence_causes
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement, judge_simulator
+from msvalidate.simulators.verdict.lattice import declared_cells, judge_lattice, with_lattice
 from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.record import json_of, record_of
 from msvalidate.simulators.verdict.sentences import text_of
 from msvalidate.simulators.verdict.sheet import sheet_of
+from msvalidate.springs.constants.stiffness import CAUCHY
 from msvalidate_check.checking import ACCURACY
 from msvalidate_check.text import WIDTH
 from msvalidate_check.verdict import AGREES, NOT_AT_REST, NOT_RESOLVED
 
 GATE, BODIES = ["question", "verdict"], ["body", "mesh", "error", "unexplained"]
 """Columns of the tables that a baseline stores."""
+THICKNESS = 0.2
+"""Thickness (m) of plane bodies: any but 1, which hides that it is forgotten."""
+TETRA_RATIO = 0.3
+"""Default ratio of elements."""
 RUN = "-run"
 """End of the name of the folder in which the latest question stays, beside its page."""
 
@@ -168,18 +175,24 @@ def check_adapter(args: argparse.Namespace) -> int:
         gating.refuse_outputs(args, gating.SIMULATORS)
         folder = _folder_of_check(args, name)
         kept = folder and folder.with_name(f"{folder.name}{RUN}")
-        low, high = RATIOS
-        finite_number("--nu", args.ratio, least=low, most=high)
-        material = Isotropic(args.modulus, args.ratio, "solid", args.density)
+        if args.ratio is not None:
+            finite_number("--nu", args.ratio, least=RATIOS[0], most=RATIOS[1])
         parts = tuple(args.only or PARTS)
         log = folder and log_path(folder)
-        asked = Asked(Program(args.adapter, args.limit, kept), parts)
+        program = Program(args.adapter, args.limit, kept)
+        asked = Asked(program, parts)
         started, settings, probed = datetime.now(UTC), dict(args.set), dict(args.probe_set)
         try:
             with Progress(name, shown=not args.quiet, log=log):
-                found = judge_simulator(
-                    asked, material, settings, law=args.law, probed=probed, parts=parts
-                )
+                cells, dim = declared_cells(program)
+                material = _material(args, cells, dim)
+                if cells == "tetra":
+                    found = judge_simulator(
+                        asked, material, settings, law=args.law, probed=probed, parts=parts
+                    )
+                    found = with_lattice(found, asked, settings | probed)
+                else:
+                    found = judge_lattice(asked, cells, material, settings, parts=parts)
                 sheet = sheet_of(found, asked, parts)
                 record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}
                 seconds = (datetime.now(UTC) - started).total_seconds()
@@ -275,6 +288,16 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
         named = [(e.body, e.mesh, e.error, p) for e, p in zip(judgement.bodies, parts, strict=True)]
         tables["bodies"] = pd.DataFrame(named, columns=BODIES)
     return gating.Judged(name, pd.DataFrame(rows), {}, tables, rounding)
+
+
+def _material(args: argparse.Namespace, cells: str, dim: int) -> Isotropic:
+    """Material of a check; the default ratio of lattices is that of springs alone."""
+    state: State = "solid" if dim == 3 else "plane_stress"
+    ratio = args.ratio
+    if ratio is None:
+        ratio = TETRA_RATIO if cells == "tetra" else CAUCHY[dim]
+    thickness = 1.0 if dim == 3 else THICKNESS
+    return Isotropic(args.modulus, ratio, state, args.density, thickness)
 
 
 def _known_law(given: str) -> str:

@@ -148,6 +148,13 @@ class About(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     notes: str | list[str] = ""
 
 
+class Declared(msgspec.Struct, omit_defaults=True):
+    """Keys of `result.json` as the answer to "declare"; other keys are left unread."""
+
+    cells: list[str] = []
+    dimension: int | None = None
+
+
 def read_answer(folder: str | Path, request: Request) -> Answer:
     """What an adapter left in a folder as the answer to a request.
 
@@ -159,6 +166,8 @@ def read_answer(folder: str | Path, request: Request) -> Answer:
     """
     place = Path(folder)
     try:
+        if request.task == "declare":
+            return Answer(about=_read_about(place / ABOUT, Declared))
         about = _read_about(place / ABOUT)
         arrays = _read_arrays(place, request)
     except ProblemError as error:
@@ -167,19 +176,19 @@ def read_answer(folder: str | Path, request: Request) -> Answer:
     return ask(lambda _: answer, request)
 
 
-def _read_about(path: Path) -> dict[str, Any]:
+def _read_about(path: Path, keys: type[msgspec.Struct] = About) -> dict[str, Any]:
     if not path.is_file():
         raise SimulatorError(f"answer: no {ABOUT}; an adapter writes it beside its result")
     _refuse_large(path, LARGEST_ABOUT)
     try:
-        about = msgspec.json.decode(path.read_bytes(), type=About)
+        about = msgspec.json.decode(path.read_bytes(), type=keys)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
         why = " ".join(str(error).split())
         if no_number := NO_NUMBER.search(path.read_text(encoding="utf-8", errors="replace")):
             raise SimulatorError(
                 f"answer: {ABOUT}: {no_number[1]} is {no_number[2]}; did it diverge?"
             ) from error
-        known = f"; the keys are {', '.join(About.__struct_fields__)}" if "field" in why else ""
+        known = f"; the keys are {', '.join(keys.__struct_fields__)}" if "field" in why else ""
         raise SimulatorError(f"answer: {ABOUT}: {why}{known}") from error
     return dict(msgspec.to_builtins(about))
 

@@ -78,12 +78,14 @@ def request_files(request: Request) -> dict[str, bytes]:
     files = {
         REQUEST: _about(request),
         "points.csv": _table(axes, mesh.points),
-        "cells.csv": _table(corners, mesh.cells),
         "nodal.csv": _table(names, nodal, whole=[n for n in names if n.startswith("held")]),
-        "mesh.vtu": vtu_bytes(mesh.points, {mesh.shape: mesh.cells}, fields),
     }
-    for suffix in (".msh", ".inp"):
-        files[f"mesh{suffix}"] = mesh_bytes(mesh.points, mesh.shape, mesh.cells, suffix, element)
+    if not request.points_only:
+        files["cells.csv"] = _table(corners, mesh.cells)
+        files["mesh.vtu"] = vtu_bytes(mesh.points, {mesh.shape: mesh.cells}, fields)
+        for suffix in (".msh", ".inp"):
+            content = mesh_bytes(mesh.points, mesh.shape, mesh.cells, suffix, element)
+            files[f"mesh{suffix}"] = content
     if request.start is not None:
         files["start.csv"] = _table(axes, request.start)
     if request.springs is not None:
@@ -100,9 +102,9 @@ def _about(request: Request) -> bytes:
         "task": request.task,
         "name": request.name,
         "dimension": request.mesh.dim,
-        "cells": request.mesh.shape,
+        "cells": "points" if request.points_only else request.mesh.shape,
         "nodes": len(request.mesh.points),
-        "count_of_cells": len(request.mesh.cells),
+        "count_of_cells": 0 if request.points_only else len(request.mesh.cells),
         "material": {
             name: getattr(material, name) for name in ("E", "nu", "density", "state", "thickness")
         },

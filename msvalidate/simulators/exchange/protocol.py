@@ -61,8 +61,10 @@ CANNOT = 77
 """Exit code of an adapter whose program cannot represent what is asked."""
 LARGEST = 1e30
 """Of a number in an answer, m, m/s or N: its powers are still numbers, and nothing moves so far."""
-Task = Literal["rest", "motion"]
-"""Bring the body to rest under its loads, or take steps from given positions."""
+Task = Literal["rest", "motion", "declare"]
+"""Solve for equilibrium, take steps from given positions, or declare the program's cells."""
+DIMENSION = {"quad": 2, "triangle": 2, "hexahedron": 3, "tetra": 3}
+"""Cells that a program may declare, and their number of axes; "points" needs a dimension."""
 ForcesAt = Literal["start", "end"]
 """At which positions of a step the forces act that changed its velocities."""
 Precision = Literal["float64", "float32"]
@@ -140,6 +142,8 @@ class Request:
         In place of the material, for codes of springs.
     name
         Of the case.
+    points_only
+        Leave the cells out, for programs that make the springs between points themselves.
     """
 
     task: Task
@@ -156,6 +160,7 @@ class Request:
     settings: Mapping[str, Any] = field(default_factory=dict)
     springs: Springs | None = None
     name: str = "case"
+    points_only: bool = False
 
     def __post_init__(self) -> None:
         require_one_of("task", self.task, get_args(Task))
@@ -212,6 +217,8 @@ def ask(simulator: Simulator, request: Request) -> Answer:
     """
     answer = simulator(request)
     needed = ("displacement",) if request.task == "rest" else ("position", "velocity")
+    if request.task == "declare":
+        return answer
     if request.task == "motion" and answer.force is not None:
         needed = ("force",)
     for name in needed:

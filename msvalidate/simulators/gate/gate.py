@@ -79,7 +79,11 @@ STRAIN = 2.0**-10
 
 
 def stretched_block(
-    material: Isotropic, settings: Mapping[str, Any], *, hanging: bool = False
+    material: Isotropic,
+    settings: Mapping[str, Any],
+    shape: str | None = None,
+    *,
+    hanging: bool = False,
 ) -> Request:
     """A block of side 1 m, clamped at its left, stretched to the right by about `STRAIN`.
 
@@ -92,7 +96,7 @@ def stretched_block(
     if hanging:
         load = Weight((pull / material.density, *none[1:]))  # over a side of 1 m
     problem = Problem(box, material, (Support(box.side("left"), none),), (load,), "block")
-    return export_case(Case(problem), cells=ACROSS, settings=settings)
+    return export_case(Case(problem), cells=ACROSS, shape=shape, settings=settings)
 
 
 def motion(block: Request, start: Array, steps: int = 1) -> Request:
@@ -153,6 +157,7 @@ def gate(
     simulator: Simulator,
     material: Isotropic,
     settings: Mapping[str, Any] | None = None,
+    shape: str | None = None,
 ) -> Gate:
     """Try a simulator on a small block of a material.
 
@@ -164,10 +169,12 @@ def gate(
         Of which the block is.
     settings
         Of the simulator.
+    shape
+        Of the block's cells; the default is triangles in 2D and tetrahedra in 3D.
     """
     require_type("gate: material", material, Isotropic)
     own = dict(settings or {})
-    block = stretched_block(material, own)
+    block = stretched_block(material, own, shape)
     stiffness = cache(partial(_stretched_step, simulator, block))
     rows = _tried({
         "rest stays at rest": partial(_at_rest, simulator, block),
@@ -177,7 +184,7 @@ def gate(
         STRETCHED: lambda: size_rows("step", _out_of_range(block.material, stiffness())),
     })  # fmt: skip
     tested = Gate(())
-    hanging = stretched_block(material, own, hanging=True)
+    hanging = stretched_block(material, own, shape, hanging=True)
     for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
         try:
             first = ask(simulator, asked)

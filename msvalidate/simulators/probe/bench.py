@@ -22,8 +22,8 @@ from msvalidate.simulators.exchange.protocol import (
 )
 from msvalidate.simulators.probe.block import Block
 
-ENGINEERING = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-"""Shear strains count twice."""
+ENGINEERING = {2: np.array([1.0, 1.0, 2.0]), 3: np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])}
+"""Factors of strains by the number of axes: shear strains count twice."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +51,8 @@ class Push:
 
 
 def voigt(tensor: Array) -> Array:
-    """Components (6,) of the symmetric part of a tensor (3, 3), in order xx, yy, zz, yz, xz, xy."""
-    first, second = np.transpose(VOIGT[3])
+    """Components (6,) or (3,) of the symmetric part of a tensor (d, d), in Voigt's order."""
+    first, second = np.transpose(VOIGT[len(tensor)])
     return np.asarray((tensor + tensor.T)[first, second] / 2)
 
 
@@ -82,6 +82,8 @@ class Bench:
         Whether the mass matrix is not diagonal.
     solves_to
         Part of a step's change of velocity that its solver leaves, as stated.
+    settle
+        Displacements (n, d) of a uniform strain -> those that a step starts from.
     """
 
     simulator: Simulator
@@ -93,8 +95,9 @@ class Bench:
     forces_at: str = "start"
     consistent: bool = False
     solves_to: float = 0.0
+    settle: Callable[[Array], Array] = lambda u: u
 
-    def push(self, G: Array, *, gravity: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Push:
+    def push(self, G: Array, *, gravity: tuple[float, ...] = ()) -> Push:
         """What the state c + (I + G)(X - c) tells, c the origin, that is the block's middle.
 
         Raises
@@ -103,7 +106,7 @@ class Bench:
             As the simulator.
         """
         X, block = self.block.mesh.points, self.block
-        move = X @ G.T
+        move = self.settle(X @ G.T)
         answer = self.step(move, gravity)
         force = answer.force
         if force is None:
@@ -111,7 +114,7 @@ class Bench:
         place = self.placed(move) if self.forces_at == "start" else np.asarray(answer.position)
         return Push(-force.T @ X / block.volume, (place - X).T @ block.weights, force)
 
-    def step(self, move: Array, gravity: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Answer:
+    def step(self, move: Array, gravity: tuple[float, ...] = ()) -> Answer:
         """What comes of one step from the mesh displaced by `move` (n, 3) m.
 
         Raises
@@ -125,7 +128,7 @@ class Bench:
             mesh,
             self.block.material,
             mass=self.block.lumped,
-            gravity=np.array(gravity),
+            gravity=np.array(gravity or (0.0,) * mesh.dim),
             force=np.zeros(mesh.points.shape),
             held=np.zeros(mesh.points.shape, dtype=bool),
             value=np.zeros(mesh.points.shape),

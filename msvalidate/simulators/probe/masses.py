@@ -116,11 +116,11 @@ def measure_masses(bench: Bench) -> Masses:
     """
     n = len(bench.block.mesh.points)
     rng = np.random.default_rng(SEED)
-    count = int(np.ceil(SURPLUS * n / 3))
     block, most = bench.block, MOVE * bench.block.height
+    count = int(np.ceil(SURPLUS * n / block.mesh.dim))
     found = []
     for _ in range(count):
-        answer = bench.step(rng.uniform(-most, most, (n, 3)))
+        answer = bench.step(rng.uniform(-most, most, (n, block.mesh.dim)))
         if answer.velocity is None:
             raise SimulatorError("masses: forces and no velocity; they say nothing of masses")
         found.append(answer.velocity.T)

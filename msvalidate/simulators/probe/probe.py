@@ -51,8 +51,8 @@ of higher order in a law are of the size of powers of the lowest, or of the stra
 
 
 @dataclass(frozen=True, eq=False)
-class _Fit:
-    """C (Pa) by six pairs of states of one strain, how much is left of it, and the pairs."""
+class StrainFit:
+    """C (Pa) by pairs of opposite strained states, and these pairs."""
 
     C: Array
     shrunk: float
@@ -117,13 +117,13 @@ def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Ar
 
 def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> Reading:
     rest = bench.push(np.zeros((3, 3)))
-    fit = _fit(bench, strain)
+    fit = fit_strains(bench, strain)
     largest = float(np.abs(fit.C).max())
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
     noise, of_strain = rounding_parts(bench, strain, largest, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
-    half = _fit(bench, strain / 2)
+    half = fit_strains(bench, strain / 2)
     step = float(np.abs(half.C - fit.C).max()) / largest
     C = (4 * half.C - fit.C) / 3
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
@@ -147,27 +147,28 @@ def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> 
     return Reading(C, error, causes, flags, masses, strain, bench.precision, about)
 
 
-def _fit(bench: Bench, strain: float) -> _Fit:
-    """C = S E⁻¹, with mean stresses S and strains E (6, 6), a column a state."""
+def fit_strains(bench: Bench, strain: float) -> StrainFit:
+    """Fit C = S E⁻¹ to mean stresses S and strains E, a column a state."""
+    d = bench.block.mesh.dim
     pairs, S, E = [], [], []
-    for a, b in VOIGT[3]:
-        G = np.zeros((3, 3))
+    for a, b in VOIGT[d]:
+        G = np.zeros((d, d))
         G[a, b] += strain / 2
         G[b, a] += strain / 2
         there, back = bench.push(G), bench.push(-G)
         pairs.append((there, back))
         S.append(voigt(there.odd(back).stress))
-        E.append(voigt(there.odd(back).gradient) * ENGINEERING)
+        E.append(voigt(there.odd(back).gradient) * ENGINEERING[d])
     E_columns = np.transpose(E)
     shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
     if not shrunk:
         raise SimulatorError(
-            "probe: six strains at the end of the step are not independent; take a shorter dt"
+            "probe: the strains at the end of the step are not independent; take a shorter dt"
         )
-    return _Fit(np.transpose(S) @ np.linalg.inv(E_columns), shrunk, tuple(pairs))
+    return StrainFit(np.transpose(S) @ np.linalg.inv(E_columns), shrunk, tuple(pairs))
 
 
-def _curvature(fit: _Fit, rest: Push) -> float:
+def _curvature(fit: StrainFit, rest: Push) -> float:
     """Largest second-order part of the stress, Pa."""
     return max(
         float(np.abs(there.stress + back.stress - 2 * rest.stress).max()) / 2

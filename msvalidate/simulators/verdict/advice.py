@@ -41,6 +41,9 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
     kinds = [each.kind for each in found.causes]
     if asked.ended or (asked.failures and "units" not in kinds):
         return _advice("ended" if asked.ended else "failed")
+    first = found.causes[0] if found.causes else Cause("")
+    if first.of.key.startswith("lattice "):
+        return _advice(f"mend {first.of.key}", **dict(first.of.values))
     if found.word == STOPPED and not found.gate.shows_units:
         return _at_gate(found, asked)
     if found.word == NOT_AT_REST and not found.gate.shows_units:

@@ -33,6 +33,7 @@ from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import CannotRepresent, Simulator
 from msvalidate.simulators.gate.gate import gate
 from msvalidate.simulators.gate.rows import Gate
+from msvalidate.simulators.lattice.bodies import LatticeReport
 from msvalidate.simulators.probe.probe import probe
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate.simulators.verdict.causes import (
@@ -70,6 +71,8 @@ class Judgement(Verdict):
         What could not be asked, and why.
     mass
         Mass of the bodies relative to the requested one, as forces and steps show it together.
+    lattice
+        Solid, springs and bodies of a simulator that was asked on cells of its own.
     """
 
     asked: Isotropic
@@ -80,6 +83,7 @@ class Judgement(Verdict):
     large: AtLargeStrain | None = None
     notes: tuple[Note, ...] = ()
     mass: float = 1.0
+    lattice: LatticeReport | None = None
 
     @property
     def is_accepted(self) -> bool:
@@ -141,7 +145,7 @@ def judge_simulator(
     reading = None
     if "probe" in parts:
         stepped = own | dict(probed or {})
-        reading = _noted("probe", notes, lambda: probe(simulator, material, settings=stepped))
+        reading = try_or_note("probe", notes, lambda: probe(simulator, material, settings=stepped))
     bodies = "bodies" in parts
     found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
     read, total = _law(reading, found, predicted, material)
@@ -149,7 +153,7 @@ def judge_simulator(
     large, furthest = None, own | dict(converged or {})
     linear = elements is linear_elements
     if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
-        large = _noted("large strain", notes, lambda: at_large_strain(
+        large = try_or_note("large strain", notes, lambda: at_large_strain(
             simulator, material, laws.stress_of(law, material.E, material.nu), furthest,
             lambda asked: masses_on(asked, reading, total),
         ))  # fmt: skip
@@ -173,7 +177,7 @@ def _body_rows(
 ) -> tuple[BodyRow, ...]:
     """A row a body, brought further to rest; of single precision under more load too."""
     law, reading, total = known
-    settled = _noted(
+    settled = try_or_note(
         "brought further to rest", notes, lambda: bring_further(simulator, own, converged, found)
     )
     rows = of_one_kind(
@@ -204,8 +208,8 @@ def _refuse_material(material: Isotropic) -> None:
         )
 
 
-def _noted(what: str, notes: list[Note], act: Callable[[], Found]) -> Found | None:
-    """What is found; None where that fails, which is told."""
+def try_or_note(what: str, notes: list[Note], act: Callable[[], Found]) -> Found | None:
+    """Return the result of an action, or None and a note if it fails."""
     try:
         return act()
     except (CannotRepresent, SolverError) as error:

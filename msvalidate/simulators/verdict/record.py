@@ -11,6 +11,7 @@ import numpy as np
 
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.gate.rows import PASSED, STOPPED, GateRow
+from msvalidate.simulators.lattice.bodies import LatticeReport
 from msvalidate.simulators.probe.reading import Reading
 from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sentences import text_of
@@ -24,7 +25,7 @@ DIGITS = 8
 def record_of(found: Judgement) -> dict[str, Any]:
     """A judgement as JSON takes it; a number that there is not is null."""
     law = found.predicted
-    return {
+    record = {
         "asked": {"E": found.asked.E, "nu": found.asked.nu, "density": found.asked.density},
         "predicted": None if law is None else {"E": _plain(law[0]), "nu": _plain(law[1])},
         "state": found.word,
@@ -36,6 +37,26 @@ def record_of(found: Judgement) -> dict[str, Any]:
         "bodies": [_body(row) for row in found.bodies],
         "large": _plain(found.large),
     }
+    return record if found.lattice is None else record | {"lattice": _lattice(found.lattice)}
+
+
+def _lattice(lattice: LatticeReport) -> dict[str, Any]:
+    """Solid, springs and bodies of a lattice; masses and steps in words and numbers alone."""
+    steps, springs = lattice.steps, lattice.springs
+    record = {
+        **vars(lattice.mean),
+        "misfit": lattice.misfit,
+        "C": lattice.C,
+        "springs": springs,
+        "total_mass": lattice.total,
+        "bodies": [
+            {"load": b.load, "rest": b.rest, "factor": b.factor, **b.errors} for b in lattice.bodies
+        ],
+    }
+    if steps is not None:
+        whose = None if steps.masses is None else text_of(steps.masses.words)
+        record |= {"masses": whose, "prestrain": steps.prestrain, "bound": steps.bound}
+    return dict(_plain(record))
 
 
 def _gate_row(row: GateRow) -> dict[str, Any]:
@@ -73,6 +94,8 @@ def _body(row: BodyRow) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """As JSON takes it: records by their names, numbers with few digits, null for not finite."""
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
     if isinstance(value, np.ndarray):
         return [_plain(each) for each in value] if value.ndim else _plain(value.item())
     if is_dataclass(value) or isinstance(value, dict):

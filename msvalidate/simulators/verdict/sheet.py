@@ -9,17 +9,27 @@ from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bodies.bodies import BodyRow
 from msvalidate.simulators.exchange.asked import Asked, Note
 from msvalidate.simulators.gate.rows import LEFT_OUT, LENGTH, PASSED, STEP, GateRow
+from msvalidate.simulators.lattice.bodies import LatticeReport
 from msvalidate.simulators.probe.reading import BAND, Reading, anisotropy
 from msvalidate.simulators.verdict.advice import mesh_errors, next_step
 from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
+from msvalidate.springs.constants.stiffness import axes_moduli
 from msvalidate_check.causes import Phrase, phrase
 from msvalidate_check.text import align_table, percent
 from msvalidate_check.verdict import AGREES
 
 FIRST = (LENGTH, STEP, "units")
 """Kinds of causes that the headline names."""
+LAW_COLUMNS = ("", "E (Pa)", "nu", "E over asked", "nu less asked")
+REFERENCES = {
+    "elasticity": "elasticity as requested",
+    "solid": "its homogenised solid",
+    "elements": "linear elements of it",
+    "network": "its springs",
+}
+"""Key of a body's differences -> what it differs from."""
 FAILED = "gate failed"
 """Kind of a cause that is a question's failure."""
 
@@ -81,7 +91,9 @@ class Sheet:
 def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Sheet:
     """A judgement in words; `parts` are those that were asked for."""
     tables = [_gate_table(found)] if found.gate.rows else []
-    if found.word != STOPPED and set(parts) - {"gate"}:
+    if found.lattice is not None:
+        tables += _lattice_tables(found, found.lattice)
+    elif found.word != STOPPED and set(parts) - {"gate"}:
         tables.append(_law_table(found))
     if found.bodies:
         tables.append(_bodies_table(found))
@@ -174,8 +186,7 @@ def _law_table(found: Judgement) -> SheetTable:
         rows.append(_read_row(reading, asked, found.mass, pulled=by_forces))
         below = _reading_lines(reading)
     return SheetTable(
-        "law at small strain", ("", "E (Pa)", "nu", "E over asked", "nu less asked"),
-        tuple(rows), tuple(below),
+        "law at small strain", LAW_COLUMNS, tuple(rows), tuple(below),
     )  # fmt: skip
 
 
@@ -218,6 +229,46 @@ def _reading_lines(reading: Reading) -> list[str]:
     if reading.is_valid and (part := anisotropy(reading.C)) > BAND:
         lines.append(phrase("anisotropy", part=part))
     return list(map(text_of, lines))
+
+
+# Lattices -----------------------------------------------------------------------------------------
+
+
+def _lattice_tables(judgement: Judgement, lattice: LatticeReport) -> list[SheetTable]:
+    """Moduli of the lattice beside the requested ones, and its cantilevers."""
+    law, mean, springs = judgement.asked, lattice.mean, lattice.springs
+    E, nu = axes_moduli(law, law.dim, "lattice")
+    requested = E / law.thickness, nu
+    pairs = {"requested": requested, "nearest isotropic": (mean.E, mean.nu)}
+    rows = [(name, *_pair(*pair), *_away(pair, requested)) for name, pair in pairs.items()]
+    solid = phrase("lattice of", **vars(mean), misfit=percent(lattice.misfit))
+    below = [solid]
+    if springs.misfit <= BAND:
+        constants = ", ".join(f"{k:.5g}" for k in springs.constants if k)
+        below.append(phrase("lattice springs", constants=constants, weight=springs.weight))
+    if lattice.steps is not None:
+        masses = lattice.steps.masses
+        below.append(phrase("no masses") if masses is None else masses.line)
+        below += [
+            Phrase(f"lattice {name}") for name in ("relaxed", "bound") if vars(lattice.steps)[name]
+        ]
+    if math.isfinite(lattice.total):
+        below.append(phrase("lattice total", total=lattice.total))
+    tables = [
+        SheetTable("law at small strain", LAW_COLUMNS, tuple(rows), tuple(map(text_of, below)))
+    ]
+    columns = ("load", *(f"from {name}" for name in REFERENCES.values()), "may still change")
+    lines = [
+        (
+            b.load,
+            *(percent(b.errors[n]) if n in b.errors else "" for n in REFERENCES),
+            percent(b.rest),
+        )
+        for b in lattice.bodies
+    ]
+    if lines:
+        tables.append(SheetTable("cantilever: differences", columns, tuple(lines)))
+    return tables
 
 
 # Bodies -------------------------------------------------------------------------------------------

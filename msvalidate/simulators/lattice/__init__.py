@@ -1,0 +1,1 @@
+"""Lattices of springs as simulators: homogenised solid, boundary weight, cantilever."""
