@@ -261,24 +261,18 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
     tables = {
         "gate": pd.DataFrame([(e.name, e.verdict) for e in judgement.gate.rows], columns=GATE)
     }
-    rounding = {
-        "E": BASELINE_TOLERANCE * E,
-        "nu": BASELINE_TOLERANCE,
-        "error": BASELINE_TOLERANCE,
-        "unexplained": BASELINE_TOLERANCE,
-    }
-    law = judgement.reading
-    if law is not None and law.E is not None and law.nu is not None:
-        for quantity, unit, value, expected, size in (
-            ("E", "Pa", law.E, E, E),
-            ("nu", "1", law.nu, nu, 1),
-        ):
-            error = abs(value - expected) / size
-            rows.append(gating.row(
-                "law", quantity, "pass" if error <= BAND else "fail", word,
-                observed=value, reference=expected, error=error, limit=BAND, unit=unit,
-            ))  # fmt: skip
-        tables["law"] = pd.DataFrame({"E": [law.E], "nu": [law.nu]})
+    expected = {"E": E, "nu": nu, "zener": 1.0, "weight": 0.5}
+    size = dict.fromkeys((*expected, "error", "unexplained"), 1.0) | {"E": E}
+    rounding = {name: BASELINE_TOLERANCE * each for name, each in size.items()}
+    moduli = _moduli(judgement)
+    for name, value in moduli.items():
+        error = abs(value - expected[name]) / size[name]
+        rows.append(gating.row(
+            "law", name, "pass" if error <= BAND else "fail", word, observed=value,
+            reference=expected[name], error=error, limit=BAND, unit="Pa" if name == "E" else "1",
+        ))  # fmt: skip
+    if moduli:
+        tables["law"] = pd.DataFrame([moduli])
     parts = [math.nan if each.factors is None else each.factors.apart for each in judgement.bodies]
     for each, part in zip(judgement.bodies, parts, strict=True):
         verdict = "pass" if each.is_explained or each.is_rounded else "fail"
@@ -288,6 +282,17 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
         named = [(e.body, e.mesh, e.error, p) for e, p in zip(judgement.bodies, parts, strict=True)]
         tables["bodies"] = pd.DataFrame(named, columns=BODIES)
     return gating.Judged(name, pd.DataFrame(rows), {}, tables, rounding)
+
+
+def _moduli(judgement: Judgement) -> dict[str, float]:
+    """Return the measured moduli, of a lattice also its Zener ratio and boundary weight."""
+    law, lattice = judgement.reading, judgement.lattice
+    if lattice is not None:
+        moduli = {"E": lattice.mean.E, "nu": lattice.mean.nu, "zener": lattice.mean.zener}
+        known = lattice.springs.misfit <= BAND and math.isfinite(lattice.springs.weight)
+        return moduli | ({"weight": lattice.springs.weight} if known else {})
+    known = law is not None and law.E is not None and law.nu is not None
+    return {"E": law.E, "nu": law.nu} if known else {}  # type: ignore[union-attr, dict-item]
 
 
 def _material(args: argparse.Namespace, cells: str, dim: int) -> Isotropic:

@@ -44,10 +44,8 @@ def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) ->
     first = found.causes[0] if found.causes else Cause("")
     if first.of.key.startswith("lattice "):
         return _advice(f"mend {first.of.key}", **dict(first.of.values))
-    if found.word == STOPPED and not found.gate.shows_units:
-        return _at_gate(found, asked)
-    if found.word == NOT_AT_REST and not found.gate.shows_units:
-        return _converge(found)
+    if found.word in {STOPPED, NOT_AT_REST} and not found.gate.shows_units:
+        return _at_gate(found, asked) if found.word == STOPPED else _converge(found)
     if "units" in kinds:
         return _advice("give units")
     if found.word == AGREES or found.is_accepted:
