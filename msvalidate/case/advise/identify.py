@@ -206,7 +206,7 @@ def moduli_rows(found: Identified, thickness: float | None = None) -> list[tuple
     for each in found.bounds:
         ends = [f"{low:.4g} to {high:.4g}" for low, high in each.moduli.T.tolist()]
         text = f"E = {ends[0]} {unit}, nu = {ends[1]}, Zener ratio {ends[2]}"
-        rows.append((f"bounds, {each.windows} of {each.points:.0f} points", text))
+        rows.append((f"bounds, {each.windows} × {each.points:.0f} points", text))
     mean, digits = isotropic_moduli(C), 4 if found.bounds else 9
     nu = mean.nu if abs(mean.nu) > ROUNDING else 0.0
     solid = f"E = {mean.E:.{digits}g} {unit}, nu = {nu:.{digits}g}"
