@@ -246,11 +246,11 @@ def _directional_rows(C: Array) -> list[tuple[str, str]]:
     return rows
 
 
-def _step_rows(found: Identified) -> list[tuple[str, str]]:
+def _step_rows(solid: Identified) -> list[tuple[str, str]]:
     """Highest frequency and stable steps, if masses are known."""
-    if not math.isfinite(found.omega):
+    if not math.isfinite(solid.omega):
         return []
     return [
-        ("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"),
-        ("step", step_words(step_limits(found.omega))),
+        ("highest frequency", f"{solid.omega:.6g} rad/s of {solid.whose}"),
+        ("step", step_words(step_limits(solid.omega))),
     ]
