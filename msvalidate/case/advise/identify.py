@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from msvalidate.case.advise.advice import WHOSE, block_frequency, step_limits, step_words
-from msvalidate.problem import Anisotropic, Array, Isotropic, ProblemError
+from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.bounds import TensorBounds
@@ -145,8 +145,10 @@ def identify_cubic(C11: float, C12: float, C44: float) -> Identified:
     ProblemError
         If some strain costs no energy.
     """
-    C = Anisotropic(cubic_tensor(3, C11, C12, C44)).C
-    return Identified(f"cubic solid, C11, C12, C44 = {C11:g}, {C12:g}, {C44:g} Pa", C, 0.0, STABLE)
+    what = f"cubic solid, C11, C12, C44 = {C11:g}, {C12:g}, {C44:g} Pa"
+    if not (C44 > 0 and C11 > C12 and C11 + 2 * C12 > 0):
+        raise ProblemError(f"--cubic: {what}; give C44 > 0 and C12 between -C11/2 and C11")
+    return Identified(what, cubic_tensor(3, C11, C12, C44), 0.0, STABLE)
 
 
 def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
