@@ -162,6 +162,8 @@ def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> N
         f"--{_first(others)} {where} --identify; leave one of them out": others,
         f"--{_first(of_lattice)} is of a lattice, and {args.identify!r} a file; leave it out":
             args.identify and of_lattice,
+        "--cubic stands alone with --identify; leave springs.csv and the lattice out":
+            args.cubic and (args.identify or of_lattice),
         f"--{first} is missing; give the kinds before it too": own != sorted(own, reverse=True),
     })  # fmt: skip
 

@@ -263,13 +263,13 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
     }
     expected = {"E": E, "nu": nu, "zener": 1.0, "weight": 0.5}
     size = dict.fromkeys((*expected, "error", "unexplained"), 1.0) | {"E": E}
-    rounding = {name: BASELINE_TOLERANCE * each for name, each in size.items()}
+    rounding = {key: BASELINE_TOLERANCE * each for key, each in size.items()}
     moduli = _moduli(judgement)
-    for name, value in moduli.items():
-        error = abs(value - expected[name]) / size[name]
+    for key, value in moduli.items():
+        error = abs(value - expected[key]) / size[key]
         rows.append(gating.row(
-            "law", name, "pass" if error <= BAND else "fail", word, observed=value,
-            reference=expected[name], error=error, limit=BAND, unit="Pa" if name == "E" else "1",
+            "law", key, "pass" if error <= BAND else "fail", word, observed=value,
+            reference=expected[key], error=error, limit=BAND, unit="Pa" if key == "E" else "1",
         ))  # fmt: skip
     if moduli:
         tables["law"] = pd.DataFrame([moduli])

@@ -270,15 +270,15 @@ def constants_lines(each: Sequence[Advice], unit: str = "m", density: str = "") 
     return align_table(heads, rows, [False, *[True] * (len(heads) - 1)])
 
 
-def step_sentence(each: Sequence[Advice], step: float | None = None) -> str:
-    """How the step goes with the material, and the largest E (Pa) that a step (s) allows."""
+def step_sentence(options: Sequence[Advice], step: float | None = None) -> str:
+    """Describe the step of a material, and the largest E (Pa) for a step (s)."""
     text = "step in proportion to spacing·√(density/E)"
     if step is None:
         return text
     dt = positive_number("--step", step, "s")
     largest = [
         f"{one.material.E * (SAFETY * one.limits['leapfrog'] / dt) ** 2:.4g} Pa of {one.lattice}"
-        for one in each
+        for one in options
     ]
     return f"{text}: {dt:g} s allows E up to {', '.join(largest)}"
 

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from msvalidate.case.advise.advice import WHOSE, block_frequency, step_limits, step_words
-from msvalidate.problem import Anisotropic, Array, Isotropic, ProblemError
+from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, length_in_metres, require_one_of
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.bounds import TensorBounds
@@ -145,8 +145,10 @@ def identify_cubic(C11: float, C12: float, C44: float) -> Identified:
     ProblemError
         If some strain costs no energy.
     """
-    C = Anisotropic(cubic_tensor(3, C11, C12, C44)).C
-    return Identified(f"cubic solid, C11, C12, C44 = {C11:g}, {C12:g}, {C44:g} Pa", C, 0.0, STABLE)
+    what = f"cubic solid, C11, C12, C44 = {C11:g}, {C12:g}, {C44:g} Pa"
+    if not (C44 > 0 and C11 > C12 and C11 + 2 * C12 > 0):
+        raise ProblemError(f"--cubic: {what}; give C44 > 0 and C12 between -C11/2 and C11")
+    return Identified(what, cubic_tensor(3, C11, C12, C44), 0.0, STABLE)
 
 
 def with_cells(what: str, solid: Homogenised, kappa: float) -> Identified:
@@ -206,7 +208,7 @@ def moduli_rows(found: Identified, thickness: float | None = None) -> list[tuple
     for each in found.bounds:
         ends = [f"{low:.4g} to {high:.4g}" for low, high in each.moduli.T.tolist()]
         text = f"E = {ends[0]} {unit}, nu = {ends[1]}, Zener ratio {ends[2]}"
-        rows.append((f"bounds, {each.windows} of {each.points:.0f} points", text))
+        rows.append((f"bounds, {each.windows} × {each.points:.0f} points", text))
     mean, digits = isotropic_moduli(C), 4 if found.bounds else 9
     nu = mean.nu if abs(mean.nu) > ROUNDING else 0.0
     solid = f"E = {mean.E:.{digits}g} {unit}, nu = {nu:.{digits}g}"
@@ -246,11 +248,11 @@ def _directional_rows(C: Array) -> list[tuple[str, str]]:
     return rows
 
 
-def _step_rows(found: Identified) -> list[tuple[str, str]]:
+def _step_rows(solid: Identified) -> list[tuple[str, str]]:
     """Highest frequency and stable steps, if masses are known."""
-    if not math.isfinite(found.omega):
+    if not math.isfinite(solid.omega):
         return []
     return [
-        ("highest frequency", f"{found.omega:.6g} rad/s of {found.whose}"),
-        ("step", step_words(step_limits(found.omega))),
+        ("highest frequency", f"{solid.omega:.6g} rad/s of {solid.whose}"),
+        ("step", step_words(step_limits(solid.omega))),
     ]

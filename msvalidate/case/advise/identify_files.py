@@ -141,7 +141,7 @@ def _piece(
 
 
 def _own_axes(x: Array) -> Array:
-    """Points (n, 1) along their line, (n, 2) in the plane z = 0, or as they are."""
+    """Points (n, 1) along their line, (n, 2) where z is 0 everywhere, or as they are."""
     away = x - x[0]
     line = away[np.linalg.norm(away, axis=1).argmax()]
     length = float(np.linalg.norm(line))

@@ -1,4 +1,4 @@
-"""A field compared with its own network: its equilibrium, and the solid that the network is."""
+"""Comparison of a field with its network: equilibrium and homogenised solid."""
 
 from __future__ import annotations
 
@@ -31,8 +31,7 @@ from msvalidate_check.text import percent
 from reference_fem.body import solve_problem
 
 CONVERGED = 0.01
-"""Difference of a field from its network's equilibrium, relative to the largest displacement, up to
-which the solver has converged."""
+"""Largest relative difference of a converged field from its network's equilibrium."""
 SENTENCES = {
     "identified": "network: {solid}; elasticity of this solid differs from the case's material by "
     "{solid_difference}",
@@ -50,7 +49,7 @@ SENTENCES = {
 
 @dataclass(frozen=True, eq=False)
 class OwnNetwork:
-    """Network of a field: the solid that it is, and the field compared with its equilibrium.
+    """Network of a field: its homogenised solid and its equilibrium.
 
     Parameters
     ----------
@@ -82,7 +81,7 @@ class OwnNetwork:
 
 
 def judge_network(judged: Judged, folder: Path) -> OwnNetwork:
-    """Compare a judged field with a network in points.csv and springs.csv, as `case run` has them.
+    """Compare a judged field with a network in points.csv and springs.csv.
 
     Supports and forces are those of the columns held_x, move_x, force_x; without them the case's
     supports serve if it has no loads.
@@ -165,22 +164,22 @@ def _difference(judged: Judged, points: Array, displacement: Array) -> float:
     return max_length(away) / max_length(displacement)
 
 
-def network_record(own: OwnNetwork) -> dict[str, Any]:
+def network_record(judged: OwnNetwork) -> dict[str, Any]:
     """Numbers, kinds, causes and sentences for verdict.json."""
     numbers = ("solid_difference", "field_difference", "own_difference")
-    record: dict[str, Any] = {name: getattr(own, name) for name in numbers}
+    record: dict[str, Any] = {name: getattr(judged, name) for name in numbers}
     shown = {name: percent(value) for name, value in record.items()}
-    rows = dict(moduli_rows(own.identified)) if own.identified.solid else {}
+    rows = dict(moduli_rows(judged.identified)) if judged.identified.solid else {}
     solid = next((f"{name} {text}" for name, text in rows.items() if "otropic" in name), "")
-    shown |= {"solid": solid or own.identified.stable, "reason": own.reason}
-    lines = [SENTENCES[kind].format(**shown) for kind in own.kinds]
-    for first in own.causes[: "not equilibrium" in own.kinds]:
+    shown |= {"solid": solid or judged.identified.stable, "reason": judged.reason}
+    lines = [SENTENCES[kind].format(**shown) for kind in judged.kinds]
+    for first in judged.causes[: "not equilibrium" in judged.kinds]:
         lines.append(SENTENCES["cause"].format(left=percent(first.left), cause=first))
     return record | {
-        "tensor": own.identified.tensor.tolist(),
-        "error": own.identified.error,
+        "tensor": judged.identified.tensor.tolist(),
+        "error": judged.identified.error,
         "solid": rows,
-        "kinds": own.kinds,
-        "causes": [each.row() for each in own.causes],
+        "kinds": judged.kinds,
+        "causes": [each.row() for each in judged.causes],
         "sentences": lines,
     }

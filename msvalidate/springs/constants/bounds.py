@@ -1,4 +1,4 @@
-"""Bounds of the stiffness tensor of an irregular network, by the condition of Hill and Mandel.
+"""Bounds of the stiffness tensor of an irregular network (Hill-Mandel condition).
 
 A window is a set of points that have all their springs. Points own their parts of the Delaunay
 simplices around them, and springs belong to their two points by halves, so that windows share out
@@ -45,17 +45,17 @@ from msvalidate.springs.lattice.ties import break_ties
 from msvalidate.springs.lattice.triangulation import signed_volumes
 
 LONGEST_EDGE = 4.0
-"""Longest edge of a simplex relative to the mean spring: longer ones span hollows."""
+"""Longest edge of a simplex relative to the mean spring."""
 CUTS = (1, 2, 4)
 """Windows along each axis into which a piece is divided."""
 ANSWERED = 0.5
-"""Part of the volume that windows of one size must cover."""
+"""Minimum fraction of the volume that windows of one size cover."""
 HINGED = 100.0
-"""Motion under a uniform stress, relative to the median, of points on hinges."""
+"""Motion of a hinged point under uniform stress, relative to the median."""
 SHIFT = 1e-9
-"""Stiffness added to each component's, relative to it, where motions may be without stiffness."""
+"""Relative stiffness added to each component, for motions without stiffness."""
 CORRECTIONS = 4
-"""Solutions by the shifted stiffness, each of which leaves a small part of the load."""
+"""Number of solutions by the shifted stiffness."""
 TOO_SMALL = (
     "points.csv: joined points with an inside are missing; give a larger piece, or a periodic "
     "sample and its --period"
@@ -85,7 +85,7 @@ class TensorBounds(ReadOnly):
 
     @property
     def moduli(self) -> Array:
-        """Lowest and highest value (2, 3) of E (N/m or Pa), nu and the Zener ratio.
+        """Lowest and highest E (N/m or Pa), nu and Zener ratio, (2, 3).
 
         They are those of all isotropic tensors between the isotropic parts, and of all cubic ones.
         """
@@ -115,7 +115,7 @@ class _Network(NamedTuple):
 
 
 def tensor_bounds(points: Array, springs: Index, stiffness: Array) -> tuple[TensorBounds, ...]:
-    """Compute bounds of the effective tensor of a piece, for one size of windows after another.
+    """Compute bounds of the effective tensor of a piece by window size.
 
     The first window is the whole inside, as far as a factor is affordable. A piece too small for an
     inside is a window itself, with springs missing at its surface. Of a chain (d = 1) both bounds
@@ -177,9 +177,10 @@ def tensor_bounds(points: Array, springs: Index, stiffness: Array) -> tuple[Tens
 
 
 def idle_points(points: Array, springs: Index) -> Mask:
-    """Return the mask (n,) of points whose springs carry no force without a load on a point.
+    """Return the mask (n,) of points whose springs carry no force.
 
-    Their springs run in independent directions; springs to other idle points do not count.
+    Without a load on a point, springs in independent directions carry none. Springs to other idle
+    points do not count.
     """
     n, d = points.shape
     idle = np.zeros(n, dtype=bool)
@@ -199,7 +200,7 @@ def idle_points(points: Array, springs: Index) -> Mask:
 
 
 def point_simplices(points: Array, mean_length: float) -> tuple[Index, Array]:
-    """Delaunay simplices (s, d + 1) of points (n, d), and the volume (n,) of each point.
+    """Delaunay simplices (s, d + 1) of points (n, d), and their volumes (n,).
 
     Simplices run over gaps of the springs, whose mean length is given (m), but not over hollows.
 
@@ -225,7 +226,7 @@ def point_simplices(points: Array, mean_length: float) -> tuple[Index, Array]:
 
 
 class _Window(NamedTuple):
-    """Volume, and tensors (2, v, v): the upper bound, and the inverse of the lower one."""
+    """Volume, and tensors (2, v, v): upper bound, and inverse of the lower one."""
 
     volume: float
     tensors: Array
@@ -257,7 +258,7 @@ def _window(network: _Network, inside: Index) -> Iterator[_Window]:
     free[facets] = False
     if not free.any():
         return
-    # A spring with one point in the window counts half there, and follows the strain.
+    # Half of a spring with one point in the window is its own, and follows the strain.
     part, e = np.where(both, 1.0, member[springs].mean(axis=1)), stretch.copy()
     e[both] = _relax(B[both][:, np.flatnonzero(np.repeat(free, d))], k[both], stretch[both])
     size, work = float(volumes[member].sum()), load[moving].T @ u

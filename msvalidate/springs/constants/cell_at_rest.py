@@ -158,7 +158,7 @@ def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) 
 
 
 def stiffness_of(B: csr_array, k: Array) -> csr_array:
-    """Stiffness (f, f) of motions; by roots, so that it is symmetric to the last digit."""
+    """Stiffness (f, f) of motions, by roots: symmetric to the last digit."""
     rows = csr_array(diags_array(np.sqrt(k)) @ B)
     return csr_array(rows.T @ rows)
 

@@ -64,9 +64,10 @@ class Moduli:
 
 
 def voigt_directions(normals: Array) -> Array:
-    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, d), along a line (m, 1).
+    """Voigt vectors (m, 1), (m, 3) or (m, 6) of n⊗n for unit vectors.
 
-    Contracted with engineering strains they give the elongation along n: nᵀεn.
+    The vectors n are (m, d). Contracted with engineering strains they give the elongation along n:
+    nᵀεn.
 
     Source: Voigt's notation as in [Nye1957], chapter VIII.
     """
@@ -317,7 +318,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
 
 
 def invariant_moduli(C: Array) -> tuple[float, float]:
-    """Bulk and shear modulus, in its unit, of the isotropic tensor nearest to a Voigt tensor."""
+    """Bulk and shear modulus of the isotropic tensor nearest to a Voigt tensor."""
     d = AXES_OF[len(C)]
     bulk = C[:d, :d].mean()
     mu = (np.trace(C) + np.trace(C[d:, d:]) - d * bulk) / ((d - 1) * (d + 2))

@@ -258,6 +258,19 @@ def test_other_classes_are_refused(tmp_path):
         identify_lattice("honeycomb", (1.0, 1.0), 1.0, volume=1.0)
 
 
+def test_moduli_by_name_step_and_direction(capsys):
+    # nu = (3K - 2μ)/(2(3K + μ)); bcc iron by [Nye1957] of S along (1, 1, 0).
+    assert main(["advise", "--K", ".1", "--mu", "1", "--spacing", "1", "--step", "100"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "nu = -0.653846, auxetic: it widens when it is pulled" in out
+    E, step = 0.6923077, float(out.split("cubic18, 1 m ")[1].split()[4])
+    allowed = float(out.split("allows E up to ")[1].split()[0])
+    assert allowed == pytest.approx(E * (step / 100) ** 2, rel=1e-2)
+    assert main(["advise", "--identify", "--cubic", "231GPa", "135GPa", "116GPa"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "E = 2.19461e+11 Pa, nu = -0.0540477 along (1, -1, 0) to 0.616002 along (0, 0, 1)" in out
+
+
 def test_the_command_identifies(tmp_path, capsys):
     words = "advise --identify --lattice square --k1 2N/mm --k2 1e3 --kappa -.5e3 --spacing 2mm"
     assert main(words.split()) == 0

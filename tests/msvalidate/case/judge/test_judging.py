@@ -391,7 +391,7 @@ def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
         (1.5, 1.0, False, ["no equilibrium", "another solid"]),
     ],
 )
-def test_a_network_is_told_from_its_solver(tmp_path, stiffer, factor, columns, kinds):
+def test_a_network_is_distinguished_from_its_solver(tmp_path, stiffer, factor, columns, kinds):
     asked = replace(problem(), material=Isotropic(1e5, 1 / 3))
     network = lattice_network(asked, square(BEAM, (16, 8)))
     network = replace(network, stiffness=stiffer * network.stiffness)
