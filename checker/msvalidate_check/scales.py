@@ -95,7 +95,7 @@ def _stiffness(factor: float) -> Phrase:
 
 
 def stiffness_unit(part: float) -> Phrase | None:
-    """Units of stiffness whose confusion makes it so many times as large; None if none does."""
+    """Units of stiffness whose confusion has this factor, or None."""
     near = (f for f in STIFFNESS_UNITS if abs(math.log(part / f)) <= math.log(NEAR_UNIT))
     return next(map(_stiffness, near), None)
 

@@ -42,6 +42,8 @@ SENTENCES = {
     "another solid": "the network is another solid than the case's: change its spring constants",
     "same solid": "the network is the case's material inside: a difference is due to spacing, "
     "boundary weights, masses, loads or the solver",
+    "unresolved solid": "the bounds of the network's solid, its mean ± {error}, may contain the "
+    "case's material: only a larger network decides",
     "cause": "cause in the network itself ({left} left): {cause}",
 }
 """Kind -> template of its sentence."""
@@ -119,8 +121,8 @@ def judge_network(judged: Judged, folder: Path) -> OwnNetwork:
         u = _elasticity(judged, identified.tensor)
         solid = max_length(u - elastic) / judged.size
         field = max_length(judged.matched.displacement - u) / judged.size
-        is_same = solid <= case.band + identified.error
-        kinds.append("same solid" if is_same else "another solid")
+        near = "same solid" if identified.error <= case.band else "unresolved solid"
+        kinds.append(near if solid <= case.band + identified.error else "another solid")
     return OwnNetwork(identified, solid, field, own, reason, causes, tuple(kinds))
 
 
@@ -171,6 +173,7 @@ def network_record(judged: OwnNetwork) -> dict[str, Any]:
     shown = {name: percent(value) for name, value in record.items()}
     rows = dict(moduli_rows(judged.identified)) if judged.identified.solid else {}
     solid = next((f"{name} {text}" for name, text in rows.items() if "otropic" in name), "")
+    shown |= {"error": percent(judged.identified.error)}
     shown |= {"solid": solid or judged.identified.stable, "reason": judged.reason}
     lines = [SENTENCES[kind].format(**shown) for kind in judged.kinds]
     for first in judged.causes[: "not equilibrium" in judged.kinds]:

@@ -128,9 +128,9 @@ def _limit_sentences(found: Comparison) -> list[str]:
     return said
 
 
-def _gap_sentence(found: Comparison) -> str:
+def _gap_sentence(comparison: Comparison) -> str:
     """Gap that springs join, and the spacing that resolves it."""
-    gaps, unit = found.gaps[0], found.case.unit
+    gaps, unit = comparison.gaps[0], comparison.case.unit
     x, y = (quantity_text(each, "m", unit).split()[0] for each in gaps[0, :2])
     width, spacing = (quantity_text(gaps[0, 2] / many, "m", unit) for many in (1, NARROW))
     return (

@@ -35,7 +35,7 @@ UNSTATED = 1e-3
 """Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
 that readings of a modulus are held to."""
 SHORTER = 3.0
-"""Factor by which half the step changes more than half the length of a run does.
+"""Ratio of the changes by half the step and by half the run.
 
 The motion that is left decays exponentially with the length: half of it leaves the square root.
 """
@@ -107,7 +107,7 @@ class Gate:
 
     @property
     def shows_units(self) -> bool:
-        """True if one short step has a stiffness near a power of 1000 times the requested one.
+        """True if the stiffness of one step is wrong by a power of 1000.
 
         No time step or length of run explains that, as both leave such a step nearly as it is.
         """

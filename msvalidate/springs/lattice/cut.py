@@ -340,7 +340,7 @@ def narrow_holes(lattice: CutLattice) -> Array:
 
 
 def bridged_gaps(lattice: Lattice) -> Array:
-    """Middle and width (m) of gaps and holes that springs bridge, the narrowest first, (g, 3).
+    """Middle and width (m) of bridged gaps and holes by width, shape (g, 3).
 
     Around a gap, the body has several parts in the three by three cells about one of them; their
     springs share points, and join what the body does not. A hole narrower than a cell is bridged

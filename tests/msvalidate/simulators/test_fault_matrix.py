@@ -83,8 +83,10 @@ def constraints(names, residual=False):
 def settling(names):
     """Few iterations in a step, and a run whose length leaves a little as well."""
 
-    def soft(own, E):
-        return (1 + 500 * E * own["dt"] / own["iterations"]) * (1 - np.exp(-own["steps"] / 20))
+    def soft(settings, E):
+        return (1 + 500 * E * settings["dt"] / settings["iterations"]) * (
+            1 - np.exp(-settings["steps"] / 20)
+        )
 
     return changed(names, soft, lambda *_: {"change_when_twice_as_long": 0.0}, "end")
 
