@@ -25,7 +25,7 @@ UNITS = {
     "micrometres": 1e6,
     "inches": 1 / 0.0254,
     "kilometres": 1e-3,
-    "metres for a case in millimetres": 1e-3,
+    "metres read as millimetres": 1e-3,
     "feet": 1 / 0.3048,
     "inches for millimetres": 25.4,
     "millimetres for inches": 1 / 25.4,

@@ -96,8 +96,8 @@ class Choice:
     Parameters
     ----------
     springs, elements
-        One need a target; none of springs on a mesh's edges, and none of either where elasticity's
-        own error is not known.
+        One need a target; none of springs on a mesh's edges, and none of either if the reference
+        has no known error or is out of the range of its theory.
     unknowns, times
         At how many unknowns elements are how many times nearer than springs; NaN if not known.
     reasons
@@ -116,7 +116,8 @@ class Choice:
 
 def choose(found: Comparison) -> Choice:
     """What targets take in a case, from what was solved and lattices that are coarser."""
-    if not math.isfinite(found.reference.error):
+    decided = any(each.decides for each in found.limitations)  # by the range of the theory
+    if decided or not math.isfinite(found.reference.error):
         return Choice()
     (rows, no_coarser), meshes = _lattices(found), mesh_rows(found)
     return Choice(

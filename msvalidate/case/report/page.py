@@ -109,7 +109,7 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     """Verdict on the springs of a case, and its reasons."""
     reasons = (
         *_limit_sentences(found),
-        _kind_sentence(found),
+        "" if any(each.decides for each in found.limitations) else _kind_sentence(found),
         reference_sentence(found.reference),
         _hole_sentence(found),
         _mesh_sentence(found),
