@@ -40,6 +40,8 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     The folder is made, and removed again if it was not there. Folders of the named studies will lie
     in it.
     """
+    if _place(out) == _place(out).parent:
+        raise ProblemError(f"--out {out}: the root of all folders; name one in it")
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
@@ -67,8 +69,6 @@ def _refuse_foreign_folder(out: Path) -> None:
 
 def _refuse_unmakeable(out: Path) -> None:
     """Make the folder and something in it, and leave no trace."""
-    if _place(out) == _place(out).parent:
-        raise ProblemError(f"--out {out}: the root of all folders; name one in it")
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)

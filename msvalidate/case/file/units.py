@@ -2,8 +2,6 @@
 
 import math
 
-from msvalidate_check.text import number_text
-
 LENGTH = {
     "m": 1.0,
     "km": 1e3,
@@ -58,6 +56,8 @@ def quantity_text(value: float, unit: str, length: str) -> str:
     >>> quantity_text(7.352e-05, "m", "mm"), quantity_text(5.82e6, "Pa", "mm")
     ('0.07352 mm', '5.82 MPa')
     """
+    from msvalidate_check.text import number_text
+
     if not math.isfinite(value):
         return ""
     name, size = user_unit(unit, length)

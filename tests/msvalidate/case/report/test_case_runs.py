@@ -261,7 +261,7 @@ def test_files_say_the_same(run_beam):
     assert 'src="http' not in page
     assert 'href="http' not in page
     assert "<script" not in page
-    assert page.count("<figure>") == 5
+    assert page.count("<figure>") == 4
 
 
 def test_a_body_under_an_obstacle_is_compared_by_its_patch():
