@@ -34,7 +34,12 @@ from msvalidate.simulators.exchange.protocol import (
     ask,
     stated_residual_motion,
 )
-from msvalidate.simulators.lattice.measure import LatticeSprings, MeasuredLattice, fit_springs
+from msvalidate.simulators.lattice.measure import (
+    LatticeSprings,
+    MeasuredLattice,
+    fit_springs,
+    is_mechanism,
+)
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
 from msvalidate.simulators.probe.masses import Masses, patterns
 from msvalidate.simulators.probe.probe import STRAIN
@@ -71,8 +76,8 @@ class LatticeBody:
     ----------
     load
         `END` or `WEIGHT`.
-    part, request, about
-        Mesh and springs, the request, and the simulator's own record of the answer.
+    part, request
+        Mesh and springs, and the request.
     move
         Displacement (n, d) in m: the odd part of those under the load and under its opposite.
     rest
@@ -95,7 +100,6 @@ class LatticeBody:
     request: Request
     move: Array
     rest: float
-    about: Mapping[str, Any]
     prestrain: float
     errors: Mapping[str, float] = default(default_factory=dict)
     factor: float = np.nan
@@ -138,7 +142,7 @@ def bring_to_rest(
         if not max_length(move):
             raise SimulatorError(f"answer: {request.name}: the body does not move")
         rest = stated_residual_motion(request, Answer(displacement=move, about=answer.about))
-        bodies.append(LatticeBody(load, part, request, move, rest, answer.about, even))
+        bodies.append(LatticeBody(load, part, request, move, rest, even))
     return bodies
 
 
@@ -158,10 +162,9 @@ def _loads(part: Regular, law: Isotropic, load: str, strain: float) -> tuple[Arr
 
 def compare_body(
     body: LatticeBody,
-    C: Array | None,
-    springs: LatticeSprings | None,
+    C: Array,
+    springs: LatticeSprings,
     masses: Masses | None,
-    band: float,
     total: float = 1.0,
 ) -> LatticeBody:
     """Compare a body with elasticity, with its homogenised solid and with our network.
@@ -169,53 +172,41 @@ def compare_body(
     Parameters
     ----------
     C, springs, masses
-        Homogenised tensor (Pa), springs and masses as measured; None if they are not known.
-    band
-        Largest difference relative to the largest displacement that is none.
+        Homogenised tensor (Pa), springs and masses as measured; no masses if they are not known.
     total
         Mass relative to the requested one.
     """
-    material = body.request.material
-    request = replace(body.request, mass=total * body.request.mass)
-    elastic = _elasticity(body, material)
-    errors, own, mesh_error = {"elasticity": _difference(body.move, elastic)}, elastic, 0.0
-    if C is not None:
-        solid = Anisotropic(C, material.density, material.thickness)
-        elastic = _elasticity(body, solid)
-        elements = mesh_discretisation(request.mesh)
-        own = solve_on(
-            elements, solid, request.held, request.value, request.load, allow_locked=True
-        )
-        errors |= {
-            "solid": _difference(body.move, elastic),
-            "elements": _difference(body.move, own),
-        }
-        mesh_error = _difference(own, elastic)
-    if springs is not None and springs.misfit <= band:
-        mass = request.mass
+    law, request = body.request.material, body.request
+    solid = Anisotropic(C, total * law.density, law.thickness)
+    mass, value, x = total * request.mass, request.value, request.mesh.points
+    load = request.force + np.outer(mass, request.gravity)
+    body_mesh = mesh_discretisation(request.mesh)
+    own = solve_on(body_mesh, solid, request.held, value, load, allow_locked=True)
+    elastic = _elasticity(body, solid)
+    fields = {"elasticity": _elasticity(body, law), "solid": elastic, "elements": own}
+    mistakes = []
+    if springs.misfit <= BAND:
         if masses is not None:
-            pattern = patterns(RegularBlock(request.mesh, material)).get(masses.pattern, mass)
+            pattern = patterns(RegularBlock(request.mesh, law)).get(masses.pattern, mass)
             mass = pattern * (mass.sum() / pattern.sum())
-        network = network_displacement(body, springs.constants, springs.weight, mass)
-        errors["network"] = _difference(body.move, network)
-        if errors["network"] <= band or errors.get("elements", 1.0) > band:
-            own = network
+        network = partial(network_displacement, body, springs.constants, springs.weight)
+        fields["network"] = network(mass)
+        equal = np.full(len(x), mass.mean())
+        mistakes.append(Mistake("equal masses", lambda: [(1.0, network(equal))]))
+    errors = {name: _difference(body.move, field) for name, field in fields.items()}
+    if errors["elements"] > BAND or errors.get("network", 1.0) <= BAND:
+        own = fields.get("network", own)
     factor = best_scale(body.move, own)
     residual = _difference(body.move / factor, own) if factor else np.inf
-    body = replace(body, errors=errors, mesh_error=mesh_error, factor=factor, residual=residual)
-    if factor < 0 or residual > band:
+    causes: tuple[Cause, ...] = ()
+    if factor < 0 or residual > BAND:
         driven: Driven = "loads" if body.load == END else "weight"
-        x = request.mesh.points
         span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
-        mistakes = []
-        if springs is not None:
-            equal = partial(network_displacement, body, springs.constants, springs.weight)
-            even = np.full(len(x), request.mass.mean())
-            mistakes.append(Mistake("equal masses", lambda: [(1.0, equal(even))]))
-        field = Field(x, body.move, own, band / 10, driven, span, mistakes=mistakes)
-        causes = explain(field)
-        return replace(body, causes=causes)
-    return body
+        causes = explain(Field(x, body.move, own, BAND / 10, driven, span, mistakes=mistakes))
+    coarse = _difference(fields["elements"], elastic)
+    return replace(
+        body, errors=errors, mesh_error=coarse, factor=factor, residual=residual, causes=causes
+    )
 
 
 def _difference(move: Array, other: Array) -> float:
@@ -312,8 +303,6 @@ def make_report(
     dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
     target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
     right = fit_springs(block, target, target, law.thickness)
-    if steps is not None and steps.is_mechanism:
-        return None
     if steps is not None:
         C, springs, masses = steps.C, steps.springs, steps.masses
     elif bodies:
@@ -321,15 +310,16 @@ def make_report(
         C = block.tensor(springs.constants, 0.5, law.thickness)
     else:
         return None
-    compare = partial(compare_body, springs=springs, masses=masses, band=BAND)
-    compared = tuple(compare(body, C) for body in bodies)
+    if is_mechanism(C):
+        return None
+    compared = tuple(compare_body(body, C, springs, masses) for body in bodies)
     first = next((each for each in compared if not max(each.rest, each.residual) > BAND), None)
     meant = abs(isotropic_moduli(C).E * law.thickness / axes_moduli(law, dim, "")[0] - 1) <= SHOWN
     if masses is not None and first is not None and first.factor > 0:
         total = 1.0 if meant or abs(first.factor - 1) <= BAND else 1 / first.factor
         C = C * total
         springs = replace(springs, constants=springs.constants * total)
-        compared = tuple(compare(body, C, springs=springs, total=total) for body in bodies)
+        compared = tuple(compare_body(body, C, springs, masses, total) for body in bodies)
     mean = isotropic_moduli(C)
     residual = C - isotropic_part(C)
     scale = np.sqrt(np.r_[np.ones(dim), np.full(len(C) - dim, 2.0)])

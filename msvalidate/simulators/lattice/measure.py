@@ -104,11 +104,6 @@ class MeasuredLattice:
     bound: bool = False
     precision: str = "float64"
 
-    @property
-    def is_mechanism(self) -> bool:
-        """Return true if some uniform strain costs no energy."""
-        return bool(np.linalg.eigvalsh(self.C)[0] <= FREE * max_abs(self.C))
-
 
 def measure_lattice(
     simulator: Simulator,
@@ -181,6 +176,11 @@ def measure_lattice(
     springs = fit_springs(smallest, C, tensors[0], material.thickness)
     flags = abs(2 * more / light - 1) < DIVIDED, relaxed, bound
     return MeasuredLattice(C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision)
+
+
+def is_mechanism(C: Array) -> bool:
+    """Return true if some uniform strain costs no energy."""
+    return bool(np.linalg.eigvalsh(C)[0] <= FREE * max_abs(C))
 
 
 def extrapolate(sizes: tuple[int, ...], tensors: list[Array]) -> Array:

@@ -43,7 +43,7 @@ from msvalidate.simulators.lattice.bodies import (
     bring_to_rest,
     make_report,
 )
-from msvalidate.simulators.lattice.measure import MeasuredLattice, measure_lattice
+from msvalidate.simulators.lattice.measure import MeasuredLattice, is_mechanism, measure_lattice
 from msvalidate.simulators.lattice.regular import SPACING
 from msvalidate.simulators.probe.reading import BAND, SHOWN
 from msvalidate.simulators.verdict.causes import (
@@ -60,6 +60,8 @@ from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 PRESTRAIN = 1e-4
 """Smallest relative excess of rest lengths that is a mistake."""
+LOST = 1e-6
+"""Smallest part of a velocity that damping takes in ten steps: more than rounding."""
 CREEPS = 0.2
 """Relative difference of half the damping from twice the steps in a creeping body."""
 
@@ -126,11 +128,8 @@ def judge_lattice(
     small = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
     rows = (replace(row, verdict=PASSED) if row.name in small else row for row in gated.rows)
     gated = replace(gated, rows=tuple(rows))
-    if (
-        size.get(MORE_STEPS, 1.0)
-        <= UNSTATED
-        < max(size.get(k, 0.0) for k in (HALF_STEP, ITERATIONS))
-    ):
+    by_step = max(size.get(name, 0.0) for name in (HALF_STEP, ITERATIONS))
+    if size.get(MORE_STEPS, 1.0) <= UNSTATED < by_step:
         gated, parts = replace(gated, remedies=(STEP,)), ()  # nothing is read of such steps
     steps, bodies = None, list[LatticeBody]()
     if "probe" in parts:
@@ -140,19 +139,15 @@ def judge_lattice(
         precision = steps.precision if steps else "float64"
         place = partial(bring_to_rest, send, shape, material, own, precision, spacing)
         bodies = try_or_note("cantilever", notes, place) or []
-    report = try_or_note(
-        "lattice", notes, partial(make_report, shape, material, spacing, steps, bodies)
-    )
+    make = partial(make_report, shape, material, spacing, steps, bodies)
+    report = try_or_note("lattice", notes, make)
     causes = _causes(send, shape, material, own, gated, report, steps, bodies)
     causes = list({each.kind: each for each in reversed(causes)}.values())[::-1]
     word = AGREES if not causes else CAUSE
     if gated.rows and not gated.passed:
         word, stopped = "gate", stop_verdict(gated).causes
-        causes += [
-            Cause(c.kind, c.value, c.of)
-            for c in stopped
-            if c.kind not in {each.kind for each in causes}
-        ]
+        known = {each.kind for each in causes}
+        causes += [Cause(c.kind, c.value, c.of) for c in stopped if c.kind not in known]
     elif any(each.kind in {LENGTH, STEP} for each in causes):
         word = NOT_AT_REST
     elif any(each.kind == "body" for each in causes) or (report is None and set(parts) - {"gate"}):
@@ -198,15 +193,14 @@ def _causes(
         found.append(_cause("over density"))
     E = axes_moduli(law, law.dim, "")[0] / law.thickness
     times = report.mean.E / E if report else 1.0
-    if not found and (gated.units or not 1 / SCALE < times < SCALE):
+    if not found and not 1 / SCALE < times < SCALE:
         found.append(_cause("units", times))
-    prestrain = (
-        steps.prestrain if steps else max((b.prestrain for b in bodies), default=0.0, key=abs)
-    )
+    longest = max((body.prestrain for body in bodies), default=0.0, key=abs)
+    prestrain = steps.prestrain if steps else longest
     if abs(prestrain) > (PRESTRAIN if steps else 10 * PRESTRAIN):
         found.append(_cause("rest length", prestrain))
     block = stretched_block(law, settings, shape)
-    if any(row.name == FREE_FALL for row in gated.stops):
+    if any(row.name == FREE_FALL and row.unit for row in gated.stops):
         found += _falling(simulator, block)
     change = max([gated.moving, *(b.rest for b in bodies if b.rest > BAND)])
     still: list[Cause] = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
@@ -214,7 +208,7 @@ def _causes(
         found.append(_cause("damping"))
     found += still
     if report is None:
-        return [*found, _cause("mechanism")] if steps and steps.is_mechanism else found
+        return [*found, _cause("mechanism")] if steps and is_mechanism(steps.C) else found
     if found and found[0].kind == "rest length":  # the stiffness changes by as much
         return found
     masses = steps.masses if steps else None
@@ -280,7 +274,7 @@ def _falling(simulator: Simulator, block: Request) -> list[Cause]:
     one, ten = part(1), part(STEPS)
     if one < 0:
         return [_cause("gravity sign")]
-    if ten < one * (1 - 1e-9):
+    if ten < one * (1 - LOST):
         return [_cause("damping in motion", 1 - ten)]
     return [_cause("gravity", one)] if abs(one - 1) > BAND else []
 
