@@ -131,9 +131,17 @@ def bring_to_rest(
         held = np.repeat(x[:, :1] == 0, x.shape[1], axis=1)
         mass = RegularBlock(part.mesh, material).lumped
         request = Request(
-            "rest", part.mesh, material, mass=mass, gravity=gravity, force=force, held=held,
-            value=np.zeros(x.shape), settings=settings, name=f"cantilever, {load}",
-        )  # fmt: skip
+            "rest",
+            part.mesh,
+            material,
+            mass=mass,
+            gravity=gravity,
+            force=force,
+            held=held,
+            value=np.zeros(x.shape),
+            settings=settings,
+            name=f"cantilever, {load}",
+        )
         answer = ask(simulator, request)
         back = ask(simulator, replace(request, force=-force, gravity=-gravity))
         there, other = np.asarray(answer.displacement), np.asarray(back.displacement)
@@ -217,9 +225,13 @@ def network_displacement(body: LatticeBody, constants: Array, weight: float, mas
     """Displacement (n, d) in m of our network of springs under a body's loads."""
     request, part = body.request, body.part
     network = spring_network(
-        part.mesh.points, part.springs, part.stiffness(constants, weight), mass=mass,
-        fixed=request.held, force=request.force + np.outer(mass, request.gravity),
-    )  # fmt: skip
+        part.mesh.points,
+        part.springs,
+        part.stiffness(constants, weight),
+        mass=mass,
+        fixed=request.held,
+        force=request.force + np.outer(mass, request.gravity),
+    )
     factor = factorise_network(network)
     if factor is None:
         raise SolverError("cantilever: the springs measured are not stable")

@@ -213,10 +213,17 @@ def _settling(bench: Bench) -> Bench:
     def settle(move: Array) -> Array:
         held: Mask = np.repeat(~inner[:, None], move.shape[1], axis=1)
         request = Request(
-            "rest", block.mesh, block.material, mass=block.lumped,
-            gravity=np.zeros(move.shape[1]), force=np.zeros(move.shape), held=held,
-            value=np.where(held, move, 0.0), settings=bench.settings, name="held boundary",
-        )  # fmt: skip
+            "rest",
+            block.mesh,
+            block.material,
+            mass=block.lumped,
+            gravity=np.zeros(move.shape[1]),
+            force=np.zeros(move.shape),
+            held=held,
+            value=np.where(held, move, 0.0),
+            settings=bench.settings,
+            name="held boundary",
+        )
         return np.asarray(ask(bench.simulator, request).displacement)
 
     return replace(bench, settle=settle)

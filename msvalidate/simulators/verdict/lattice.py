@@ -153,9 +153,14 @@ def judge_lattice(
     elif any(each.kind == "body" for each in causes) or (report is None and set(parts) - {"gate"}):
         word = NOT_EXPLAINED
     return Judgement(
-        word, tuple(causes), asked=material, predicted=None, gate=gated, notes=tuple(notes),
+        word,
+        tuple(causes),
+        asked=material,
+        predicted=None,
+        gate=gated,
+        notes=tuple(notes),
         lattice=report,
-    )  # fmt: skip
+    )
 
 
 def with_lattice(
@@ -231,8 +236,15 @@ def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cau
     ratio = axes_moduli(law, law.dim, "")[1]
     if report.misfit > BAND:
         key = "ratio of constants" if central and "k2" in each else "anisotropic"
-        found.append(_cause(key, report.misfit, **each, ratio=each.get("k2", 0) / each["k1"],
-                            right=each.get("right2", 0) / each["right1"]))  # fmt: skip
+        found.append(
+            _cause(
+                key,
+                report.misfit,
+                **each,
+                ratio=each.get("k2", 0) / each["k1"],
+                right=each.get("right2", 0) / each["right1"],
+            )
+        )
     elif abs(times - 1) > SHOWN and 1 / SCALE < times < SCALE:
         thin = abs(times * law.thickness - 1) <= SHOWN
         found.append(_cause("thickness" if thin else "modulus", times))
