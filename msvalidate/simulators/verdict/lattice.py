@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.asked import Note
@@ -125,11 +126,14 @@ def judge_lattice(
 
     gated = gate(send, material, own, shape) if "gate" in parts else Gate(())
     size = {row.name: row.value for row in gated.rows}
-    small = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
-    rows = (replace(row, verdict=PASSED) if row.name in small else row for row in gated.rows)
+    passed = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
+    by_step = {name for name in (HALF_STEP, ITERATIONS) if size.get(name, 0.0) > UNSTATED}
+    block = stretched_block(material, own, shape)
+    if by_step == {HALF_STEP} and not _depends_on_step(send, block):
+        passed, by_step = {*passed, HALF_STEP}, set()
+    rows = (replace(row, verdict=PASSED) if row.name in passed else row for row in gated.rows)
     gated = replace(gated, rows=tuple(rows))
-    by_step = max(size.get(name, 0.0) for name in (HALF_STEP, ITERATIONS))
-    if size.get(MORE_STEPS, 1.0) <= UNSTATED < by_step:
+    if by_step and MORE_STEPS in passed:
         gated, parts = replace(gated, remedies=(STEP,)), ()  # nothing is read of such steps
     steps, bodies = None, list[LatticeBody]()
     if "probe" in parts:
@@ -141,7 +145,7 @@ def judge_lattice(
         bodies = try_or_note("cantilever", notes, place) or []
     make = partial(make_report, shape, material, spacing, steps, bodies)
     report = try_or_note("lattice", notes, make)
-    causes = _causes(send, shape, material, own, gated, report, steps, bodies)
+    causes = _causes(send, block, material, gated, report, steps, bodies)
     causes = list({each.kind: each for each in reversed(causes)}.values())[::-1]
     word = AGREES if not causes else CAUSE
     if gated.rows and not gated.passed:
@@ -184,9 +188,8 @@ def _cause(kind: str, value: float = math.nan, **values: object) -> Cause:
 
 def _causes(
     simulator: Simulator,
-    shape: str,
+    block: Request,
     law: Isotropic,
-    settings: Mapping[str, Any],
     gated: Gate,
     report: LatticeReport | None,
     steps: MeasuredLattice | None,
@@ -204,7 +207,6 @@ def _causes(
     prestrain = steps.prestrain if steps else longest
     if abs(prestrain) > (PRESTRAIN if steps else 10 * PRESTRAIN):
         found.append(_cause("rest length", prestrain))
-    block = stretched_block(law, settings, shape)
     if any(row.name == FREE_FALL and row.unit for row in gated.stops):
         found += _falling(simulator, block)
     change = max([gated.moving, *(b.rest for b in bodies if b.rest > BAND)])
@@ -291,18 +293,40 @@ def _falling(simulator: Simulator, block: Request) -> list[Cause]:
     return [_cause("gravity", one)] if abs(one - 1) > BAND else []
 
 
+def _moves(simulator: Simulator, block: Request, **times: float) -> Array:
+    """Displacement (n, d) in m with settings that its answer names, each multiplied.
+
+    Raises
+    ------
+    CannotRepresent, SimulatorError
+        As the simulator, or if a setting is not named.
+    """
+    answer = ask(simulator, block)
+    if times:
+        stated = answer.about.get("settings", {})
+        if not {*times} <= {*stated}:
+            raise CannotRepresent(f"settings name {', '.join(stated)}")
+        settings = {name: type(stated[name][0])(x * stated[name][0]) for name, x in times.items()}
+        request = replace(block, settings={**block.settings, **settings})
+        answer = ask(simulator, request)
+    return np.asarray(answer.displacement)
+
+
+def _depends_on_step(simulator: Simulator, block: Request) -> bool:
+    """Return true if a run of the same length in half the time step ends elsewhere."""
+    try:
+        move, finer = (_moves(simulator, block, **t) for t in ({}, {"dt": 0.5, "steps": 2}))
+    except (CannotRepresent, SimulatorError):
+        return True
+    return max_abs(finer - move) > UNSTATED * max_abs(move)
+
+
 def _creeps(simulator: Simulator, block: Request) -> bool:
     """Return true if half the damping moves a body as far as twice the steps do."""
-
-    def size(**times: float) -> float:
-        settings = {name: factor * named[name] for name, factor in times.items()}
-        request = replace(block, settings={**block.settings, **settings})
-        return float(np.abs(np.asarray(ask(simulator, request).displacement)).sum())
-
+    tried: tuple[dict[str, float], ...] = ({}, {"steps": 2}, {"damping": 0.5})
     try:
-        about = ask(simulator, block).about.get("settings", {})
-        named = {name: about[name][0] for name in ("steps", "damping")}
-        before, longer, looser = size(), size(steps=2), size(damping=0.5)
-    except (CannotRepresent, SimulatorError, KeyError, ProblemError):
+        sums = (float(abs(_moves(simulator, block, **t)).sum()) for t in tried)
+        before, longer, looser = sums
+    except (CannotRepresent, SimulatorError):
         return False
     return longer > before * (1 + UNSTATED) and abs(looser - longer) <= CREEPS * (longer - before)
