@@ -207,6 +207,8 @@ def _causes(
     prestrain = steps.prestrain if steps else longest
     if abs(prestrain) > (PRESTRAIN if steps else 10 * PRESTRAIN):
         found.append(_cause("rest length", prestrain))
+    if steps is not None and is_mechanism(steps.C):
+        found.append(_cause("mechanism"))
     if any(row.name == FREE_FALL and row.unit for row in gated.stops):
         found += _falling(simulator, block)
     change = max([gated.moving, *(b.rest for b in bodies if b.rest > BAND)])
@@ -215,7 +217,7 @@ def _causes(
         found.append(_cause("damping"))
     found += still
     if report is None:
-        return [*found, _cause("mechanism")] if steps and is_mechanism(steps.C) else found
+        return found
     if found and found[0].kind == "rest length":  # the stiffness changes by as much
         return found
     masses = steps.masses if steps else None

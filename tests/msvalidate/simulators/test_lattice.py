@@ -66,6 +66,7 @@ MISTAKES = {
     "rest length": ("np.linalg.norm(X[b]", "1.01 * np.linalg.norm(X[b]"),
     "over density": ("law.E, law.thickness", "law.E / law.density, law.thickness"),
     "gravity sign": ("m * request.gravity", "-m * request.gravity"),
+    "mechanism": ("3 / 8 * E", "0 * E"),
     "thickness": ("law.E, law.thickness", "law.E, 1.0"),
 }
 """Cause -> text of the example, and what stands there with that mistake."""
