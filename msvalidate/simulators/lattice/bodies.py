@@ -15,7 +15,6 @@ from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Anisotropic,
     Array,
-    Box,
     Isotropic,
     Material,
     Problem,
@@ -23,9 +22,11 @@ from msvalidate.problem import (
     Support,
     Traction,
     Weight,
+    prescribed_displacements,
 )
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.records import field as default
+from msvalidate.simulators.exchange.export import lumped_mass
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     Request,
@@ -55,7 +56,7 @@ from msvalidate.springs.network import spring_network
 from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
 from msvalidate_check.diagnosis import explain
-from reference_fem.body import solve_problem
+from reference_fem.body import nodal_forces, solve_problem
 from reference_fem.elasticity import solve_on
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
@@ -76,8 +77,8 @@ class LatticeBody:
     ----------
     load
         `END` or `WEIGHT`.
-    part, request
-        Mesh and springs, and the request.
+    part, problem, request
+        Mesh and springs, the problem, and the request.
     move
         Displacement (n, d) in m: the odd part of those under the load and under its opposite.
     rest
@@ -97,6 +98,7 @@ class LatticeBody:
 
     load: str
     part: Regular
+    problem: Problem
     request: Request
     move: Array
     rest: float
@@ -124,12 +126,26 @@ def bring_to_rest(
         As the simulator, or if the body does not move.
     """
     part = regular_block(shape, COUNTS[material.dim], spacing)
+    box, x, none = part.box, part.mesh.points, np.zeros(part.mesh.points.shape)
+    length, height = box.size[:2]
+    strained = STRAIN.get(precision, STRAIN["float64"]) * material.E * height / length
+    down = -strained * np.eye(material.dim)[-1]
+    heavy = Weight(tuple((down / (3 * material.density * length)).tolist()))
+    loads: dict[str, Traction | Weight] = {
+        END: Traction(box.side("right"), tuple((down / 6).tolist())),
+        WEIGHT: heavy,
+    }
     bodies = []
-    for load in (END, WEIGHT):
-        force, gravity = _loads(part, material, load, STRAIN.get(precision, STRAIN["float64"]))
-        x = part.mesh.points
-        held = np.repeat(x[:, :1] == 0, x.shape[1], axis=1)
-        mass = RegularBlock(part.mesh, material).lumped
+    for name, load in loads.items():
+        support = Support(box.side("left"), (0.0,) * material.dim)
+        problem = Problem(box, material, (support,), (load,), f"cantilever, {name}")
+        held, value = prescribed_displacements(problem, x)
+        force, gravity = none, np.zeros(material.dim)
+        if isinstance(load, Weight):
+            gravity = np.array(load.acceleration)
+        else:
+            force = nodal_forces(problem, mesh_discretisation(part.mesh))
+        mass = lumped_mass(part.mesh, material)
         request = Request(
             "rest",
             part.mesh,
@@ -138,34 +154,20 @@ def bring_to_rest(
             gravity=gravity,
             force=force,
             held=held,
-            value=np.zeros(x.shape),
+            value=value,
             settings=settings,
-            name=f"cantilever, {load}",
+            name=problem.name,
         )
         answer = ask(simulator, request)
         back = ask(simulator, replace(request, force=-force, gravity=-gravity))
         there, other = np.asarray(answer.displacement), np.asarray(back.displacement)
-        move, length = (there - other) / 2, part.box.size[0]
+        move = (there - other) / 2
         even = float((there + other)[x[:, 0] == length, 0].mean()) / 2 / length
         if not max_length(move):
             raise SimulatorError(f"answer: {request.name}: the body does not move")
         rest = stated_residual_motion(request, Answer(displacement=move, about=answer.about))
-        bodies.append(LatticeBody(load, part, request, move, rest, even))
+        bodies.append(LatticeBody(name, part, problem, request, move, rest, even))
     return bodies
-
-
-def _loads(part: Regular, law: Isotropic, load: str, strain: float) -> tuple[Array, Array]:
-    """Forces (n, d) in N and gravity (d,) in m/s² that strain the root by about `strain`."""
-    x, (length, height) = part.mesh.points, part.box.size[:2]
-    force, gravity = np.zeros(x.shape), np.zeros(x.shape[1])
-    if load == WEIGHT:
-        gravity[-1] = -strain * law.E * height / (3 * law.density * length**2)
-        return force, gravity
-    share = RegularBlock(part.mesh, law).lumped * (x[:, 0] == length)
-    traction = strain * law.E * height / (6 * length)
-    total = traction * part.box.volume / length * law.thickness
-    force[:, -1] = -total * share / share.sum()
-    return force, gravity
 
 
 def compare_body(
@@ -262,17 +264,11 @@ def fit_to_rest(body: LatticeBody, start: LatticeSprings) -> LatticeSprings:
 
 def _elasticity(body: LatticeBody, law: Material) -> Array:
     """Displacement (n, d) in m of elasticity under a body's loads, by quadratic elements."""
-    request, size = body.request, body.part.box.size
-    box, none = Box(size), (0.0,) * len(size)
-    total = tuple((request.force.sum(axis=0) * size[0] / (box.volume * law.thickness)).tolist())
-    load: Weight | Traction = Weight(tuple(request.gravity.tolist()))
-    if body.load == END:
-        load = Traction(box.side("right"), total)
-    problem = Problem(box, law, (Support(box.side("left"), none),), (load,), "cantilever")
-    element, parts = FINER[len(size)]
-    cells = tuple(parts * n for n in COUNTS[len(size)])
-    solution = solve_problem(problem, box_discretisation(box, cells, element))
-    return np.asarray(solution.at(request.mesh.points))
+    element, parts = FINER[law.dim]
+    cells = tuple(parts * n for n in COUNTS[law.dim])
+    problem = replace(body.problem, material=law)
+    solution = solve_problem(problem, box_discretisation(body.part.box, cells, element))
+    return np.asarray(solution.at(body.part.mesh.points))
 
 
 @dataclass(frozen=True, eq=False)

@@ -209,13 +209,8 @@ def _causes(
         found.append(_cause("rest length", prestrain))
     if steps is not None and is_mechanism(steps.C):
         found.append(_cause("mechanism"))
-    if any(row.name == FREE_FALL and row.unit for row in gated.stops):
-        found += _falling(simulator, block)
-    change = max([gated.moving, *(b.rest for b in bodies if b.rest > BAND)])
-    still: list[Cause] = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
-    if still and still[0].kind == LENGTH and _creeps(simulator, block):
-        found.append(_cause("damping"))
-    found += still
+    still = _of_convergence(simulator, block, gated, bodies)
+    found += [*_falling(simulator, block, gated), *still]
     if report is None:
         return found
     if found and found[0].kind == "rest length":  # the stiffness changes by as much
@@ -227,6 +222,17 @@ def _causes(
         found.append(_cause("masses", masses.off, pattern=masses.words))
     found += _of_springs(report, law, times)
     return found if still else [*found, *_of_bodies(report)]
+
+
+def _of_convergence(
+    simulator: Simulator, block: Request, gated: Gate, bodies: list[LatticeBody]
+) -> list[Cause]:
+    """Causes of displacements that are not converged, too much damping first."""
+    change = max([gated.moving, *(body.rest for body in bodies if body.rest > BAND)])
+    still = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
+    if still and still[0].kind == LENGTH and _creeps(simulator, block):
+        return [_cause("damping"), *still]
+    return still
 
 
 def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cause]:
@@ -277,8 +283,10 @@ def _of_bodies(report: LatticeReport) -> list[Cause]:
     return found
 
 
-def _falling(simulator: Simulator, block: Request) -> list[Cause]:
-    """Velocity of a free fall after one step and after ten, relative to g t."""
+def _falling(simulator: Simulator, block: Request, gated: Gate) -> list[Cause]:
+    """Causes in the velocity of a free fall after one step and after ten, relative to g t."""
+    if not any(row.name == FREE_FALL and row.unit for row in gated.stops):
+        return []
     g = np.zeros(block.mesh.dim)
     g[-1] = -1.0
     whole = replace(motion(block, block.mesh.points, STEPS), gravity=g)
