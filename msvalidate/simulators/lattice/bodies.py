@@ -15,7 +15,6 @@ from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
     Anisotropic,
     Array,
-    Box,
     Isotropic,
     Material,
     Problem,
@@ -23,9 +22,11 @@ from msvalidate.problem import (
     Support,
     Traction,
     Weight,
+    prescribed_displacements,
 )
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.records import field as default
+from msvalidate.simulators.exchange.export import lumped_mass
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     Request,
@@ -34,7 +35,12 @@ from msvalidate.simulators.exchange.protocol import (
     ask,
     stated_residual_motion,
 )
-from msvalidate.simulators.lattice.measure import LatticeSprings, MeasuredLattice, fit_springs
+from msvalidate.simulators.lattice.measure import (
+    LatticeSprings,
+    MeasuredLattice,
+    fit_springs,
+    is_mechanism,
+)
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
 from msvalidate.simulators.probe.masses import Masses, patterns
 from msvalidate.simulators.probe.probe import STRAIN
@@ -50,7 +56,7 @@ from msvalidate.springs.network import spring_network
 from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
 from msvalidate_check.diagnosis import explain
-from reference_fem.body import solve_problem
+from reference_fem.body import nodal_forces, solve_problem
 from reference_fem.elasticity import solve_on
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
@@ -71,8 +77,8 @@ class LatticeBody:
     ----------
     load
         `END` or `WEIGHT`.
-    part, request, about
-        Mesh and springs, the request, and the simulator's own record of the answer.
+    part, problem, request
+        Mesh and springs, the problem, and the request.
     move
         Displacement (n, d) in m: the odd part of those under the load and under its opposite.
     rest
@@ -92,10 +98,10 @@ class LatticeBody:
 
     load: str
     part: Regular
+    problem: Problem
     request: Request
     move: Array
     rest: float
-    about: Mapping[str, Any]
     prestrain: float
     errors: Mapping[str, float] = default(default_factory=dict)
     factor: float = np.nan
@@ -120,48 +126,55 @@ def bring_to_rest(
         As the simulator, or if the body does not move.
     """
     part = regular_block(shape, COUNTS[material.dim], spacing)
+    box, x, none = part.box, part.mesh.points, np.zeros(part.mesh.points.shape)
+    length, height = box.size[:2]
+    strained = STRAIN.get(precision, STRAIN["float64"]) * material.E * height / length
+    down = -strained * np.eye(material.dim)[-1]
+    heavy = Weight(tuple((down / (3 * material.density * length)).tolist()))
+    loads: dict[str, Traction | Weight] = {
+        END: Traction(box.side("right"), tuple((down / 6).tolist())),
+        WEIGHT: heavy,
+    }
     bodies = []
-    for load in (END, WEIGHT):
-        force, gravity = _loads(part, material, load, STRAIN.get(precision, STRAIN["float64"]))
-        x = part.mesh.points
-        held = np.repeat(x[:, :1] == 0, x.shape[1], axis=1)
-        mass = RegularBlock(part.mesh, material).lumped
+    for name, load in loads.items():
+        support = Support(box.side("left"), (0.0,) * material.dim)
+        problem = Problem(box, material, (support,), (load,), f"cantilever, {name}")
+        held, value = prescribed_displacements(problem, x)
+        force, gravity = none, np.zeros(material.dim)
+        if isinstance(load, Weight):
+            gravity = np.array(load.acceleration)
+        else:
+            force = nodal_forces(problem, mesh_discretisation(part.mesh))
+        mass = lumped_mass(part.mesh, material)
         request = Request(
-            "rest", part.mesh, material, mass=mass, gravity=gravity, force=force, held=held,
-            value=np.zeros(x.shape), settings=settings, name=f"cantilever, {load}",
-        )  # fmt: skip
+            "rest",
+            part.mesh,
+            material,
+            mass=mass,
+            gravity=gravity,
+            force=force,
+            held=held,
+            value=value,
+            settings=settings,
+            name=problem.name,
+        )
         answer = ask(simulator, request)
         back = ask(simulator, replace(request, force=-force, gravity=-gravity))
         there, other = np.asarray(answer.displacement), np.asarray(back.displacement)
-        move, length = (there - other) / 2, part.box.size[0]
+        move = (there - other) / 2
         even = float((there + other)[x[:, 0] == length, 0].mean()) / 2 / length
         if not max_length(move):
             raise SimulatorError(f"answer: {request.name}: the body does not move")
         rest = stated_residual_motion(request, Answer(displacement=move, about=answer.about))
-        bodies.append(LatticeBody(load, part, request, move, rest, answer.about, even))
+        bodies.append(LatticeBody(name, part, problem, request, move, rest, even))
     return bodies
-
-
-def _loads(part: Regular, law: Isotropic, load: str, strain: float) -> tuple[Array, Array]:
-    """Forces (n, d) in N and gravity (d,) in m/s² that strain the root by about `strain`."""
-    x, (length, height) = part.mesh.points, part.box.size[:2]
-    force, gravity = np.zeros(x.shape), np.zeros(x.shape[1])
-    if load == WEIGHT:
-        gravity[-1] = -strain * law.E * height / (3 * law.density * length**2)
-        return force, gravity
-    share = RegularBlock(part.mesh, law).lumped * (x[:, 0] == length)
-    traction = strain * law.E * height / (6 * length)
-    total = traction * part.box.volume / length * law.thickness
-    force[:, -1] = -total * share / share.sum()
-    return force, gravity
 
 
 def compare_body(
     body: LatticeBody,
-    C: Array | None,
-    springs: LatticeSprings | None,
+    C: Array,
+    springs: LatticeSprings,
     masses: Masses | None,
-    band: float,
     total: float = 1.0,
 ) -> LatticeBody:
     """Compare a body with elasticity, with its homogenised solid and with our network.
@@ -169,53 +182,41 @@ def compare_body(
     Parameters
     ----------
     C, springs, masses
-        Homogenised tensor (Pa), springs and masses as measured; None if they are not known.
-    band
-        Largest difference relative to the largest displacement that is none.
+        Homogenised tensor (Pa), springs and masses as measured; no masses if they are not known.
     total
         Mass relative to the requested one.
     """
-    material = body.request.material
-    request = replace(body.request, mass=total * body.request.mass)
-    elastic = _elasticity(body, material)
-    errors, own, mesh_error = {"elasticity": _difference(body.move, elastic)}, elastic, 0.0
-    if C is not None:
-        solid = Anisotropic(C, material.density, material.thickness)
-        elastic = _elasticity(body, solid)
-        elements = mesh_discretisation(request.mesh)
-        own = solve_on(
-            elements, solid, request.held, request.value, request.load, allow_locked=True
-        )
-        errors |= {
-            "solid": _difference(body.move, elastic),
-            "elements": _difference(body.move, own),
-        }
-        mesh_error = _difference(own, elastic)
-    if springs is not None and springs.misfit <= band:
-        mass = request.mass
+    law, request = body.request.material, body.request
+    solid = Anisotropic(C, total * law.density, law.thickness)
+    mass, value, x = total * request.mass, request.value, request.mesh.points
+    load = request.force + np.outer(mass, request.gravity)
+    body_mesh = mesh_discretisation(request.mesh)
+    own = solve_on(body_mesh, solid, request.held, value, load, allow_locked=True)
+    elastic = _elasticity(body, solid)
+    fields = {"elasticity": _elasticity(body, law), "solid": elastic, "elements": own}
+    mistakes = []
+    if springs.misfit <= BAND:
         if masses is not None:
-            pattern = patterns(RegularBlock(request.mesh, material)).get(masses.pattern, mass)
+            pattern = patterns(RegularBlock(request.mesh, law)).get(masses.pattern, mass)
             mass = pattern * (mass.sum() / pattern.sum())
-        network = network_displacement(body, springs.constants, springs.weight, mass)
-        errors["network"] = _difference(body.move, network)
-        if errors["network"] <= band or errors.get("elements", 1.0) > band:
-            own = network
+        network = partial(network_displacement, body, springs.constants, springs.weight)
+        fields["network"] = network(mass)
+        equal = np.full(len(x), mass.mean())
+        mistakes.append(Mistake("equal masses", lambda: [(1.0, network(equal))]))
+    errors = {name: _difference(body.move, field) for name, field in fields.items()}
+    if errors["elements"] > BAND or errors.get("network", 1.0) <= BAND:
+        own = fields.get("network", own)
     factor = best_scale(body.move, own)
     residual = _difference(body.move / factor, own) if factor else np.inf
-    body = replace(body, errors=errors, mesh_error=mesh_error, factor=factor, residual=residual)
-    if factor < 0 or residual > band:
+    causes: tuple[Cause, ...] = ()
+    if factor < 0 or residual > BAND:
         driven: Driven = "loads" if body.load == END else "weight"
-        x = request.mesh.points
         span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
-        mistakes = []
-        if springs is not None:
-            equal = partial(network_displacement, body, springs.constants, springs.weight)
-            even = np.full(len(x), request.mass.mean())
-            mistakes.append(Mistake("equal masses", lambda: [(1.0, equal(even))]))
-        field = Field(x, body.move, own, band / 10, driven, span, mistakes=mistakes)
-        causes = explain(field)
-        return replace(body, causes=causes)
-    return body
+        causes = explain(Field(x, body.move, own, BAND / 10, driven, span, mistakes=mistakes))
+    coarse = _difference(fields["elements"], elastic)
+    return replace(
+        body, errors=errors, mesh_error=coarse, factor=factor, residual=residual, causes=causes
+    )
 
 
 def _difference(move: Array, other: Array) -> float:
@@ -226,9 +227,13 @@ def network_displacement(body: LatticeBody, constants: Array, weight: float, mas
     """Displacement (n, d) in m of our network of springs under a body's loads."""
     request, part = body.request, body.part
     network = spring_network(
-        part.mesh.points, part.springs, part.stiffness(constants, weight), mass=mass,
-        fixed=request.held, force=request.force + np.outer(mass, request.gravity),
-    )  # fmt: skip
+        part.mesh.points,
+        part.springs,
+        part.stiffness(constants, weight),
+        mass=mass,
+        fixed=request.held,
+        force=request.force + np.outer(mass, request.gravity),
+    )
     factor = factorise_network(network)
     if factor is None:
         raise SolverError("cantilever: the springs measured are not stable")
@@ -259,17 +264,11 @@ def fit_to_rest(body: LatticeBody, start: LatticeSprings) -> LatticeSprings:
 
 def _elasticity(body: LatticeBody, law: Material) -> Array:
     """Displacement (n, d) in m of elasticity under a body's loads, by quadratic elements."""
-    request, size = body.request, body.part.box.size
-    box, none = Box(size), (0.0,) * len(size)
-    total = tuple((request.force.sum(axis=0) * size[0] / (box.volume * law.thickness)).tolist())
-    load: Weight | Traction = Weight(tuple(request.gravity.tolist()))
-    if body.load == END:
-        load = Traction(box.side("right"), total)
-    problem = Problem(box, law, (Support(box.side("left"), none),), (load,), "cantilever")
-    element, parts = FINER[len(size)]
-    cells = tuple(parts * n for n in COUNTS[len(size)])
-    solution = solve_problem(problem, box_discretisation(box, cells, element))
-    return np.asarray(solution.at(request.mesh.points))
+    element, parts = FINER[law.dim]
+    cells = tuple(parts * n for n in COUNTS[law.dim])
+    problem = replace(body.problem, material=law)
+    solution = solve_problem(problem, box_discretisation(body.part.box, cells, element))
+    return np.asarray(solution.at(body.part.mesh.points))
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,8 +311,6 @@ def make_report(
     dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
     target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
     right = fit_springs(block, target, target, law.thickness)
-    if steps is not None and steps.is_mechanism:
-        return None
     if steps is not None:
         C, springs, masses = steps.C, steps.springs, steps.masses
     elif bodies:
@@ -321,15 +318,16 @@ def make_report(
         C = block.tensor(springs.constants, 0.5, law.thickness)
     else:
         return None
-    compare = partial(compare_body, springs=springs, masses=masses, band=BAND)
-    compared = tuple(compare(body, C) for body in bodies)
+    if is_mechanism(C):
+        return None
+    compared = tuple(compare_body(body, C, springs, masses) for body in bodies)
     first = next((each for each in compared if not max(each.rest, each.residual) > BAND), None)
     meant = abs(isotropic_moduli(C).E * law.thickness / axes_moduli(law, dim, "")[0] - 1) <= SHOWN
     if masses is not None and first is not None and first.factor > 0:
         total = 1.0 if meant or abs(first.factor - 1) <= BAND else 1 / first.factor
         C = C * total
         springs = replace(springs, constants=springs.constants * total)
-        compared = tuple(compare(body, C, springs=springs, total=total) for body in bodies)
+        compared = tuple(compare_body(body, C, springs, masses, total) for body in bodies)
     mean = isotropic_moduli(C)
     residual = C - isotropic_part(C)
     scale = np.sqrt(np.r_[np.ones(dim), np.full(len(C) - dim, 2.0)])

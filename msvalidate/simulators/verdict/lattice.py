@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.records import replace
 from msvalidate.simulators.exchange.asked import Note
@@ -43,7 +44,7 @@ from msvalidate.simulators.lattice.bodies import (
     bring_to_rest,
     make_report,
 )
-from msvalidate.simulators.lattice.measure import MeasuredLattice, measure_lattice
+from msvalidate.simulators.lattice.measure import MeasuredLattice, is_mechanism, measure_lattice
 from msvalidate.simulators.lattice.regular import SPACING
 from msvalidate.simulators.probe.reading import BAND, SHOWN
 from msvalidate.simulators.verdict.causes import (
@@ -60,6 +61,8 @@ from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
 PRESTRAIN = 1e-4
 """Smallest relative excess of rest lengths that is a mistake."""
+LOST = 1e-6
+"""Smallest part of a velocity that damping takes in ten steps: more than rounding."""
 CREEPS = 0.2
 """Relative difference of half the damping from twice the steps in a creeping body."""
 
@@ -123,14 +126,14 @@ def judge_lattice(
 
     gated = gate(send, material, own, shape) if "gate" in parts else Gate(())
     size = {row.name: row.value for row in gated.rows}
-    small = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
-    rows = (replace(row, verdict=PASSED) if row.name in small else row for row in gated.rows)
+    passed = {name for name in CONVERGENCE if size.get(name, 1.0) <= UNSTATED}
+    by_step = {name for name in (HALF_STEP, ITERATIONS) if size.get(name, 0.0) > UNSTATED}
+    block = stretched_block(material, own, shape)
+    if by_step == {HALF_STEP} and not _depends_on_step(send, block):
+        passed, by_step = {*passed, HALF_STEP}, set()
+    rows = (replace(row, verdict=PASSED) if row.name in passed else row for row in gated.rows)
     gated = replace(gated, rows=tuple(rows))
-    if (
-        size.get(MORE_STEPS, 1.0)
-        <= UNSTATED
-        < max(size.get(k, 0.0) for k in (HALF_STEP, ITERATIONS))
-    ):
+    if by_step and MORE_STEPS in passed:
         gated, parts = replace(gated, remedies=(STEP,)), ()  # nothing is read of such steps
     steps, bodies = None, list[LatticeBody]()
     if "probe" in parts:
@@ -140,27 +143,28 @@ def judge_lattice(
         precision = steps.precision if steps else "float64"
         place = partial(bring_to_rest, send, shape, material, own, precision, spacing)
         bodies = try_or_note("cantilever", notes, place) or []
-    report = try_or_note(
-        "lattice", notes, partial(make_report, shape, material, spacing, steps, bodies)
-    )
-    causes = _causes(send, shape, material, own, gated, report, steps, bodies)
+    make = partial(make_report, shape, material, spacing, steps, bodies)
+    report = try_or_note("lattice", notes, make)
+    causes = _causes(send, block, material, gated, report, steps, bodies)
     causes = list({each.kind: each for each in reversed(causes)}.values())[::-1]
     word = AGREES if not causes else CAUSE
     if gated.rows and not gated.passed:
         word, stopped = "gate", stop_verdict(gated).causes
-        causes += [
-            Cause(c.kind, c.value, c.of)
-            for c in stopped
-            if c.kind not in {each.kind for each in causes}
-        ]
+        known = {each.kind for each in causes}
+        causes += [Cause(c.kind, c.value, c.of) for c in stopped if c.kind not in known]
     elif any(each.kind in {LENGTH, STEP} for each in causes):
         word = NOT_AT_REST
     elif any(each.kind == "body" for each in causes) or (report is None and set(parts) - {"gate"}):
         word = NOT_EXPLAINED
     return Judgement(
-        word, tuple(causes), asked=material, predicted=None, gate=gated, notes=tuple(notes),
+        word,
+        tuple(causes),
+        asked=material,
+        predicted=None,
+        gate=gated,
+        notes=tuple(notes),
         lattice=report,
-    )  # fmt: skip
+    )
 
 
 def with_lattice(
@@ -184,9 +188,8 @@ def _cause(kind: str, value: float = math.nan, **values: object) -> Cause:
 
 def _causes(
     simulator: Simulator,
-    shape: str,
+    block: Request,
     law: Isotropic,
-    settings: Mapping[str, Any],
     gated: Gate,
     report: LatticeReport | None,
     steps: MeasuredLattice | None,
@@ -198,23 +201,18 @@ def _causes(
         found.append(_cause("over density"))
     E = axes_moduli(law, law.dim, "")[0] / law.thickness
     times = report.mean.E / E if report else 1.0
-    if not found and (gated.units or not 1 / SCALE < times < SCALE):
+    if not found and not 1 / SCALE < times < SCALE:
         found.append(_cause("units", times))
-    prestrain = (
-        steps.prestrain if steps else max((b.prestrain for b in bodies), default=0.0, key=abs)
-    )
+    longest = max((body.prestrain for body in bodies), default=0.0, key=abs)
+    prestrain = steps.prestrain if steps else longest
     if abs(prestrain) > (PRESTRAIN if steps else 10 * PRESTRAIN):
         found.append(_cause("rest length", prestrain))
-    block = stretched_block(law, settings, shape)
-    if any(row.name == FREE_FALL for row in gated.stops):
-        found += _falling(simulator, block)
-    change = max([gated.moving, *(b.rest for b in bodies if b.rest > BAND)])
-    still: list[Cause] = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
-    if still and still[0].kind == LENGTH and _creeps(simulator, block):
-        found.append(_cause("damping"))
-    found += still
+    if steps is not None and is_mechanism(steps.C):
+        found.append(_cause("mechanism"))
+    still = _of_convergence(simulator, block, gated, bodies)
+    found += [*_falling(simulator, block, gated), *still]
     if report is None:
-        return [*found, _cause("mechanism")] if steps and steps.is_mechanism else found
+        return found
     if found and found[0].kind == "rest length":  # the stiffness changes by as much
         return found
     masses = steps.masses if steps else None
@@ -224,6 +222,17 @@ def _causes(
         found.append(_cause("masses", masses.off, pattern=masses.words))
     found += _of_springs(report, law, times)
     return found if still else [*found, *_of_bodies(report)]
+
+
+def _of_convergence(
+    simulator: Simulator, block: Request, gated: Gate, bodies: list[LatticeBody]
+) -> list[Cause]:
+    """Causes of displacements that are not converged, too much damping first."""
+    change = max([gated.moving, *(body.rest for body in bodies if body.rest > BAND)])
+    still = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
+    if still and still[0].kind == LENGTH and _creeps(simulator, block):
+        return [_cause("damping"), *still]
+    return still
 
 
 def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cause]:
@@ -237,8 +246,15 @@ def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cau
     ratio = axes_moduli(law, law.dim, "")[1]
     if report.misfit > BAND:
         key = "ratio of constants" if central and "k2" in each else "anisotropic"
-        found.append(_cause(key, report.misfit, **each, ratio=each.get("k2", 0) / each["k1"],
-                            right=each.get("right2", 0) / each["right1"]))  # fmt: skip
+        found.append(
+            _cause(
+                key,
+                report.misfit,
+                **each,
+                ratio=each.get("k2", 0) / each["k1"],
+                right=each.get("right2", 0) / each["right1"],
+            )
+        )
     elif abs(times - 1) > SHOWN and 1 / SCALE < times < SCALE:
         thin = abs(times * law.thickness - 1) <= SHOWN
         found.append(_cause("thickness" if thin else "modulus", times))
@@ -267,8 +283,10 @@ def _of_bodies(report: LatticeReport) -> list[Cause]:
     return found
 
 
-def _falling(simulator: Simulator, block: Request) -> list[Cause]:
-    """Velocity of a free fall after one step and after ten, relative to g t."""
+def _falling(simulator: Simulator, block: Request, gated: Gate) -> list[Cause]:
+    """Causes in the velocity of a free fall after one step and after ten, relative to g t."""
+    if not any(row.name == FREE_FALL and row.unit for row in gated.stops):
+        return []
     g = np.zeros(block.mesh.dim)
     g[-1] = -1.0
     whole = replace(motion(block, block.mesh.points, STEPS), gravity=g)
@@ -280,23 +298,45 @@ def _falling(simulator: Simulator, block: Request) -> list[Cause]:
     one, ten = part(1), part(STEPS)
     if one < 0:
         return [_cause("gravity sign")]
-    if ten < one * (1 - 1e-9):
+    if ten < one * (1 - LOST):
         return [_cause("damping in motion", 1 - ten)]
     return [_cause("gravity", one)] if abs(one - 1) > BAND else []
 
 
+def _moves(simulator: Simulator, block: Request, **times: float) -> Array:
+    """Displacement (n, d) in m with settings that its answer names, each multiplied.
+
+    Raises
+    ------
+    CannotRepresent, SimulatorError
+        As the simulator, or if a setting is not named.
+    """
+    answer = ask(simulator, block)
+    if times:
+        stated = answer.about.get("settings", {})
+        if not {*times} <= {*stated}:
+            raise CannotRepresent(f"settings name {', '.join(stated)}")
+        settings = {name: type(stated[name][0])(x * stated[name][0]) for name, x in times.items()}
+        request = replace(block, settings={**block.settings, **settings})
+        answer = ask(simulator, request)
+    return np.asarray(answer.displacement)
+
+
+def _depends_on_step(simulator: Simulator, block: Request) -> bool:
+    """Return true if a run of the same length in half the time step ends elsewhere."""
+    try:
+        move, finer = (_moves(simulator, block, **t) for t in ({}, {"dt": 0.5, "steps": 2}))
+    except (CannotRepresent, SimulatorError):
+        return True
+    return max_abs(finer - move) > UNSTATED * max_abs(move)
+
+
 def _creeps(simulator: Simulator, block: Request) -> bool:
     """Return true if half the damping moves a body as far as twice the steps do."""
-
-    def size(**times: float) -> float:
-        settings = {name: factor * named[name] for name, factor in times.items()}
-        request = replace(block, settings={**block.settings, **settings})
-        return float(np.abs(np.asarray(ask(simulator, request).displacement)).sum())
-
+    tried: tuple[dict[str, float], ...] = ({}, {"steps": 2}, {"damping": 0.5})
     try:
-        about = ask(simulator, block).about.get("settings", {})
-        named = {name: about[name][0] for name in ("steps", "damping")}
-        before, longer, looser = size(), size(steps=2), size(damping=0.5)
-    except (CannotRepresent, SimulatorError, KeyError, ProblemError):
+        sums = (float(abs(_moves(simulator, block, **t)).sum()) for t in tried)
+        before, longer, looser = sums
+    except (CannotRepresent, SimulatorError):
         return False
     return longer > before * (1 + UNSTATED) and abs(looser - longer) <= CREEPS * (longer - before)

@@ -47,8 +47,14 @@ def simulate(request):
                 x[a] -= w[a] * n * change[:, None]
                 x[b] += w[b] * n * change[:, None]
         v = (x - before) / dt
-    about = {"simulator": "positions", "version": "1", "law": "springs", "precision": "float64",
-             "mass": "lumped", "forces_at": "end"}  # fmt: skip
+    about = {
+        "simulator": "positions",
+        "version": "1",
+        "law": "springs",
+        "precision": "float64",
+        "mass": "lumped",
+        "forces_at": "end",
+    }
     if not rest:
         return Answer(position=x, velocity=v, about=about)
     about["settings"] = {"dt": [dt, "s"], "steps": [steps, ""], "iterations": [iterations, ""]}

@@ -66,6 +66,7 @@ MISTAKES = {
     "rest length": ("np.linalg.norm(X[b]", "1.01 * np.linalg.norm(X[b]"),
     "over density": ("law.E, law.thickness", "law.E / law.density, law.thickness"),
     "gravity sign": ("m * request.gravity", "-m * request.gravity"),
+    "mechanism": ("3 / 8 * E", "0 * E"),
     "thickness": ("law.E, law.thickness", "law.E, 1.0"),
 }
 """Cause -> text of the example, and what stands there with that mistake."""
@@ -103,11 +104,14 @@ def test_constraints_with_few_iterations_need_more():
 @table(
     ("about", "cells"),
     [
-        ({"cells": ["quad", "tetra"]}, ("quad", 2)), ({}, ("tetra", 3)), (None, ("tetra", 3)),
-        ({"cells": ["points"], "dimension": 2}, ("points", 2)), ({"cells": ["points"]}, None),
+        ({"cells": ["quad", "tetra"]}, ("quad", 2)),
+        ({}, ("tetra", 3)),
+        (None, ("tetra", 3)),
+        ({"cells": ["points"], "dimension": 2}, ("points", 2)),
+        ({"cells": ["points"]}, None),
         ({"cells": ["quads"]}, None),
     ],
-)  # fmt: skip
+)
 def test_an_adapter_declares_its_cells_or_has_tetrahedra(about, cells):
     def simulate(request):
         if about is None:
@@ -146,9 +150,14 @@ def static(springs_of):
         ends, k = springs_of(request)
         X = request.mesh.points
         network = spring_network(
-            X, ends, k, mass=request.mass, fixed=request.held,
-            displacement=np.where(request.held, request.value, 0.0), force=request.load,
-        )  # fmt: skip
+            X,
+            ends,
+            k,
+            mass=request.mass,
+            fixed=request.held,
+            displacement=np.where(request.held, request.value, 0.0),
+            force=request.load,
+        )
         about = {"simulator": "static", "version": "1", "law": "", "precision": "float64"}
         if request.task == "rest":
             u = factorise_network(network)(network)
