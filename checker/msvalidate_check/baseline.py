@@ -88,6 +88,8 @@ def farthest(
     absolute
         In the column's unit.
     """
+    if not len(seen):
+        return None
     a, b = np.array([_number(v) for v in seen]), np.array([_number(v) for v in reference])
     numbers = np.isfinite(a) & np.isfinite(b)
     alike = np.array([v == w for v, w in zip(seen, reference, strict=True)])

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import time
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -153,6 +154,29 @@ def test_an_adapter_is_checked_and_leaves_a_page(adapters):
     assert page.count("<td") > 60
     assert "data:image/svg+xml" in page
     assert str(adapters) not in page
+
+
+@pytest.mark.slow
+def test_the_workflow_of_the_documents_notices_a_law_that_moves(adapters):
+    page = (EXAMPLES.parent / "docs" / "baselines.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"- run: python -m msvalidate (adapter check .*)", page)
+    assert "mine.py --law neo-raw --baseline baseline --junit report.xml" in line
+    command = line.replace("mine.py", "lame.py").split()
+    only = ("--only", "probe")
+    first = run(*command, *only, "--update", "--reason", "first", cwd=adapters)
+    assert first.returncode == 0, first.stderr
+    assert run(*command, *only, cwd=adapters).returncode == 0
+    text = (adapters / "lame.py").read_text(encoding="utf-8")
+    (adapters / "lame.py").write_text(
+        text.replace('material["E"],', '1.01 * material["E"],'), encoding="utf-8"
+    )
+    moved = run(*command, *only, cwd=adapters)
+    (adapters / "lame.py").write_text(text, encoding="utf-8")
+    assert moved.returncode == 1
+    assert "baseline law.csv: E, row 0: was " in moved.stderr
+    suite = ET.parse(adapters / "report.xml").find("testsuite")  # noqa: S314  our own
+    failed = [case.get("name") for case in suite if case.find("failure") is not None]
+    assert "law.csv" in failed
 
 
 @table(

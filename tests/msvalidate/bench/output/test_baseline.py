@@ -14,7 +14,7 @@ from msvalidate.bench.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.bench.output import baseline, screen
 from msvalidate.cli import program
 from msvalidate_check import exchange
-from msvalidate_check.baseline import HEADING
+from msvalidate_check.baseline import HEADING, differences
 from tests.table import table, undated
 
 TABLE = pd.DataFrame(
@@ -91,6 +91,10 @@ def test_no_number_is_never_held(kept, value):
     path.write_text(path.read_text().replace("-2.0", value))
     (line,) = kept()
     assert line.startswith(f"x, row 1: was {value}, is -2.0")
+
+
+def test_an_empty_table_is_as_it_was():
+    assert differences({"x": []}, {"x": []}) == []
 
 
 def test_tables_that_are_new_missing_or_damaged(kept):
