@@ -308,7 +308,11 @@ def make_report(
     steps: MeasuredLattice | None,
     bodies: list[LatticeBody],
 ) -> LatticeReport | None:
-    """Solid, springs and bodies; the mass by what bodies under forces and steps show."""
+    """Report the effective solid, springs, total mass and bodies of a measured lattice.
+
+    Return None for a mechanism, or if neither steps nor bodies were measured. The mass follows from
+    the stiffness of bodies under forces relative to that of steps.
+    """
     dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
     target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
     right = fit_springs(block, target, target, law.thickness)

@@ -152,12 +152,12 @@ class Volumes:
 
     @property
     def slope(self) -> Array:
-        """U'(1) (c,): the tension of a cell at rest, its pressure below 0."""
+        """First derivatives U'(1) (c,) of the cells' energy at rest: minus their pressure."""
         return self.law.at_rest(*self.coefficients)
 
     @property
     def curvature(self) -> Array:
-        """U''(1) (c,): its stiffness at rest."""
+        """Second derivatives U''(1) (c,) of the cells' energy at rest, in the units of κ."""
         return self.law.curvature(*self.coefficients, np.zeros(len(self.cells)))
 
     @cached_property
