@@ -78,10 +78,11 @@ class LatticeBody:
     rest
         Part of the displacement that may still change, as stated; NaN if it is not known.
     prestrain
-        Elongation of the body that is the same under both loads: of rest lengths.
+        Strain along the body that is the same under both loads, due to rest lengths.
     errors
         Largest difference relative to the largest displacement, from elasticity of the material and
-        of the homogenised solid, and from our network of its springs; NaN if it is not known.
+        of the homogenised solid, by quadratic and by linear elements, and from our network of its
+        springs: "elasticity", "solid", "elements" and "network". An unknown one has no entry.
     factor, residual
         Displacement relative to that of our network, or of elements, and what this factor leaves.
     mesh_error

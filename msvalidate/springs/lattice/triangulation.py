@@ -127,7 +127,7 @@ def dual_areas(
 
 
 def relative_volume(x: Array, cells: Index) -> Array:
-    """Volume (c,) of simplices over the product of the edges at a corner.
+    """Volume times d! (c,) of simplices, relative to the product of the edges at a corner.
 
     It is zero for a flat simplex.
     """

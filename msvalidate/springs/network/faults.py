@@ -74,6 +74,6 @@ def lump_tractions(problem: Problem, network: Network, size: float) -> Network:
 
 
 def _check_network(network: Network, size: float) -> None:
-    """Refuse a fault whose network would be invalid."""
+    """Raise `ProblemError` unless a fault has a network and a finite size."""
     require_type("network", network, Network)
     finite_number("size of the fault", size)

@@ -221,9 +221,9 @@ def rest_force(volumes: Volumes) -> Array:
 
 
 def tension_virial(volumes: Volumes, displacement: Array) -> Array:
-    """Virial Σ U'(1) ∂V/∂x⊗X (c, d, d) in N·m of cells, to first order.
+    """Symmetric part (c, d, d) of the virial Σ U'(1) ∂V/∂x⊗X of cells in N·m.
 
-    X are the corners, the displacement is (n, d) in m.
+    It is of first order in the displacement (n, d) in m; X are the corners.
     """
     u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
     pull = _gradient(volumes, X, X) + _gradient(volumes, u, X) + _gradient(volumes, X, u)
