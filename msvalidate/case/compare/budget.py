@@ -1,4 +1,4 @@
-"""What makes up the difference of springs and elasticity, and the tables that show it."""
+"""Contributions to the difference of springs from elasticity, and their tables."""
 
 from __future__ import annotations
 
