@@ -1,4 +1,4 @@
-"""Parts of a body by name, coordinates or node of its mesh."""
+"""Regions of a body by name, coordinates or node of its mesh."""
 
 from __future__ import annotations
 

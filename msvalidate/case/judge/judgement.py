@@ -247,7 +247,7 @@ def _acts(load: Load) -> bool:
 
 
 def budget(found: Judged) -> pd.DataFrame:
-    """Parts of the difference where it is largest, along it; columns as `budget.budget`."""
+    """Contributions to the largest difference, with the columns of `budget.budget`."""
     wanted = found.reference.displacement.value
     field = Field(
         found.matched.places,

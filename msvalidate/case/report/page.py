@@ -44,7 +44,7 @@ BASES = {"N": "; of reactions over the largest one", "Pa": "; of stress at point
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 PARTS = ("reasons", "springs", "pictures", "tables")
-"""Parts of the page; a judged field has no springs."""
+"""Sections of the page; a judged field has no springs."""
 
 
 def first_screen(
