@@ -321,7 +321,10 @@ def isotropic_moduli(tensor: Array) -> Moduli:
 
 
 def invariant_moduli(C: Array) -> tuple[float, float]:
-    """Bulk and shear modulus of the isotropic tensor nearest to a Voigt tensor, in its unit."""
+    """Bulk and shear modulus of the isotropic tensor nearest to a tensor.
+
+    They have the unit of the Voigt tensor, N/m in 2D and Pa in 3D.
+    """
     d = AXES_OF[len(C)]
     bulk = C[:d, :d].mean()
     mu = (np.trace(C) + np.trace(C[d:, d:]) - d * bulk) / ((d - 1) * (d + 2))

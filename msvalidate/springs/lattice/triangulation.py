@@ -127,7 +127,9 @@ def dual_areas(
 
 
 def relative_volume(x: Array, cells: Index) -> Array:
-    """Volume times d! (c,) of simplices, relative to the product of the edges at a corner.
+    """Volumes (c,) of simplices times d!, relative to products of edges.
+
+    The edges, d of them, meet at the first corner.
 
     It is zero for a flat simplex.
     """
