@@ -323,7 +323,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
 def invariant_moduli(C: Array) -> tuple[float, float]:
     """Bulk and shear modulus of the isotropic tensor nearest to a tensor.
 
-    They have the unit of the Voigt tensor, N/m in 2D and Pa in 3D.
+    They have the unit of the Voigt tensor.
     """
     d = AXES_OF[len(C)]
     bulk = C[:d, :d].mean()
