@@ -106,6 +106,11 @@ def highest(name, nu=NU):
     return waves.highest_frequency(pattern, found.constants, found.volume)
 
 
+def damping_ratio(beta, omega):
+    """Damping ratio of a mode of frequency ω with stiffness-proportional damping β."""
+    return -np.roots([1, beta * omega**2, omega**2]).real.max() / omega
+
+
 def one_cell(name):
     """Highest frequency squared of a cell alone, times the mass of a point inside a body.
 
@@ -214,6 +219,11 @@ def formulas():
         "4(λ + μ)h": (SYMBOLS, highest("bcc"), 1e-9),
         "9μh": ({"μh": E / 2 / (1 + 1 / 4)}, highest("fcc", 1 / 4), 1e-9),
         "(4λ + μ)h": (SYMBOLS, highest("fcc"), 1e-9),
+        # By XPBD of compliance 1/k, one iteration; by the roots of a damped mode.
+        "k/(k + m/(2τ²))": ({"k": 7, "m": 3, "τ": 0.5}, (2 / 3) / (2 / 3 + 1 / 7 / 0.25), EXACT),
+        "β = 2ζ/ω": (
+            {"ζ": 0.05, "ω": 3}, brentq(lambda b: damping_ratio(b, 3) - 0.05, 0, 0.1), 1e-9
+        ),
         "c = √((λ + 2μ)/ρ)": (SYMBOLS, springs("cubic18").tensor[0, 0] ** 0.5, EXACT),
         "h/√(2(λ′ + μ)/ρ)": (SYMBOLS, 2 / one_cell("square") ** 0.5, 1e-9),
         "h/√((3λ + 2μ)/ρ)": (SYMBOLS, 2 / one_cell("cubic18") ** 0.5, 1e-9),

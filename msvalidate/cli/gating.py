@@ -75,7 +75,8 @@ def refuse_outputs(args: argparse.Namespace, form: str) -> None:
     Raises
     ------
     ProblemError
-        If a place is not writable, or there is no baseline of this form to compare with.
+        If a place is not writable, there is no baseline of this form to compare with, or the file
+        of reasons cannot be read.
     """
     results = args.out or Path(os.devnull)
     if args.junit:

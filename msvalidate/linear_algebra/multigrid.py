@@ -308,9 +308,8 @@ def diagonal_blocks(A: bsr_array) -> tuple[Array, Index]:
 def restrain_in_place(K: bsr_array, free: Mask) -> None:
     """Remove the couplings of fixed components from K (n·d, n·d) in place.
 
-    Positive diagonal entries of components that are not `free` (n, d) remain.
-
-    Rows that are held stay, so that every point has its block.
+    Diagonal entries of components that are not `free` (n, d) become the largest entry of K, so that
+    every point keeps its block.
     """
     held = ~np.asarray(free.all(axis=1))
     at = np.flatnonzero(np.repeat(held, np.diff(K.indptr)) | held[K.indices])

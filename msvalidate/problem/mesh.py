@@ -205,8 +205,8 @@ class Mesh:
     def part(self, region: Region | Segment) -> Boundary:
         """Return the surface facets in a region, a side or part of it by coordinates.
 
-        Raises `ProblemError` if none does, the part goes on inside the body, or ends between the
-        ends of a facet.
+        Raises `ProblemError` if no facet lies in the region, the region continues inside the body,
+        or it ends between the ends of a facet.
         """
         inside = region.select(self.points, self.tolerance)
         facets = self.surface[inside[self.surface].all(axis=1)]
@@ -234,7 +234,7 @@ class Mesh:
     def places_in(self, region: Region) -> Array:
         """Return the nodes (k, d) in m of a region inside the body.
 
-        Raises `ProblemError` if none does, or it ends between two of them.
+        Raises `ProblemError` if no node lies in the region, or the region ends between two nodes.
         """
         extent = tuple(None if isinstance(entry, tuple) else entry for entry in region.extent)
         whole = self.points[Region(extent).select(self.points, self.tolerance)]

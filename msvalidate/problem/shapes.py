@@ -147,9 +147,10 @@ class Shape:
 
     @cached_property
     def quadrature(self) -> tuple[Array, Array]:
-        """Places (q, dim) and weights (q,) of Gauss's rule; a triangle's is a square's, collapsed.
+        """Places (q, dim) and weights (q,) of Gauss's rule, for any shape but tetrahedra.
 
-        With x = s, y = (1 - s) t the square's unit area becomes 1 - s [Duffy1982].
+        The rule of a triangle is that of a square, collapsed: with x = s, y = (1 - s) t the unit
+        area of the square becomes 1 - s [Duffy1982].
         """
         x, w = np.polynomial.legendre.leggauss(GAUSS[self.dim])
         x, w = (x + 1) / 2, w / 2

@@ -41,7 +41,7 @@ def materials_at(problem: Problem, places: Array) -> Index:
 def materials_of_cells(problem: Problem, places: Array, shape: Shape) -> Index:
     """Index (c,) into `Problem.materials` of the material of each cell.
 
-    The cells have corners (c, k, d) in m.
+    The cells have nodes (c, k, d) in m.
 
     Where corners of straight cells lie on a ball, its outline is the cells', which has an area or a
     volume that is less by second order in their size.

@@ -45,7 +45,7 @@ class Table:
 
     @property
     def wide(self) -> bool:
-        """Whether it needs a page on its side in print."""
+        """Return True if a table needs a landscape page in print."""
         return len(self.columns) > MANY_COLUMNS
 
 
@@ -78,7 +78,10 @@ def table_excerpt(
 
 
 def column_kind(values: Sequence[str]) -> str:
-    """How a column is set: "number", "word" or "prose"; a number among words makes it numbers."""
+    """Classify a column as "number", "word" or "prose".
+
+    A number among words makes it a column of numbers.
+    """
     if any(_NUMBER.fullmatch(value) for value in values):
         return "number"
     return "prose" if any(len(value) > LONG for value in values) else "word"
@@ -100,13 +103,16 @@ def format_number(value: float) -> str:
 
 
 def _is_decimal(value: str) -> bool:
-    """Whether it is a number that is not written as an integer: all digits of those are meant."""
+    """Return True for a number that is not written as an integer.
+
+    All digits of integers are significant.
+    """
     found = _NUMBER.fullmatch(value)
     return bool(found) and not value.lstrip("+-").isdigit()
 
 
 def _has_many_digits(value: str) -> bool:
-    """Whether a decimal number has more than six digits."""
+    """Return True for a decimal number with more than six digits."""
     found = _NUMBER.fullmatch(value)
     if found is None or not _is_decimal(value):
         return False

@@ -20,7 +20,7 @@ class Suite(Protocol):
 
     @property
     def verdict(self) -> pd.DataFrame:
-        """One row per judged quantity."""
+        """Table with a row per judged quantity."""
 
     @property
     def error(self) -> str:

@@ -38,7 +38,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class FirstScreen:
-    """What a reader sees first.
+    """Content of the first screen of a page.
 
     Parameters
     ----------

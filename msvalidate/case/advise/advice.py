@@ -119,7 +119,7 @@ class Advice:
 
     @property
     def boundary(self) -> str:
-        """What springs and points in the body's sides have."""
+        """Weights of springs and points in the body's sides, in words."""
         edge = ", in its edges 1/4" if self.material.dim == 3 else ""
         return BOUNDARY[self.weights].format(edge=edge)
 
@@ -284,7 +284,7 @@ def step_sentence(options: Sequence[Advice], step: float | None = None) -> str:
 
 
 def advice_lines(advice: Advice) -> tuple[str, ...]:
-    """What to take, in five lines, with units."""
+    """Describe the advice in five lines, with units."""
     a, dim = advice, advice.material.dim
     grows = f"{'k, κ' if a.volume else 'k'} the same at any spacing"
     if dim == 3:

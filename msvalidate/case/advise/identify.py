@@ -1,4 +1,4 @@
-"""Which solid the springs of a lattice with given constants are."""
+"""Effective solid of a lattice with given spring constants."""
 
 from __future__ import annotations
 

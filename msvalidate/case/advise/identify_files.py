@@ -1,4 +1,4 @@
-"""Which solid the network in a springs.csv and a points.csv is.
+"""Effective solid of the network in a springs.csv and a points.csv.
 
 What repeats in a finite piece is found from its points inside: those with the same springs around
 them are translations apart, and translations span the cell. At the boundary springs are missing or
@@ -28,8 +28,10 @@ from msvalidate.springs.network.checks import refuse_first_bad
 from msvalidate.springs.network.laws.volumes import Volumes
 
 SAME = 1e-4
-"""Of the shortest spring, and of the stiffest, by which places and stiffnesses are one: files of
-five digits will do."""
+"""Tolerance of places and stiffnesses that count as equal.
+
+It is relative to the shortest spring and to the largest stiffness: files with five digits suffice.
+"""
 
 
 def identify_files(

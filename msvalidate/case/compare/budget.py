@@ -1,4 +1,4 @@
-"""What makes up the difference of springs and elasticity, and the tables that show it."""
+"""Contributions to the difference of springs from elasticity, and their tables."""
 
 from __future__ import annotations
 
@@ -27,11 +27,13 @@ PARTS = {
     "material": "the material that the springs are, beside the one asked for",
     "boundary or material": "what stays; the material that the springs are is not known",
 }
-"""Parts that make up the difference, in words."""
+"""Contributions to the difference, in words."""
 
 
 def budget(found: Comparison) -> pd.DataFrame:
-    """Parts of the difference where it is largest, along it, over the largest displacement.
+    """Contributions to the largest difference, relative to the largest displacement.
+
+    They are components along that difference, at its point.
 
     Columns: part, value (1), uncertainty (1), meaning. The first ones add up to the total, the law
     at finite strain among them where the case is nonlinear; what stands below it is no part of it:

@@ -1,4 +1,6 @@
-"""Which spacing and which mesh 5 % and 1 % take, and where elements do better at the same cost.
+"""Spacing and mesh that reach differences of 5 and 1 %.
+
+It also reports where elements do better at the same cost.
 
 Near a target the difference of springs from elasticity is a power of their spacing: a straight line
 through the logarithms of what was solved, and of coarser lattices where all of that is better than
@@ -44,29 +46,42 @@ from msvalidate_check.verdict import DIFFERS
 TARGETS = (0.05, 0.01)
 """Differences, over the largest displacement, for which spacing and mesh are sought."""
 NEAR = math.log(4)
-"""Of the logarithm of a difference over its target: where a lattice counts less by e, as the
-straight line holds near the target alone."""
+"""Width of weights in the logarithm of difference over target.
+
+A lattice at this distance counts 1/e, because the straight line holds near the target only.
+"""
 ORDER_DOUBT = 0.3
-"""What an order of the spacing may be off beyond what was solved: there it is still on its way."""
+"""Uncertainty of the order of convergence beyond the solved spacings.
+
+The order still changes there.
+"""
 ALIKE = math.log(1.5)
-"""Of the logarithm of a spacing: how near to one that is wanted a lattice must be, so that one cut
-to a box is taken before one that fills it, but far off."""
+"""Largest distance of a lattice from the requested spacing, in the logarithm of the spacing.
+
+A lattice cut to a box is preferred to one that fills it and is farther off.
+"""
 GROWTH = 1.2
 """Exponent of the springs that seconds grow with: factors and multigrid, at most."""
 BETTER, MAIN, THIN = 3.0, 0.5, 5.0
-"""Times by which elements are nearer from which they are advised, part of the difference that is
-most of it, and cells across a wall that is thin."""
+"""Thresholds of the advice on elements and of its reasons.
+
+Elements are advised if they are nearer by the first factor. A part of the difference from the
+second on is its main part, and a wall with at most so many cells as the third is thin.
+"""
 BETWEEN, BEYOND, COARSEST, NONE = "between", "beyond", "coarsest", "none"
 BRIDGED = "bridged"
-"""Where what a target takes lies: between what was solved; beyond the finest; the coarsest meets
-it; no spacing does; or no lattice shows, as springs bridge a gap of the body on each of them."""
+"""Positions of the answer relative to the solved lattices.
+
+It lies between them or beyond the finest; the coarsest meets the target; no spacing does; or no
+lattice shows it, as springs bridge a gap of the body on each of them.
+"""
 HEADS = ("to reach", "spacing", "springs", "time", "elements", "time")
 """Columns of `need_rows`."""
 
 
 @dataclass(frozen=True)
 class Need:
-    """What a target takes, of springs or of elements.
+    """Springs or elements that reach a target.
 
     Parameters
     ----------
@@ -91,7 +106,7 @@ class Need:
 
 @dataclass(frozen=True)
 class Choice:
-    """What to take for each target.
+    """Springs and elements that reach each target.
 
     Parameters
     ----------
@@ -115,7 +130,10 @@ class Choice:
 
 
 def choose(found: Comparison) -> Choice:
-    """What targets take in a case, from what was solved and lattices that are coarser."""
+    """Estimate the springs and elements that reach each target in a case.
+
+    The estimate uses the solved lattices and coarser ones.
+    """
     decided = any(each.decides for each in found.limitations)  # by the range of the theory
     if decided or not math.isfinite(found.reference.error):
         return Choice()
@@ -209,7 +227,7 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
 
 
 def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need:
-    """What can be laid near a wanted spacing, and what it costs."""
+    """Find the buildable lattice nearest to a spacing, and its cost."""
     failed = [row["spacing"] for row in rows if row["difference"] > wanted.target]
     laid = _laid(found, wanted.spacing, min(failed, default=math.inf) * (1 - ROUNDING))
     dim = found.case.problem.domain.dim
@@ -251,7 +269,7 @@ def _equal_cost(
 
 
 def _reasons(found: Comparison) -> tuple[str, ...]:
-    """What in a case elements do better than springs."""
+    """Name the features of a case that elements represent better than springs."""
     domain, away = found.case.problem.domain, found.displacement
     away = away - found.reference.displacement.value
     worst = int(np.linalg.norm(away, axis=1).argmax())
@@ -294,7 +312,7 @@ def need_rows(chosen: Choice, unit: str) -> list[tuple[str, ...]]:
 
 
 def choice_sentences(chosen: Choice, unit: str = "m") -> tuple[str, ...]:
-    """What the targets take, in words."""
+    """Describe the springs and elements that reach each target."""
     lines = []
     for target, *texts in need_rows(chosen, unit):
         spacing, springs, time, nodes, more = texts

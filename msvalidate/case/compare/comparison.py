@@ -67,8 +67,10 @@ STAGES = (
 )
 """Stages of a case, as the progress reports them; springs on a mesh are of bodies that have one."""
 WITHIN = 1e-3
-"""Part of a point's distance by which a place nearest to it lies in the body: curves are drawn by
-straight lines."""
+"""Relative distance from a nearest place to its shift into the body.
+
+Curves are drawn by straight lines.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,7 +296,7 @@ def break_springs(rule: Fracture, case: Case, springs: SpringAnswer) -> Fracture
 
 
 def _support(case: Case, answers: tuple[SpringAnswer, ...], body: Reference) -> list[Array]:
-    """What supports off the lattice's lines add to displacements (p, d) in m of each lattice."""
+    """Displacements (p, d) in m per lattice due to supports off lattice lines."""
     found, room = [], ROUNDING * max_length(body.displacement.value)
     for answer in answers:
         other, lattice = None, answer.lattice
@@ -374,7 +376,7 @@ def _homogenised(
 
 
 def _kind_of_error(case: Case, limit: Extrapolation, reference: Reference) -> str:
-    """Whether springs would agree on finer lattices, never, or one cannot tell."""
+    """Classify a difference as discretisation error, model error or undetermined."""
     wanted = reference.displacement.value
     size = max_length(wanted)
     left = max_length(limit.displacement - wanted) / size

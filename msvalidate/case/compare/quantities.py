@@ -24,20 +24,29 @@ from reference_fem.elasticity import elastic_tensor
 from reference_fem.limits import CARRIES
 
 KNOWN_STRESS, LEAST_KNOWN = 0.5, 0.5
-"""Of the band, what elasticity's stress may be off at points that count; of all, how many must."""
+"""Limits of the uncertainty of reference stresses.
+
+The first is the largest uncertainty of a point that counts, relative to the band; the second is the
+minimum fraction of such points.
+"""
 UNSTRAINED = 1e-14
 """Strain energy, over that of a strain as large as displacement over length, that is rounding."""
 STRESS_BAND = 2.0
-"""Of the band, what stress at points may differ by: it is of two displacements' difference over a
-cell, each of which may use up the band."""
+"""Band of stress at points, relative to the band of displacements.
+
+Stress follows from the difference of two displacements over a cell, and each may use up the band.
+"""
 STRESSED_POINTS = 400
 """Points, about, at which stresses are compared: each is looked for in the elements."""
 POINT_STRESS = "point stress"
 """Quantity of a case with a band of its own."""
 FITS_ALIKE = 0.05
-"""Of a stress, what fits of two degrees may differ by. In bent blocks of triangular, BCC and FCC
-lattices they did by up to 0.041 up to ratio 1/3, where the stress was off by less than 0.07, and by
-more than 0.079 from ratio 0.45 on, where it was off by 0.09 to 20."""
+"""Largest relative difference between the stresses of fits of two degrees.
+
+In bent blocks of triangular, BCC and FCC lattices they differed by up to 0.041 up to ratio 1/3,
+where the stress was off by less than 0.07, and by more than 0.079 from ratio 0.45 on, where it was
+off by 0.09 to 20.
+"""
 
 
 @dataclass(frozen=True)
@@ -91,7 +100,10 @@ def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Di
 
 
 def _contact(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
-    """What was not given of depth and force, the half-width and the largest pressure."""
+    """Compare the contact force or depth, the half-width and the largest pressure.
+
+    Force and depth are alternatives: the one that the case prescribes is not compared.
+    """
     assert springs.contact is not None  # noqa: S101  the reference has one
     (found,), (wanted, error) = springs.contact.contacts, reference.contact
     given = case.problem.contacts[0].force

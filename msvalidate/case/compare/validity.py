@@ -35,11 +35,14 @@ PENETRATION_LIMIT = 0.1
 """Compression of the layer below an obstacle, relative to its thickness, as for the strain: forces
 of a layer differ from linear theory by about this part."""
 MARGIN = 0.9
-"""Part of a limiting load that a remedy names, so that the load is in range when it is tried."""
+"""Fraction of a limiting load that a remedy names.
+
+The load is then in range when it is tried.
+"""
 RAY_POINTS = 400
 """Points of a ray through a layer, in equal ratios: its end is then refined by bisection."""
 JUST_INSIDE = 1e-3
-"""Part of a layer's thickness by which its lower end is moved into the body."""
+"""Relative shift of a layer's lower end into the body."""
 
 
 WORDS: dict[str, dict[str, str]] = tomllib.loads(

@@ -343,7 +343,10 @@ def _contact(source: Source, number: int, contact: Contact, domain: Domain) -> P
 
 
 def _is_on_mesh(source: Source, problem: Problem) -> bool:
-    """Whether springs are asked for on the body's own mesh, with nothing that these have not."""
+    """Return True if a case requests springs on the body's own mesh.
+
+    Other keys of the springs that such springs do not have are rejected.
+    """
     given, where = source.data.springs, ("springs", "on")
     if given.on not in SPRINGS_ON:
         raise source.error(where, f"{format_value(given.on)}; choose {' or '.join(SPRINGS_ON)}")

@@ -43,7 +43,10 @@ from reference_fem.effort import MEMORY
 MESH_EDGES = "mesh edges"
 """The lattice that has a spring on each edge of the body's own mesh, cut on its own curves."""
 EDGE_ROUTES = ("springs", "neo-Hookean")
-"""Of them: springs at rest, or of no rest length under tension, which are elements."""
+"""Routes of springs along mesh edges.
+
+They are unstressed, or zero-length springs under tension, which are elements.
+"""
 ACROSS = {2: 20, 3: 8}
 """Cells across the narrowest side where nothing is said, by the number of axes."""
 MOST_CELLS = {2: 40_000, 3: 20_000}
@@ -51,10 +54,15 @@ MOST_CELLS = {2: 40_000, 3: 20_000}
 MAX_REQUESTED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
 LITTLE = 1.25
-"""How many times as large or small cells may be made to lie on supports, and to end where they do:
-a number that is asked for is kept, about."""
+"""Largest factor by which the cell size may change to meet supports.
+
+A requested number of cells is kept approximately.
+"""
 FITS = 4e-10
-"""Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
+"""Relative tolerance with which whole cells fill a side of a box.
+
+It is below half of the tolerance of `fill`.
+"""
 LAWS = {"st-venant-kirchhoff": "St Venant and Kirchhoff's", "neo-hookean": "the neo-Hookean"}
 """Laws of elements at large strain; all are the material's own at small strain."""
 GEOMETRIES = ("linear", "nonlinear")
@@ -238,12 +246,15 @@ class Case:
 
     @property
     def are_elements(self) -> bool:
-        """Whether the springs are linear elements on the body's own mesh."""
+        """Return True if the springs are elements on the body's own mesh."""
         return self.lattice == MESH_EDGES and self.route == EDGE_ROUTES[1]
 
     @property
     def at_rest_on_edges(self) -> bool:
-        """Whether they rest on the mesh's edges, and so are the material on some meshes alone."""
+        """Return True for unstressed springs on mesh edges.
+
+        They have the material on some meshes only.
+        """
         return self.lattice == MESH_EDGES and not self.are_elements
 
     @property
@@ -283,7 +294,10 @@ def spacing_of(case: Case) -> float:
 
 
 def _support_lines(problem: Problem) -> tuple[Array, Array]:
-    """How far (m) from the lattice's origin supports lie, and end inside a box's sides."""
+    """Distances (m) of supports, and of their ends, from the lattice's origin.
+
+    Only ends inside the sides of a box count.
+    """
     span, room = np.array(problem.domain.span), problem.domain.tolerance
     base = np.append(_origin(problem), span[2:, 0])
     on, ends = [], []
@@ -339,7 +353,10 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
 
 
 def laid_problem(case: Case, spacing: float) -> Problem:
-    """What springs of a spacing (m) solve: on mesh edges the body has the cut cells' sides."""
+    """Return the problem that springs of a spacing (m) solve.
+
+    On mesh edges the body has the sides of the cut cells.
+    """
     domain = case.problem.domain
     if case.lattice != MESH_EDGES or not isinstance(domain, Mesh):
         return case.problem
@@ -347,7 +364,10 @@ def laid_problem(case: Case, spacing: float) -> Problem:
 
 
 def is_filled(case: Case, spacing: float) -> bool:
-    """Whether whole cells of a side (m) fill a case's body; else the lattice is cut to it."""
+    """Return True if cells of a side (m) fill a case's body.
+
+    Otherwise the lattice is cut to it.
+    """
     domain, pattern = case.problem.domain, _pattern(case)
     if pattern is None or not isinstance(domain, Box):
         return False
@@ -356,7 +376,7 @@ def is_filled(case: Case, spacing: float) -> bool:
 
 
 def _pattern(case: Case) -> Pattern | None:
-    """What the lattice repeats; None of a mesh's edges."""
+    """Unit cell of the lattice; None for a mesh's edges."""
     return None if case.lattice == MESH_EDGES else all_patterns()[str(case.lattice)]()
 
 
@@ -381,7 +401,7 @@ def _counts(cell: Array, box: Box) -> tuple[int, ...]:
 
 
 def _divides(cell: Array, box: Box) -> bool:
-    """Whether a box is whole numbers of cells of given sides (d,) in m."""
+    """Return True if cells of sides (d,) in m fill a box."""
     return all(
         count >= 1 and abs(count * edge - side) <= FITS * side
         for count, edge, side in zip(_counts(cell, box), cell.tolist(), box.size, strict=True)
@@ -389,7 +409,7 @@ def _divides(cell: Array, box: Box) -> bool:
 
 
 def _ends_on_lines(problem: Problem, spacing: float) -> bool:
-    """Whether supports and tractions on sides of a box, and point forces, end where cells do."""
+    """Return True if supports, tractions and point forces end on lattice lines."""
     parts = [each.region for each in problem.supports if each.region.is_facet]
     parts += [each.region for each in problem.loads if isinstance(each, Traction | PointForce)]
     span, room = problem.domain.span, problem.domain.tolerance

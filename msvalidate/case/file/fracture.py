@@ -74,7 +74,10 @@ def _middle(growth: FractureResult, spring: int) -> Array:
 
 
 def break_sentence(growth: FractureResult | None) -> str:
-    """What broke, and what of it is the lattice's; "" where nothing may."""
+    """Describe the breaks and their dependence on the lattice.
+
+    The text is empty if no spring may break.
+    """
     if growth is None:
         return ""
     stretch = float(growth.critical_stretch[0])

@@ -20,7 +20,7 @@ from reference_fem.mesh.subdivide import subdivide
 
 
 def cuts_for(mesh: Mesh, spacing: float) -> int:
-    """How often cells are to be cut in half for edges of about a spacing (m).
+    """Number of halvings of cells for edges of about a spacing (m).
 
     Once at least where cells have mid-sides, so that every node of the file is a point.
     """

@@ -1,4 +1,4 @@
-"""Where: parts of a body by name, coordinates or node of its mesh."""
+"""Regions of a body by name, coordinates or node of its mesh."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import format_value, positive_number
 
 EDGE = "edge "
-"""How sides of a polygon are named: "edge 1" is from its first vertex to its second."""
+"""Prefix of the names of polygon sides.
+
+"edge 1" is from the first vertex to the second.
+"""
 
 
 def unit_in_metres(name: str, given: str | float) -> float:

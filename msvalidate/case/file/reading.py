@@ -34,7 +34,7 @@ _EXPECTED = re.compile(r"Expected `(.*?)`(?: of length .*?)?, got `(.*?)`")
 _WORD = re.compile(r"\w+")
 _ENDS = re.compile(r"""[]}"']\s*(#.*)?$""")
 _NO_BRACKET = re.compile(r""""(?:[^"\\]|\\.)*"|'[^']*'|#.*""")
-"""How a line ends with which lists and texts of several lines may end, and its texts and remark."""
+"""Patterns of the end of multi-line values, and of strings and comments."""
 WORDS = {
     "float": "a number",
     "int": "a whole number",
@@ -172,7 +172,9 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Keys, str]:
 
 
 def _error(name: str, text: str, path: Keys, said: str) -> CaseError:
-    """What is said of the value at a path of a file: at the line of its key that begins it, if any.
+    """Error about a value of a file, with its line.
+
+    The line is that of the first key below the path that the message names.
 
     Else of its own key, or of the nearest table around; of tables of one name of the first.
     """

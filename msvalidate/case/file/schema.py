@@ -1,4 +1,4 @@
-"""What a case file may hold: its tables and keys, their types, units and defaults.
+"""Tables and keys of a case file: their types, units and defaults.
 
 A case is one TOML file. All lengths in it, and in the mesh that it names, are multiples of
 `Body.unit`; all else is in SI units. The classes are data alone: what the values mean is in
@@ -14,7 +14,7 @@ SCHEMA = 1
 """Version of the format. Files of older versions are read for ever, but for what is gone: route
 "shear springs" is refused, and the message says what to take instead."""
 QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "point stress")
-"""What springs and elements are compared by."""
+"""Quantities by which springs and elements are compared."""
 
 Numbers = list[float]
 Interval = float | tuple[float, float]
@@ -91,7 +91,10 @@ class Load(Struct, forbid_unknown_fields=True):
 
 
 class Obstacle(Struct, forbid_unknown_fields=True):
-    """Its foremost point, radius, and way into the body; by default across the side it meets."""
+    """Foremost point, radius and direction of an obstacle.
+
+    The default direction is across the side that it meets.
+    """
 
     at: Numbers
     radius: float | None = None
@@ -146,7 +149,7 @@ class Compare(Struct, forbid_unknown_fields=True):
 
 
 class Reference(Struct, forbid_unknown_fields=True):
-    """How accurate the elements are to be, relative to the largest displacement."""
+    """Accuracy of the elements, relative to the largest displacement."""
 
     accuracy: float = 1e-3
 

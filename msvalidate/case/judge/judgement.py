@@ -222,7 +222,10 @@ def _at(matched: Matched, by_ratio: Callable[[float], Array]) -> Callable[[float
 
 
 def driven_by(problem: Problem) -> Driven:
-    """What moves a body: its loads, its weight alone, its supports, or these and others."""
+    """Classify what moves a body: "loads", "weight", "supports" or "both".
+
+    It is "weight" if no other load acts.
+    """
     moved = any(
         callable(value) or value for support in problem.supports for value in support.displacement
     )
@@ -236,7 +239,7 @@ def driven_by(problem: Problem) -> Driven:
 
 
 def _acts(load: Load) -> bool:
-    """Whether a load is other than zero."""
+    """Return True if a load is other than zero."""
     (value,) = (
         getattr(load, name) for name in ("traction", "force", "acceleration") if hasattr(load, name)
     )
@@ -244,7 +247,7 @@ def _acts(load: Load) -> bool:
 
 
 def budget(found: Judged) -> pd.DataFrame:
-    """Parts of the difference where it is largest, along it; columns as `budget.budget`."""
+    """Contributions to the largest difference, with the columns of `budget.budget`."""
     wanted = found.reference.displacement.value
     field = Field(
         found.matched.places,

@@ -1,4 +1,4 @@
-"""Which points of a result are which of the body: by number or by place."""
+"""Assignment of points of a result to points of the body."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from msvalidate_check.points import ALIKE, PLACED, UNITS, pairs_within
 from reference_fem.mesh.discretisation import Discretisation
 
 MOSTLY = 0.5
-"""Part of the points that must be in the body."""
+"""Minimum fraction of the points that lie in the body."""
 OUTSIDE = "lie outside the body and are left out"
 SHOWN = 5
 """Points that a sentence names one by one."""
@@ -169,7 +169,10 @@ def placement_tolerance(case: Case) -> float:
 def _into_body(
     body: Discretisation, places: Array, room: float, tolerance: float
 ) -> tuple[Mask, Array]:
-    """Which places (n,) are in the body, and these with those just outside moved onto it."""
+    """Mask (n,) of places in the body, and places moved there.
+
+    Places outside by at most `room` (m) are moved onto the surface and count as inside.
+    """
     shape = SHAPES[body.element.shape]
     inside = is_on_any(shape, body.points[body.cells], places, tolerance)
     at = places.copy()
@@ -206,7 +209,7 @@ def _unit_meant(case: Case, places: Array) -> str:
 
 
 def _nowhere(case: Case, places: Array, inside: int, hint: str) -> str:
-    """What to say where few points are in the body or none: another unit, or other axes."""
+    """Message with the spans if few points lie in the body."""
     spans = {"the file has": np.array([places.min(axis=0), places.max(axis=0)]).T}
     spans["the body"] = np.array(case.problem.domain.span)
     words, (unit, size) = [], user_unit("m", case.unit)

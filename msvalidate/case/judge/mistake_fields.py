@@ -63,7 +63,10 @@ FEW_NODES = 10_000
 CELLS_ACROSS = (16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1)
 """Linear elements across the narrowest side that are tried, from fine to coarse."""
 SHARE_OF_GRID = 0.25
-"""Part of the crossings of a grid that points must be on for its lines to be theirs."""
+"""Minimum fraction of the crossings of a grid that are points.
+
+The lines of the grid then belong to the points.
+"""
 SAME_LINE = 1e-5
 """Distance relative to a side up to which two coordinates are on one line: five digits in files."""
 WHOLE = 1e-3

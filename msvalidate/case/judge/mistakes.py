@@ -154,7 +154,10 @@ class SpringMistake:
 
     @property
     def has_other_constants(self) -> bool:
-        """Whether the constants are not the right ones; then no cell resists a change of volume."""
+        """Return True if the constants are not the right ones.
+
+        No cell then resists a change of volume.
+        """
         return self.constants is not own_constants
 
     def network(self, springs: CorrectSprings) -> Network:
@@ -172,7 +175,9 @@ class SpringMistake:
         return replace(made, mass=other[self.mass], force=made.force + heavier)
 
     def applies(self, kinds: int, *, heavy: bool) -> bool:
-        """Whether it changes a static field, on so many kinds of springs and under weight.
+        """Return True if the mistake changes a static field.
+
+        This depends on the number of kinds of spring and on a weight among the loads.
 
         A mesh's edges are of 0 kinds: their constants have the part of the cells in them.
         """
@@ -328,7 +333,10 @@ def mistakes_on_mesh(
 
 
 def _spring_path(solved: Callable[[], Solved], number: int, elastic: Array) -> Path:
-    """One mistake at each spacing; right springs, the first, close in on elasticity."""
+    """Displacements with one mistake at each spacing.
+
+    Right springs are number 0 and converge to elasticity, which begins their path.
+    """
     path = [(h, u) for h, each in solved() if (u := each[number]) is not None]
     return path if number or not path else [(0.0, elastic), *path]
 

@@ -39,9 +39,9 @@ IDS = ("id", "node", "point", "index")
 PLACES = ("points", "x", "position", "positions", "coordinates")
 MOVES = ("displacement", "displacements", "u", "disp")
 REST = "at_rest"
-"""Of .npz files: how much the displacements would still change, over the largest."""
+"""Key of .npz files for the relative residual motion."""
 PLACES_OF_ARRAYS = {"points": PLACES, "id": IDS, "rest": (REST,)}
-"""What is read of a .npz file besides displacements, and by which names."""
+"""Arrays of a .npz file besides displacements, and their possible names."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -213,7 +213,7 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
 
 
 def _spread(points: Array, gap: float) -> Array:
-    """Those of points (p, d) in m that lie farther than a gap (m) from the ones before them."""
+    """Select points (p, d) in m farther apart than a gap (m)."""
     rest, chosen = points, [points[:0]]
     while len(rest):
         chosen.append(rest[:1])

@@ -1,4 +1,7 @@
-"""What a case leaves in its folder: page, tables, pictures, fields and verdict, whole or not."""
+"""Output folder of a case: page, tables, pictures, fields and verdict.
+
+It is written as a whole or not at all.
+"""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ BASES = {"N": "; of reactions over the largest one", "Pa": "; of stress at point
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
 PARTS = ("reasons", "springs", "pictures", "tables")
-"""Parts of the page; a judged field has no springs."""
+"""Sections of the page; a judged field has no springs."""
 
 
 def first_screen(
@@ -140,7 +140,7 @@ def _gap_sentence(comparison: Comparison) -> str:
 
 
 def _hole_sentence(found: Comparison) -> str:
-    """Which hole the lattice asked for hardly knows."""
+    """Name the narrowest hole that the lattice barely resolves; empty without one."""
     lattice = found.springs[0].lattice
     holes = narrow_holes(lattice) if isinstance(lattice, CutLattice) else np.empty((0, 3))
     if not len(holes):
@@ -155,7 +155,10 @@ def _hole_sentence(found: Comparison) -> str:
 
 
 def _mesh_sentence(found: Comparison) -> str:
-    """How far off springs on the part's own mesh are, and what an engine must have for them."""
+    """Report the error of springs on the part's own mesh.
+
+    The sentence also states what an engine must support for them.
+    """
     own, case = found.on_mesh, found.case
     answer = found.springs[0] if own is None else own.answers[0]
     fault = ": ".join(filter(None, mesh_warning(answer.problem)))
@@ -178,7 +181,7 @@ def _mesh_sentence(found: Comparison) -> str:
 
 
 def _contact_sentence(found: Comparison) -> str:
-    """How fine the lattice is beside the patch, and how fine it should be."""
+    """Report the resolution of the contact patch, and the recommended one."""
     answer = found.springs[0]
     if answer.contact is None or found.case.problem.contacts[0].obstacle.radius is None:
         return ""
@@ -191,14 +194,17 @@ def _contact_sentence(found: Comparison) -> str:
 
 
 def band_words(case: Case, rows: Sequence[Difference]) -> str:
-    """How far apart still agrees."""
+    """State the largest difference that counts as agreement."""
     stress = any(row.of == POINT_STRESS for row in rows)
     own = f", of stress at points {percent(STRESS_BAND * case.band)}" if stress else ""
     return f"The band is {percent(case.band)}{own}"
 
 
 def reference_sentence(reference: Reference) -> str:
-    """How well elasticity is known, on what meshes, and what more would take."""
+    """Report the error of the elasticity solution and its meshes.
+
+    The sentence also states the cost of a smaller error.
+    """
     nodes = len(reference.finest.body.points)
     about = _body_sentences(reference)
     if reference.no_limit:
@@ -218,7 +224,7 @@ def reference_sentence(reference: Reference) -> str:
 
 
 def _more_sentence(reference: Reference) -> str:
-    """What it takes to know elasticity better, where memory is what limits it."""
+    """State the cost of one more mesh, if memory limits it."""
     more = reference.more
     if more is None:
         return ""
@@ -248,7 +254,10 @@ def _body_sentences(reference: Reference) -> str:
 
 
 def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
-    """What displacements from a file are: one sentence, and those that say why."""
+    """Summarise the judgement of displacements from a file.
+
+    One sentence states the result, the others its reasons.
+    """
     row, case = found.displacement, found.case
     head = (
         f"Displacements of {found.result.name} are {percent(row.error)} off elasticity at "

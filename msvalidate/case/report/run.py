@@ -79,7 +79,9 @@ def judged_files(
     command: tuple[str, ...] = (),
     network: Path | None = None,
 ) -> tuple[judgement.Judged, dict[str, bytes]]:
-    """What displacements from a file are beside a case's elasticity, and the files that show it.
+    """Judge displacements from a file against elasticity, and render the files.
+
+    The result is the record and the content of each file by name.
 
     Errors are those of `judge_result`, which tells what `unit` and `residual_motion` are, and of
     `judge_network` for the folder `network`.
@@ -161,7 +163,7 @@ def _laid_out(
 
 
 def reference_content(reference: Reference) -> dict[str, object]:
-    """What `verdict.json` says of elasticity's own error."""
+    """Record of elasticity's own error in `verdict.json`."""
     return {
         "error": reference.error,
         "asked": reference.accuracy,

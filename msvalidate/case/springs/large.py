@@ -1,4 +1,4 @@
-"""What displacements change by where they are large: elements of the target's law or springs'."""
+"""Changes of displacements at large strain, of elements and of springs."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def change_in_full(reference: Reference, law: LawOf) -> LargeChange:
 
 
 def elements_in_full(problem: Problem, linear: Solution, points: Array, law: LawOf) -> Array:
-    """What elasticity's displacement (p, d) in m at points changes by where it is large.
+    """Change of elasticity's displacement (p, d) in m due to large displacements.
 
     Parameters
     ----------

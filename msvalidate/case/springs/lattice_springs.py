@@ -63,7 +63,7 @@ LEAST_BEARING = 2
 TRIED, MOST_OFFERED = 30, 1000
 """Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10
-"""Of displacements' change, over the largest, or of a whole cell, what is rounding."""
+"""Relative rounding of a change of displacements, or of a whole cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +175,7 @@ class SpringAnswer:
 
 @dataclass(frozen=True, eq=False)
 class Extrapolation:
-    """What springs close in on as their spacing shrinks.
+    """Limit of the displacements of springs as their spacing shrinks.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
 def make_network(
     case: Case, spacing: float
 ) -> tuple[Problem, Lattice, Network, Calibration | None]:
-    """What springs of a spacing (m) solve, their lattice, network and its calibration.
+    """Problem, lattice, network and calibration of springs of a spacing (m).
 
     Raises `ProblemError` as `solve_springs`.
     """
@@ -246,7 +246,7 @@ def make_network(
 
 
 def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibration | None]:
-    """What a network is made with, and the calibration that it is, if it is one."""
+    """Constants of a network, and their calibration, if there is one."""
     if case.problem.zones:
         if case.constants is not None or case.at_rest_on_edges:
             what = "constants" if case.constants is not None else "springs on mesh edges"
@@ -338,7 +338,7 @@ def displacements_at(answers: tuple[SpringAnswer, ...], places: Array) -> tuple[
 
 
 def extrapolate(answers: tuple[SpringAnswer, ...], values: list[Array]) -> Extrapolation:
-    """What springs close in on, from their displacement (p, d) in m on one to three lattices."""
+    """Extrapolate displacements (p, d) in m from one to three lattices."""
     fine = values[-1]
     if len(values) == 1:
         return Extrapolation(fine, math.inf)

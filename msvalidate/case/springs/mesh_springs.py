@@ -67,7 +67,7 @@ class MeshSprings:
 
     @cached_property
     def order(self) -> float:
-        """Of the difference in the spacing, as three meshes show it; NaN where they do not."""
+        """Order of convergence of the difference; NaN unless three meshes show one."""
         values, _ = displacements_at(self.answers, self.reference.points)
         return extrapolate(self.answers, values).order
 

@@ -88,7 +88,10 @@ class Views:
 def views_of(
     points: Array, ends: Array, *, kernel: Kernel, permittivity: float, depth: float
 ) -> Views:
-    """How points (k, 2) see straight pieces from ends[:, 0] to ends[:, 1], (p, 2, 2), in m."""
+    """Influence of straight pieces on points (k, 2).
+
+    The pieces run from ends[:, 0] to ends[:, 1], (p, 2, 2) in m.
+    """
     along = ends[:, 1] - ends[:, 0]
     length = np.hypot(*along.T)
     direction = along / length[:, None]

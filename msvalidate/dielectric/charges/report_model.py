@@ -131,7 +131,7 @@ class ReportModel:
         return part
 
     def views(self) -> Views:
-        """How the joints of charges see the pieces."""
+        """Influence of the pieces on the joints of charges."""
         at = self.places()
         return views_of(
             at[self.pieces.charge_joint],

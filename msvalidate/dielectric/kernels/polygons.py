@@ -20,7 +20,10 @@ from msvalidate.springs.kernels.compiling import compiled
 
 @compiled(inner=True)
 def edge(away: float, height: float, first: float, last: float) -> float:
-    """What one edge adds. On its own line `away` is 0, and so is all that it adds."""
+    """Contribution of an edge to the integral.
+
+    For a point on its line `away` is 0, and so is the contribution.
+    """
     square = away * away + height * height
     if away == 0 or square == 0:
         return 0.0

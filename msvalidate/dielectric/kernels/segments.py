@@ -60,7 +60,7 @@ def square_of(r: complex) -> float:
 
 @compiled(inner=True)
 def terms_of(middle: complex, a: complex, b: complex) -> int:
-    """How many terms serve segments that are far apart; 0 if they are near."""
+    """Number of terms for segments that are far apart; 0 if near."""
     square = 0.5 * (square_of(a) + square_of(b)) / square_of(middle)
     if not square < 1 / FAR**2:
         return 0
@@ -125,7 +125,10 @@ def _far(middle: complex, a: complex, b: complex, terms: int) -> tuple[complex, 
 
 @compiled(inner=True)
 def log_of(r: complex) -> complex:
-    """Of 0, the corner where neighbours touch, any number serves: it only meets factors of 0."""
+    """Logarithm of a number; 0 for 0.
+
+    0 is the corner where neighbours touch: any number serves, because it meets factors of 0 only.
+    """
     return 0j if r == 0 else np.log(r)
 
 

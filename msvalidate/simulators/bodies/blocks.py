@@ -53,7 +53,7 @@ class Effective:
 
 @dataclass(frozen=True, eq=False)
 class AtRest:
-    """What a simulator left of one body on one mesh.
+    """Response of a simulator in equilibrium for one body on one mesh.
 
     Parameters
     ----------

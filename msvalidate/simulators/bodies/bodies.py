@@ -39,7 +39,7 @@ from msvalidate_check.diagnosis import Field, explain
 
 @dataclass(frozen=True)
 class Factors:
-    """What each cause multiplies the displacement by, 1 where it does nothing.
+    """Factors of the displacement by cause; 1 for a cause without effect.
 
     The causes come apart by construction. Each displacement differs from the one before it by one
     cause alone: elasticity as asked; elasticity of what the law is to first order; linear elements
@@ -70,7 +70,7 @@ class Factors:
 
     @property
     def is_explained(self) -> bool:
-        """Whether what is left, in size and in shape, is small."""
+        """Return True if the misfit in size and shape is small."""
         return self.apart <= BAND
 
 
@@ -136,27 +136,37 @@ BODIES: Mapping[str, tuple[str, ...]] = {
     "sheared": ("block_shear_space", "clamped_shear_space"),
     "bent": ("cantilever_gravity_space",),
 }
-"""What a body is asked for -> cases of the set, the first that a program can represent counts.
+"""Cases of the frozen set for each kind of body.
+
+The first case that a program can represent counts.
 
 Clamped ones are for programs that hold nodes whole. The bent one shows "resolution": linear
 elements are far off there on any mesh one pays for.
 """
 SHORT = 3.0
-"""Times what is stated of rest, by how much a body may still change: most of it is an estimate."""
+"""Factor on the stated residual motion, for further changes of a body.
+
+Most statements are estimates.
+"""
 EVEN = 0.1
-"""Part of the displacement that may go the same way under opposite loads: the second order of what
-turns by 0.02 and strains by 0.01, with a factor of three."""
+"""Largest fraction of the displacement that is even in the loads.
+
+It is of second order for turns of 0.02 and strains of 0.01, with a factor of three.
+"""
 AWAY = 4.0
 """m, to where floats are spaced eight times as widely and more."""
 MORE, SHRINKS = 8.0, 2.0
-"""Times the loads, so that rounding is an eighth of what moves; it is known to a factor of two."""
+"""Factor of larger loads, and uncertainty of the rounding error.
+
+Rounding is then an eighth of its part; it is known to a factor of two.
+"""
 LOADED = ("pulled", "sheared")
 """Bodies that strain so little that eight times the loads leave their second order small."""
 
 
 @dataclass(frozen=True, eq=False)
 class BodyRow:
-    """One body on one mesh.
+    """Result for one body on one mesh.
 
     Parameters
     ----------
@@ -206,19 +216,24 @@ class BodyRow:
 
     @property
     def is_explained(self) -> bool:
-        """Whether its causes, or better elements, explain it, and both ways alike."""
+        """Return True if causes or better elements explain the displacement.
+
+        Its part that is even in the loads must be small as well.
+        """
         causes = self.factors is not None and (self.factors.is_explained or self.finer)
         return causes and self.even <= EVEN
 
     @property
     def may_settle(self) -> bool:
-        """Whether what is left is of the size of what it says may still change."""
+        """Return True if the stated residual motion may explain the misfit."""
         left = math.inf if self.factors is None else self.factors.apart
         return bool(left <= SHORT * self.rest) and self.rest > BAND and self.even <= EVEN
 
     @property
     def is_rounded(self) -> bool:
-        """Whether what is left is rounding of positions: of a fixed size, whatever the loads.
+        """Return True if the misfit is rounding of positions.
+
+        Rounding has a fixed size, whatever the loads.
 
         An error of law, masses or mesh stays the same part of what moves, and one of any other kind
         does not grow where positions are coarser.
@@ -343,7 +358,10 @@ def masses_of(
 
 
 def _is_finer(found: AtRest, law: tuple[float, float], on_mesh: Array) -> bool:
-    """Whether it is nearer to elasticity of the law than half of what linear elements are."""
+    """Return True if a body is finer than linear elements.
+
+    Its error relative to elasticity of the law is at most half of theirs.
+    """
     named = found.case.named
     E, nu = law
     low, high = found.case.ratios

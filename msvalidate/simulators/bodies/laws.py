@@ -1,4 +1,4 @@
-"""What documented laws of simulators are to first order, for the E and nu that they are asked for.
+"""Documented laws of simulators to first order, for requested E and nu.
 
 A law is its first Piola-Kirchhoff stress P(F), as its source writes it, with Lamé's constants of
 the asked E and nu put in as they stand. What solid that is at small strain is not typed in: it is
@@ -22,9 +22,15 @@ from msvalidate.springs.constants import stiffness
 Stress = Callable[[Array, float, float], Array]
 """F (..., 3, 3), real or complex, mu, lam (Pa) -> P (..., 3, 3) in Pa; analytic in F near I."""
 STEP = 1e-30
-"""Of the complex derivative: no difference is taken, so nothing is lost by its being small."""
+"""Step of the complex derivative.
+
+No difference is taken, so a small step loses no digits.
+"""
 POLAR_STEPS = 12
-"""Of Newton's iteration for the rotation: quadratic, so that 30 % of strain takes five."""
+"""Number of Newton iterations for the rotation.
+
+Convergence is quadratic: 30 % of strain takes five.
+"""
 ROUNDED = 1e-12
 """Relative error of a predicted stiffness: rounding of a few products."""
 AT_REST = 1e-9
@@ -83,7 +89,9 @@ def nearest_law(E: float, nu: float, asked_E: float, asked_nu: float) -> str:
 
 
 def predicted(law: str, E: float, nu: float) -> Elastic:
-    """What a law of `LAWS` is at small strain when it is asked for E (Pa) and nu.
+    """Elastic constants of a law of `LAWS` at small strain.
+
+    The law is requested with E (Pa) and nu.
 
     Raises
     ------

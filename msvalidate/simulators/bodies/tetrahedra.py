@@ -28,7 +28,10 @@ Stress = Callable[[Array], Array]
 LawOf = Callable[[Request], Stress]
 """The law that a request's material and settings mean to a simulator."""
 STEPS, SETTLED = 20, 1e-12
-"""Of Newton's method for an implicit step; residual over the largest force on a node."""
+"""Maximum number of Newton iterations of an implicit step, and its tolerance.
+
+The tolerance is the residual relative to the largest force on a node.
+"""
 
 
 @dataclass(frozen=True, eq=False)

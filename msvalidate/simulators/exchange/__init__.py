@@ -1,1 +1,1 @@
-"""What simulators are asked and what they answer: requests, programs, files."""
+"""Requests to simulators and their answers: records, programs and files."""

@@ -1,4 +1,7 @@
-"""What an adapter left in its folder, read strictly: an answer is whole, or it is none."""
+"""Answers of adapters, read strictly from their folders.
+
+An answer is complete or rejected.
+"""
 
 from __future__ import annotations
 
@@ -103,17 +106,23 @@ LARGEST_ABOUT = 1_000_000
 """Bytes of `result.json`."""
 Amount = Annotated[float, msgspec.Meta(ge=0, le=LARGEST)]
 Part = Annotated[float, msgspec.Meta(ge=0, lt=0.1)]
-"""Of what a step may be solved to: beyond that no law can be read from it."""
+"""Relative accuracy to which a step is solved.
+
+No law can be read from steps with a larger one.
+"""
 LARGEST_EMPTY, BYTES_A_NODE = 10_000_000, 2_000
 """Bytes that a result may have: of its own, and for each node."""
 SAME_PLACE = 1e-6
-"""Of the body's size, how far points of a .vtu may be from the nodes: they may be in float32."""
+"""Tolerance of points of a .vtu file relative to the body's size.
+
+They may be in float32.
+"""
 COLUMNS = {"displacement": "u", "position": "", "velocity": "v", "force": "f"}
 """Array -> what its columns begin with in a table, before x, y and z."""
 
 
 class AtRest(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
-    """How far an answer is from rest, as its program knows it.
+    """Distance of an answer from equilibrium, as stated by its program.
 
     Parameters
     ----------
@@ -156,7 +165,7 @@ class Declared(msgspec.Struct, omit_defaults=True):
 
 
 def read_answer(folder: str | Path, request: Request) -> Answer:
-    """What an adapter left in a folder as the answer to a request.
+    """Read the answer of an adapter to a request from its folder.
 
     Raises
     ------

@@ -21,12 +21,12 @@ from msvalidate.simulators.exchange.protocol import (
 USUAL = {"gate": 11, "probe": 67, "bodies": 12}
 """Questions of a part, where none of its answers asks for more."""
 MASSES = 34
-"""Of the probe, that a program is spared which tells forces."""
+"""Number of requests of the probe that programs with forces omit."""
 
 
 @dataclass(frozen=True)
 class Note:
-    """What could not be asked, or was not answered, and why.
+    """Request that was not made or not answered, and the reason.
 
     `asked` is false after a question that took too long.
     """
@@ -78,7 +78,7 @@ class Asked:
 
     @property
     def left(self) -> str:
-        """How many questions are left, by what is usual, and for how long."""
+        """Estimated number of further requests and their time."""
         some = sum(USUAL[part] for part in self.parts)
         some -= MASSES * (self.tells_forces and "probe" in self.parts)
         more = max(some - self.count, 0)
@@ -86,7 +86,7 @@ class Asked:
         return f"some {more} left, {seconds:.0f} s" if more else "the last ones"
 
     def __call__(self, request: Request) -> Answer:
-        """Its answer.
+        """Pass a request to the simulator and return its answer.
 
         Raises
         ------

@@ -66,7 +66,7 @@ def export_case(
     springs: bool = False,
     settings: Mapping[str, Any] | None = None,
 ) -> Request:
-    """What a case asks of a simulator: to bring its body to rest.
+    """Make the request for the equilibrium of a case.
 
     Parameters
     ----------
@@ -223,7 +223,11 @@ def nearest_case(case: Case) -> Case:
 
 
 def ratio_words(case: Case) -> str:
-    """What it costs that springs alone have another ratio than the case, "" where they have not.
+    """Describe the effect of the springs' own Poisson's ratio on a case.
+
+    The text is empty if the ratios are equal.
+
+    The effect is that on elasticity, by elements on one mesh: changes need no finer one.
 
     Of elasticity at both ratios, by elements on one mesh: changes need no finer one.
     """

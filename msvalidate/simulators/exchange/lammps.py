@@ -21,14 +21,17 @@ from msvalidate.springs.network.laws.linear import LINEAR
 from msvalidate.springs.statics.equilibrium import Equilibrium
 
 PART_OF_LIMIT = 0.9
-"""Of the largest stable step, by Gershgorin's bound of the highest frequency."""
+"""Time step relative to the largest stable one by Gershgorin's bound."""
 MOVED = 2.0
-"""Of the time in which the load's motion comes to rest to first order, what it is followed for."""
+"""Simulated time relative to that in which the motion comes to rest.
+
+That time is of first order, for the motion that the load excites.
+"""
 AT_REST, ROUNDING = 1e-13, 2.0**-50
 """Force that is none: of the largest tension; of the largest stiffness times coordinate, which is
 the rounding of positions."""
 MOST_ROUNDING = 1e-3
-"""Of the largest tension, what the rounding of positions may make of it."""
+"""Largest rounding of positions as a force, relative to the largest tension."""
 INPUT = """\
 # {said}
 # Run it in this folder: lmp -in springs.in (or straight to rest: lmp -in springs.in -var steps 0)

@@ -148,7 +148,7 @@ def words_of(command: str) -> list[str]:
 
 
 def label_of(command: str) -> str:
-    """What results of an adapter are called: after the last file that its command names."""
+    """Name of an adapter's results: the last file in its command."""
     words = words_of(command)
     files = [word for word in words if os.path.isfile(word)]  # noqa: PTH113  long ones are none
     return Path((files or words)[-1]).stem

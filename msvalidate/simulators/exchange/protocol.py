@@ -1,4 +1,4 @@
-"""What a simulator is asked, and what it answers: two records, in memory or as files.
+"""Request to a simulator and its answer, in memory or as files.
 
 A simulator is any function from a `Request` to an `Answer`. One that is a program of its own is
 asked through files (`folders`, `program`); nothing of it is imported here.
@@ -18,12 +18,12 @@ from msvalidate.problem.records import dataclass, field
 
 
 def solves_to(about: Mapping[str, Any]) -> float:
-    """Part of a step's change of velocity that its solver leaves, as stated; 0 if nobody says."""
+    """Relative residual of a step's change of velocity, as stated; else 0."""
     return float(about.get("solves_to") or 0.0)
 
 
 def stated_residual_motion(request: Request, answer: Answer) -> float:
-    """Part of its largest displacement that an answer may still change by; NaN if nobody says.
+    """Residual motion relative to the largest displacement, as stated; else NaN.
 
     `at_rest` of the answer holds one of
 
@@ -56,11 +56,17 @@ def stated_residual_motion(request: Request, answer: Answer) -> float:
 
 
 FORMAT = 1
-"""Of the files. A change that older adapters cannot read makes it 2."""
+"""Version of the files.
+
+A change that older adapters cannot read makes it 2.
+"""
 CANNOT = 77
 """Exit code of an adapter whose program cannot represent what is asked."""
 LARGEST = 1e30
-"""Of a number in an answer, m, m/s or N: its powers are still numbers, and nothing moves so far."""
+"""Largest number in an answer, in m, m/s or N.
+
+Its powers are still numbers, and nothing moves so far.
+"""
 Task = Literal["rest", "motion", "declare"]
 """Solve for equilibrium, take steps from given positions, or declare the program's cells."""
 DIMENSION = {"quad": 2, "triangle": 2, "hexahedron": 3, "tetra": 3}
@@ -111,7 +117,7 @@ class Springs:
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """One thing that a simulator is to do.
+    """Task for a simulator.
 
     Parameters
     ----------
@@ -178,7 +184,7 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a simulator says.
+    """Answer of a simulator.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What a simulator must do right before any number of it counts."""
+"""Checks that a simulator must pass before its numbers count."""

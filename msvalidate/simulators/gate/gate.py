@@ -75,7 +75,10 @@ ONE_STEP, MANY_STEPS = 0.5, 0.1
 """Time step over the time that a pressure wave takes through a cell. One step from rest is stable
 whatever it is, and the longer it is the more of its velocity is above rounding."""
 STRAIN = 2.0**-10
-"""Of the pulled block: far above rounding in float32, small beside 1."""
+"""Strain of the pulled block.
+
+It is far above rounding in float32 and small compared with 1.
+"""
 
 
 def stretched_block(
@@ -140,9 +143,12 @@ def forces(request: Request, answer: Answer) -> Array:
 
 
 STEPS = 10
-"""Of a motion."""
+"""Number of steps of a motion."""
 FALL = 0.25
-"""Of the block's side, what it falls: so much that positions in float32 tell the velocity."""
+"""Fall relative to the side of the block.
+
+Positions in float32 then determine the velocity.
+"""
 SMALL_TURN = 2.0**-8
 """Angle (rad) of the turn that every program must see as one."""
 LARGE_TURN = math.pi / 6
@@ -150,7 +156,10 @@ ROUNDINGS = 100
 """Roundings of a coordinate that a force or a displacement may be off by: it is a sum of some tens
 of terms, each rounded a few times."""
 ORDERS = 5
-"""Times the strain, by how much laws and shapes of large strain may leave proportion."""
+"""Largest deviation from proportion at large strain, relative to the strain.
+
+It covers laws and shapes.
+"""
 
 
 def gate(

@@ -32,8 +32,10 @@ TIMES, SCALE = "times the expected size", 10**1.5
 """Unit of rows on units, and the factor from which a size is nearer to 1000 times the expected one:
 documented laws stay within 2, and springs of stiffness E h on each edge within 5."""
 UNSTATED = 1e-3
-"""Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
-that readings of a modulus are held to."""
+"""Residual motion relative to the displacement that is accepted without a statement.
+
+It is a fifth of the 0.5 % to which moduli are checked.
+"""
 SHORTER = 3.0
 """Ratio of the changes by half the step and by half the run.
 
@@ -45,7 +47,7 @@ DIVERGED = 0.01
 
 @dataclass(frozen=True)
 class GateRow:
-    """One thing that was tried.
+    """Result of one check.
 
     Parameters
     ----------
@@ -86,13 +88,13 @@ class Gate:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing stopped it, and something was tried."""
+        """Return True if a check passed and none stopped."""
         verdicts = {row.verdict for row in self.rows}
         return STOPPED not in verdicts and PASSED in verdicts
 
     @property
     def moving(self) -> float:
-        """Part of the displacement that running longer changes; 0 where it is at rest."""
+        """Relative change of the displacement by a longer run; 0 at rest."""
         return max((row.value for row in self.rows if row.verdict == MOVING), default=0.0)
 
     @property

@@ -84,10 +84,11 @@ class LatticeBody:
     rest
         Part of the displacement that may still change, as stated; NaN if it is not known.
     prestrain
-        Elongation of the body that is the same under both loads: of rest lengths.
+        Strain along the body that is the same under both loads, due to rest lengths.
     errors
         Largest difference relative to the largest displacement, from elasticity of the material and
-        of the homogenised solid, and from our network of its springs; NaN if it is not known.
+        of the homogenised solid, by quadratic and by linear elements, and from our network of its
+        springs: "elasticity", "solid", "elements" and "network". An unknown one has no entry.
     factor, residual
         Displacement relative to that of our network, or of elements, and what this factor leaves.
     mesh_error
@@ -307,7 +308,11 @@ def make_report(
     steps: MeasuredLattice | None,
     bodies: list[LatticeBody],
 ) -> LatticeReport | None:
-    """Solid, springs and bodies; the mass by what bodies under forces and steps show."""
+    """Report the effective solid, springs, total mass and bodies of a measured lattice.
+
+    Return None for a mechanism, or if neither steps nor bodies were measured. The mass follows from
+    the stiffness of bodies under forces relative to that of steps.
+    """
     dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
     target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
     right = fit_springs(block, target, target, law.thickness)

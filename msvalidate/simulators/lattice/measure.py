@@ -123,7 +123,7 @@ def measure_lattice(
     Raises
     ------
     CannotRepresent, SimulatorError
-        As the simulator, or if no masses fit its steps.
+        As the simulator, or if no masses fit its steps, or no strain causes a force.
     """
     dim, speed = material.dim, wave_speed(material)
 

@@ -79,7 +79,7 @@ def regular_block(shape: str, counts: tuple[int, ...], spacing: float = SPACING)
 
 
 class RegularBlock(Block):
-    """A regular mesh about the origin, as the probe's block."""
+    """Regular mesh with the interface of the probe's block, for cells of any shape."""
 
     def __post_init__(self) -> None:
         """Accept cells of any shape."""

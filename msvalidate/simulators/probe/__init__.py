@@ -1,1 +1,1 @@
-"""Which elastic solid a simulator's law is, read from single steps of one block."""
+"""Measurement of a simulator's elastic law from single steps of one block."""

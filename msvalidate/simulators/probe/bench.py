@@ -1,4 +1,4 @@
-"""One step of a block from positions at rest, and what a simulator must say about it."""
+"""Single steps of a block from positions at rest, and required statements."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ENGINEERING = {2: np.array([1.0, 1.0, 2.0]), 3: np.array([1.0, 1.0, 1.0, 2.0, 2.
 
 @dataclass(frozen=True, eq=False)
 class Push:
-    """What one state told.
+    """Mean stress, gradient and nodal forces in one state.
 
     Parameters
     ----------
@@ -61,7 +61,10 @@ SAID = {
     "forces_at": get_args(ForcesAt),
     "mass": get_args(MassKind),
 }
-"""What an answer must say: none of it can be seen from a step, and each changes what is read."""
+"""Statements that an answer must contain.
+
+No step shows them, and each changes the result.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +101,9 @@ class Bench:
     settle: Callable[[Array], Array] = lambda u: u
 
     def push(self, G: Array, *, gravity: tuple[float, ...] = ()) -> Push:
-        """What the state c + (I + G)(X - c) tells, c the origin, that is the block's middle.
+        """Measure the response to a uniform displacement gradient G.
+
+        Points are at c + (I + G)(X - c), with c the block's middle, the origin.
 
         Raises
         ------
@@ -115,7 +120,7 @@ class Bench:
         return Push(-force.T @ X / block.volume, (place - X).T @ block.weights, force)
 
     def step(self, move: Array, gravity: tuple[float, ...] = ()) -> Answer:
-        """What comes of one step from the mesh displaced by `move` (n, 3) m.
+        """Request one step from the mesh displaced by `move` (n, 3) m.
 
         Raises
         ------

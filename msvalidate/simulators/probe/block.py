@@ -16,7 +16,10 @@ from msvalidate.springs.constants.stiffness import lame
 SIZE = (0.25, 0.125, 0.125)
 """Sides (m)."""
 CELLS = (4, 3, 3)
-"""Of the grid that is made irregular: 80 nodes, 12 of them inside."""
+"""Numbers of cells of the irregular grid.
+
+It has 80 nodes, 12 of them inside.
+"""
 JITTER = 0.25
 """Largest move of a node, in sides of a grid cell: less than where cells turn inside out."""
 STEP = 2.0**-12

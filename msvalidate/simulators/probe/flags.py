@@ -28,13 +28,16 @@ SMOOTH = 16.0
 """Limit of the second-order part over the strain: smooth laws have 1 to 5; contact, or a limit on
 one side alone, has 1 over the strain."""
 SHORTEST = {"float64": 1 / 256, "float32": 1 / 4}
-"""Where forces act at the end of a step, inner nodes are looked at after one in which a wave
-crosses this part of the smallest cell: by its square it reaches them from the surface, and at once
-where the mass matrix is not diagonal. In single precision shorter steps are lost in rounding."""
+"""Wave travel in a short step, relative to the smallest cell.
+
+If forces act at the end of a step, inner nodes are checked after such a step: a wave from the
+surface reaches them by the square of this part, but at once if the mass matrix is not diagonal. In
+single precision shorter steps are lost in rounding.
+"""
 AXIS = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
-"""Of a small turn: none of the block's own."""
+"""Axis of a small turn, which is none of the block's own."""
 ACROSS = 0.1
-"""Part of a loss of velocity that may be across the weight if the loss is damping."""
+"""Largest fraction of a loss of velocity across the weight for damping."""
 PLACED = 3.0
 """Standard deviations of sums over rounded positions, within which they are taken to be."""
 

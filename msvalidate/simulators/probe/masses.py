@@ -81,7 +81,7 @@ class Masses:
 
     @property
     def spread(self) -> Phrase:
-        """How far nodes are from what is asked."""
+        """Range of the masses of nodes relative to the requested ones."""
         return phrase("spread", least=self.ratio.min(), most=self.ratio.max())
 
     @property
@@ -100,7 +100,7 @@ class Masses:
 
     @property
     def line(self) -> Phrase:
-        """What was found, in one line."""
+        """Summary of the masses in one line."""
         spread = phrase("spread besides", spread=self.spread) if self.off > SAME else Phrase("")
         return phrase("mass line", pattern=self.words, spread=spread, error=self.error)
 

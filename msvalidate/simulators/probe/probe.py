@@ -1,4 +1,4 @@
-"""Which elastic solid a simulator's law is to first order, read from single steps of one block.
+"""Measurement of a simulator's elastic law to first order from single steps.
 
 All nodes are put at c + (I ± G)(X - c), at rest, without weight, for each of six strains G. One
 step gives forces f = M Δv/dt, or the program tells them. In a body of cells whose stress is P, the
@@ -46,8 +46,11 @@ LONGER = 4.0
 """Steps of implicit programs in single precision, in default steps: their velocities are
 differences of rounded positions, whose rounding counts by 1/dt²."""
 CURVES = 4.0
-"""What two strains leave, over the square of what they differ by and of the strain's square: terms
-of higher order in a law are of the size of powers of the lowest, or of the strain's own."""
+"""Factor of the error that extrapolation from two strains leaves.
+
+It multiplies the square of the second-order term, plus the fourth power of the strain: terms of
+higher order in a law are of the size of powers of the lowest, or of the strain's own.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,7 @@
-"""What a probe read: a stiffness, how well it is known, and the flags without which none counts."""
+"""Result of a probe: stiffness, its uncertainty and the flags.
+
+A flag that refuses invalidates the stiffness.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ SHOWN = 5e-3
 """No number is shown that is not known to this: of E relative, of nu absolute, of a component
 of C by its largest."""
 BAND = 0.01
-"""What is off by less agrees: of masses, of displacements, of a law's prediction."""
+"""Largest relative difference that counts as agreement.
+
+It applies to masses, to displacements and to a law's prediction.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +61,7 @@ def bulk_and_shear(C: Array) -> tuple[float, float]:
 
 
 def anisotropy(C: Array) -> float:
-    """How far a tensor is from the isotropic one nearest to it, by their components' squares.
+    """Relative distance of a tensor from the nearest isotropic one.
 
     In Mandel's scaling, in which the six components are those of an orthonormal basis, so that
     the number is the same in all axes.
@@ -148,12 +154,12 @@ class Flag:
 
     @property
     def holds(self) -> bool:
-        """Whether the value is within the limit."""
+        """Return True if the value is within the limit."""
         return bool(self.value <= self.limit)
 
     @property
     def shown(self) -> Phrase:
-        """Its name and value."""
+        """Name and value of the flag as text."""
         return phrase("flag", name=self.name, value=self.value)
 
 
@@ -192,22 +198,31 @@ class Reading:
 
     @property
     def is_valid(self) -> bool:
-        """Whether every flag that refuses holds, and C is known to `shown` of its largest."""
+        """Return True if no flag refuses and C is known.
+
+        C is known to `shown` relative to its largest component.
+        """
         return self.is_known and all(flag.holds for flag in self.flags if flag.refuses)
 
     @property
     def shown(self) -> float:
-        """Part to which a number is known that counts: `SHOWN`, and what steps are solved to."""
+        """Largest relative uncertainty of C that counts as known.
+
+        It is `SHOWN` and the accuracy to which steps are solved.
+        """
         return SHOWN + self.causes.get(SOLVED, 0.0) / float(np.abs(self.C).max() or 1.0)
 
     @property
     def is_known(self) -> bool:
-        """Whether every component of C is known to `shown` of the largest."""
+        """Return True if C is known to `shown` of its largest component."""
         return bool(self.error <= self.shown * np.abs(self.C).max())
 
     @property
     def is_bound(self) -> bool:
-        """Whether C is an upper bound alone: inner nodes would move if they were let."""
+        """Return True if C is only an upper bound.
+
+        Inner nodes would move if they were free.
+        """
         return any(flag.name == INNER and not flag.holds for flag in self.flags)
 
     @cached_property
@@ -241,7 +256,7 @@ class Reading:
 
     @property
     def uncertain(self) -> Phrase:
-        """How well C is known."""
+        """Uncertainty of C as text."""
         part = self.error / (np.abs(self.C).max() or 1.0)
         return phrase("not known", part=float(part), needed=self.shown)
 

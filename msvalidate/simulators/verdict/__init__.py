@@ -1,1 +1,1 @@
-"""What is said of a simulator: state, causes, advice, sheet, page and record."""
+"""Judgement of a simulator: state, causes, advice, report, page and record."""

@@ -1,4 +1,4 @@
-"""What to do next with what was found of a simulator."""
+"""Advice on the next step after a judgement of a simulator."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def mesh_errors(result: Judgement) -> dict[str, str]:
 
 
 def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> Cause:
-    """What helps most, by what was found."""
+    """Choose the most useful next step by the judgement."""
     kinds = [each.kind for each in found.causes]
     if asked.ended or (asked.failures and "units" not in kinds):
         return _advice("ended" if asked.ended else "failed")
@@ -114,6 +114,6 @@ def _of_rest(found: Judgement) -> Cause:
 
 
 def _is_asked(found: Judgement) -> bool:
-    """Whether all pulled bodies are of the modulus asked for."""
+    """Return True if all pulled bodies have the requested modulus."""
     pulled = [row.on_mesh.E for row in found.bodies if row.body == "pulled"]
     return all(abs(E / found.asked.E - 1) <= SHOWN for E in pulled)

@@ -1,4 +1,4 @@
-"""What is said of a simulator, from what was read and what bodies owe to what."""
+"""Verdict on a simulator by its probe and causes of errors."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def rows_verdict(
     gate: Gate,
     linear: bool = True,
 ) -> Verdict:
-    """What the simulator is, and the causes, from what differs from what was asked.
+    """Determine the state of a simulator and the causes of its differences.
 
     `rows` are None where no body was asked for, and empty where none could be represented. Of
     elements that are not `linear` what they are off by is told: it is by design, and no mesh's.
@@ -133,7 +133,7 @@ def _shape_causes(rows: list[BodyRow]) -> list[Cause]:
 
 
 def is_over_density(part: float, density: float) -> bool:
-    """Whether a modulus or mass is this part of what was asked as it is over the density."""
+    """Return True if a modulus or mass is divided by the density."""
     return abs(part * density - 1) <= BAND and abs(density - 1) > BAND
 
 

@@ -47,12 +47,14 @@ from msvalidate_check.verdict import Verdict
 
 Found = TypeVar("Found")
 PARTS = ("gate", "probe", "bodies")
-"""What a simulator is asked, in this order."""
+"""Groups of requests to a simulator, in this order."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Judgement(Verdict):
-    """What is said of a simulator with one law and one material: a word of `verdict.causes`.
+    """Judgement of a simulator with one law and one material.
+
+    Its word is one of `verdict.causes`.
 
     Parameters
     ----------
@@ -193,7 +195,10 @@ def _body_rows(
 
 
 def _is_of_linear_elements(row: BodyRow) -> bool:
-    """Whether elements of its law at small strain are what it is, so that those at large may be."""
+    """Return True if a body consists of linear elements of its law.
+
+    Elements at large strain may then apply as well.
+    """
     return row.is_rounded or (row.is_explained and not row.finer)
 
 
@@ -259,7 +264,7 @@ def _law(
 
 
 def _weighs(found: list[tuple[str, AtRest]], reading: Reading) -> bool:
-    """Whether a body under its weight moves as one of the law that was read."""
+    """Return True if a body under its weight has the measured law."""
     for _, each in found:
         if each.case.driven == "weight":
             expected = each.of_elements(float(reading.E or 0), float(reading.nu or 0))

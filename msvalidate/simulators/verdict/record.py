@@ -1,4 +1,4 @@
-"""What is kept of a judgement: numbers and words that JSON holds, small enough to commit."""
+"""Record of a judgement as JSON, small enough to commit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from msvalidate.simulators.verdict.sentences import text_of
 WIDE = 120
 """Characters of a line of a record, up to which what belongs together stays on one."""
 DIGITS = 8
-"""Of numbers: more than any of them is known to."""
+"""Number of digits of numbers, more than their accuracy."""
 
 
 def record_of(found: Judgement) -> dict[str, Any]:
@@ -60,7 +60,10 @@ def _lattice(lattice: LatticeReport) -> dict[str, Any]:
 
 
 def _gate_row(row: GateRow) -> dict[str, Any]:
-    """What was tried; why its limit is what it is stands in `gate`, and here only what stops."""
+    """Record of one check.
+
+    Reasons are stored only for checks that did not pass; `gate` explains all limits.
+    """
     kept = {"name": row.name, "verdict": row.verdict, "value": _plain(row.value)}
     if row.verdict in {PASSED, STOPPED}:
         kept |= {"unit": row.unit, "limit": _plain(row.limit)}

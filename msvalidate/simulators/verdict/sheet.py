@@ -1,4 +1,4 @@
-"""What was found of a simulator as tables and sentences, for the terminal and for a page."""
+"""Tables and sentences of a judgement, for the terminal and a page."""
 
 from __future__ import annotations
 

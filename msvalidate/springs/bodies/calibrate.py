@@ -200,9 +200,10 @@ def _measure_tension(
 
 
 def _smaller_lattice(lattice: Lattice) -> tuple[Lattice, float]:
-    """A body of the same lattice of `MOST_TRIED` points or so, and its least count of cells over.
+    """Smaller body of the same lattice with about `MOST_TRIED` points.
 
-    The body itself, where it is no larger, or nobody knows what repeats in it.
+    The second value is its smallest number of cells along an axis, relative to that of the body.
+    The body itself is returned if it is no larger, or its repeating cell is unknown.
     """
     box = lattice.domain
     if len(lattice.points) <= MOST_TRIED or not isinstance(box, Box):

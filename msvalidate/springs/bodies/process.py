@@ -62,6 +62,11 @@ def run_limited(
     -------
     int or None, bytes, str
         Exit code, None if it had to be ended; its output, shortened; its last line on stderr.
+
+    Raises
+    ------
+    ProblemError
+        If the program cannot be started.
     """
     script = (BOUNDED.format(int(memory / 1024)) if memory else "") + GUARDED
     guarded = ["/bin/sh", "-c", script, words[0], *words] if os.name == "posix" else words

@@ -190,7 +190,8 @@ def starts(patch: Callable[[int], CrackPatch], radii: tuple[int, int] = RADII) -
     Raises
     ------
     ProblemError
-        If another spring breaks than those in the crack's plane, by its place.
+        If a spring outside the crack's plane breaks, the crack does not grow, or different springs
+        break in the two discs.
     """
     (a, coarse), (b, fine) = ((radius, _events(patch(radius))) for radius in radii)
     if [places for places, _ in coarse] != [places for places, _ in fine]:

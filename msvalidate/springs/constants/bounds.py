@@ -118,8 +118,8 @@ def tensor_bounds(points: Array, springs: Index, stiffness: Array) -> tuple[Tens
     """Compute bounds of the effective tensor of a piece by window size.
 
     The first window is the whole inside, as far as a factor is affordable. A piece too small for an
-    inside is a window itself, with springs missing at its surface. Of a chain (d = 1) both bounds
-    are the stiffness from end to end.
+    inside is a window itself, with springs missing at its surface. For a chain (d = 1) both bounds
+    are its stiffness from end to end times its length, EA in N.
 
     Parameters
     ----------

@@ -50,8 +50,8 @@ class Homogenised(ReadOnly):
     Parameters
     ----------
     affine, tensor
-        Voigt tensors, (3, 3) in N/m or (6, 6) in Pa: with affine motion of the points, which is an
-        upper bound, and with the points in equilibrium.
+        Voigt tensors, (1, 1) in N for a chain, (3, 3) in N/m or (6, 6) in Pa: with affine motion of
+        the points, which is an upper bound, and with the points in equilibrium.
     floppy
         Number of periodic mechanisms besides translations; None if it was not counted, in which
         case there are none.
@@ -206,7 +206,7 @@ def homogenise_network(
         (m, 2) pairs of points, (m, d) in m from the first to the image of the second that it is
         joined to, and (m,) in N/m; unstressed.
     volume
-        Of the periodic cell, m² or m³.
+        Of the periodic cell, in m (d = 1), m² or m³.
     solver
         "direct": all motions of a small cell, or a factor, whose work and memory grow with the
         powers 2 and 4/3 of the points in space; "multigrid": conjugate gradients, in proportion to
@@ -215,7 +215,8 @@ def homogenise_network(
     Raises
     ------
     ProblemError
-        If an array does not fit, a value is not finite, or there is no such solver.
+        If an array does not fit, a value is not finite, a stiffness is negative, or there is no
+        such solver.
     SolverError
         If a large network has a motion without stiffness, or the tensor can't be told.
     """

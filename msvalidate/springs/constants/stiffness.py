@@ -76,7 +76,9 @@ def voigt_directions(normals: Array) -> Array:
 
 
 def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
-    """Homogenised tensor, (3, 3) or (6, 6), of springs under affine motion, each listed once.
+    """Homogenised tensor of springs under affine motion, each listed once.
+
+    Its shape is (1, 1) in N, (3, 3) in N/m or (6, 6) in Pa, for d = 1, 2 or 3.
 
     C = (1/V) Σ k L² v vᵀ with v the Voigt vector of n⊗n and n the spring's direction: the energy of
     a uniform strain. Exact where every point is a centre of symmetry, an upper bound elsewhere
@@ -87,12 +89,13 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     vectors, stiffness
         (m, d) in m and (m,) in N/m.
     volume
-        Area (m²) or volume (m³) that the springs stand for.
+        Length (m), area (m²) or volume (m³) that the springs stand for, above 0.
 
     Raises
     ------
     ProblemError
-        If an array does not fit, a value is not finite, or a spring has no length.
+        If an array does not fit, a value is not finite, a spring has no length, or the volume is
+        not above 0.
     """
     d = finite_coordinates("vectors", vectors, "m", (1, 2, 3))
     k = finite("stiffness", stiffness, len(d))
@@ -149,10 +152,10 @@ def square_tensor(k1: float, k2: float) -> Array:
 
 
 def springs_ratio(law: Material) -> float:
-    """The ratio of springs alone, where all points deform affinely.
+    """Poisson's ratio of a material by springs alone, if all points deform affinely.
 
-    1/3 in plane stress, 1/4 in plane strain and in space. Source: Cauchy's relation,
-    [BornHuang1954].
+    It is 1/3 in plane stress and 1/4 otherwise: in plane strain, in 3D, and for a tensor, which has
+    no state. Source: Cauchy's relation, [BornHuang1954].
     """
     return CAUCHY[2 if getattr(law, "state", "") == "plane_stress" else 3]
 
@@ -318,7 +321,10 @@ def isotropic_moduli(tensor: Array) -> Moduli:
 
 
 def invariant_moduli(C: Array) -> tuple[float, float]:
-    """Bulk and shear modulus of the isotropic tensor nearest to a Voigt tensor."""
+    """Bulk and shear modulus of the isotropic tensor nearest to a tensor.
+
+    They have the unit of the Voigt tensor.
+    """
     d = AXES_OF[len(C)]
     bulk = C[:d, :d].mean()
     mu = (np.trace(C) + np.trace(C[d:, d:]) - d * bulk) / ((d - 1) * (d + 2))

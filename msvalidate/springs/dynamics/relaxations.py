@@ -197,9 +197,10 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
 
 
 def _line_search(run: Run, direction: Array) -> bool:
-    """Move along `direction` to where half of the slope is left at most; else stay, and say so.
+    """Move along `direction` until at most half of the slope remains; return True if moved.
 
-    No point moves by more than half of the shortest spring.
+    No component moves by more than half the length of the shortest spring. A move as far as that is
+    accepted with any positive slope.
     """
     slope = float(np.vdot(run.balance(), direction))
     if slope == 0:

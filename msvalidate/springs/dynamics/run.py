@@ -85,7 +85,7 @@ class Run:
     """State of a relaxation, and the settings that methods and checks share.
 
     A method changes `displacement` and `velocity` in place, tells `moved` of it, and asks `balance`
-    for forces. Before its first `yield` it may set `dt`, `rate` and `limit`, in seconds, that
+    for forces. Before its first `yield` it may set `dt` (s), `rate` (1/s) and `limit` (s), that
     messages name; `inertia`; `most_steps`, after how many it has failed, if frequencies do not say
     so; and `look_every`, if it knows how long its way is. It may leave `cycle`, a multigrid cycle
     of a tangent, for the judge of stability. It may take `block` steps before the next look, which
@@ -277,7 +277,7 @@ class ConvergenceTest:
 
     @property
     def _floor(self) -> Array:
-        """Force (n, d) in N that is rounding: of positions, and of what they moved."""
+        """Force (n, 1) in N due to rounding of positions and of displacements."""
         return np.asarray(self._at_lengths + max_abs(self.run.displacement) * self._per_metre)
 
     def allowed(self) -> float:

@@ -254,6 +254,6 @@ def curvature(network: Network, displacement: Array, direction: Array) -> float:
 
 
 def compiles(network: Network) -> bool:
-    """Whether compiled loops have the laws of its springs and cells."""
+    """Return True if compiled loops have the laws of springs and cells."""
     cells = network.volumes
     return network.law.loops is not None and (cells is None or cells.law.compiled)

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept between processes, and when what is kept no longer counts.
+"""Cache of compiled kernels between processes, and its invalidation.
 
 Compiled functions hold code of functions of other files, so that none is as new as its own file
 alone. All that is kept lies in a folder named by one stamp: the sources of all kernels, and the
@@ -37,7 +37,7 @@ OUTSIDE = (
 )
 """Files beyond this folder that are compiled, or whose constants become part of compiled code."""
 NAMED = "msvalidate-"
-"""How names of folders begin; the stamp follows."""
+"""Prefix of the names of folders; the stamp follows."""
 KEPT = 4
 """Folders that stay, the newest of them: a change that is taken back finds its own again."""
 OPTIONS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
@@ -73,7 +73,7 @@ def folder() -> Path | None:
 
 
 def _writable(place: Path) -> bool:
-    """Whether files can be written in a folder, or the folder made."""
+    """Return True if a folder is writable, or can be made."""
     try:
         place.stat()
     except FileNotFoundError:
@@ -85,7 +85,7 @@ def _writable(place: Path) -> bool:
 
 
 class KernelCache:
-    """What numba asks for compiled forms of a function, and gives them to.
+    """Cache of a function's compiled forms, with numba's interface.
 
     A file that cannot be read, or is not as it was written, is none; where none can be written,
     the next process compiles again.

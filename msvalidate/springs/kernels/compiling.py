@@ -1,4 +1,4 @@
-"""How the package compiles."""
+"""Compilation settings of the package."""
 
 from __future__ import annotations
 

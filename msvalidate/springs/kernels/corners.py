@@ -98,7 +98,10 @@ def _read(builder: Builder, pointers: list[Ends]) -> list[Code]:
 
 
 def _turned(builder: Builder, read: list[Code]) -> list[Code]:
-    """What `_read` gave, or differences of it, as a value per axis; the reverse is `_returned`."""
+    """Results of `_read`, or differences of them, as a value per axis.
+
+    The inverse is `_returned`.
+    """
     places = [[axis, 4 + axis, 2 + axis, 6 + axis] for axis in (0, 1)]
     return [shuffled(builder, read[0], read[1], place) for place in places] + read[2:]
 

@@ -25,7 +25,10 @@ INDICES = 2**32
 MOST_WAVES = 10
 """Steps behind each other: more win nothing, as memory is passed over once in so many already."""
 TWICE = 0.1
-"""Part of the places that threads may move in common, so that they meet but once in many steps."""
+"""Largest fraction of the places that threads may move in common.
+
+Threads then meet only once in many steps.
+"""
 
 
 class Sweep:
@@ -154,7 +157,7 @@ class Sweep:
         return int(done), float(energy), bool(fell)
 
     def _waves(self, steps: int, to_peak: bool) -> tuple[int, int]:
-        """How many steps follow each other, and how many blocks apart."""
+        """Number of steps that follow each other, and their distance in blocks."""
         piece = max(1, -(-self.layout.span // BLOCK))
         held = piece * BLOCK * self.bytes_a_step / self.layout.points
         waves = 1 if to_peak else max(1, min(self._most_waves, steps, int(CACHE / held) - 1))

@@ -1,4 +1,4 @@
-"""Which networks are uniform lattices: what `stencil` can step without lists of springs.
+"""Detection of uniform lattices, which `stencil` steps without lists of springs.
 
 A network is one if its points fill a grid of places along the axes, each place once, in any
 numbering, and all springs that lead the same way from place to neighbouring place are alike but for
@@ -20,7 +20,10 @@ from msvalidate.springs.kernels.rows import in_rows
 from msvalidate.springs.network import Network
 
 ROUNDING = 4 * float(np.finfo(float).eps)
-"""Of the largest coordinate: a few roundings lie between an ideal place and its coordinates."""
+"""Rounding of places relative to the largest coordinate.
+
+A few roundings lie between an ideal place and its coordinates.
+"""
 
 
 @dataclass(frozen=True, eq=False)

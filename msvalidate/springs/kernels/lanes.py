@@ -89,7 +89,7 @@ def _pointer(builder: Builder, start: Code, index: Code) -> Code:
 
 
 def loaded(builder: Builder, pointer: Code) -> Code:
-    """What is at a pointer, aligned as a float64 is."""
+    """Load the value at a pointer, aligned as a float64."""
     value = builder.load(pointer)
     value.align = 8
     return value
@@ -97,7 +97,9 @@ def loaded(builder: Builder, pointer: Code) -> Code:
 
 @instruction
 def start(_typing: Context, array: Type) -> Instruction:
-    """Where an array's numbers begin: what inner functions take, since arrays count who holds them.
+    """Pointer to the numbers of an array, for inner functions.
+
+    Passing arrays would count references.
 
     The array must outlive it.
     """
@@ -160,7 +162,7 @@ def where_positive(builder: Builder, condition: Code, value: Code, other: Code) 
 
 @operation(types.boolean, LANES)
 def any_positive(builder: Builder, value: Code) -> Code:
-    """Whether a number of a value is above 0; NaN is not."""
+    """Compute whether any number is above 0; NaN is not."""
     above = builder.fcmp_ordered(">", value, ZEROS)
     bits = ir.IntType(WIDTH)
     return builder.icmp_unsigned("!=", builder.bitcast(above, bits), bits(0))

@@ -41,7 +41,10 @@ from msvalidate.springs.kernels.values import Axes, Corners, Done, Lane, Pointer
 from msvalidate.springs.network.layout import BLOCK, TOGETHER
 
 Form = tuple[()] | tuple[int]
-"""Of the law: empty where the pull is a - b/√s, one number where it is a·s - b."""
+"""Form of the law: empty for a pull of a - b/√s.
+
+It has one number for a pull of a·s - b.
+"""
 Limit = tuple[()] | tuple[float, Array]
 """Empty, or of springs that break: s/(1 + s), s the critical stretch, which the pull over k is not
 to exceed, and where the energy goes that they had then, in the order of the laws."""
@@ -49,7 +52,10 @@ Springs = tuple[Index, Small, Small, Array, Form]
 """First spring of each place, where its owner and its other end are in the tables, and laws."""
 Ends = tuple[()] | tuple[float, Any]
 Lists = tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Form, Pointer[float] | None]
-"""Where these begin, the laws' form, and compliances where the energy is asked for."""
+"""Pointers to the lists, the form of the laws, and compliances.
+
+Compliances are present if the energy is requested.
+"""
 Pushing = tuple[Corners, Array, Array, Index, Array, Array, Index, Array] | tuple[()]
 """Cells: k, places at rest, displacements, where corners are in these, κ, volumes at rest, first
 cells of the blocks, and the flow that takes the forces; empty where there are none."""

@@ -40,13 +40,19 @@ class Lane(Protocol):
 
 
 class Pointer(Protocol[Number_co]):
-    """Where the numbers of a flat array begin: see `lanes.start`. No index is checked."""
+    """Pointer to the numbers of a flat array: see `lanes.start`.
+
+    No index is checked.
+    """
 
     def __getitem__(self, index: int) -> Number_co: ...
 
 
 Axes = tuple[int, ...]
-"""Its length, the dimension d, is a constant of the compiled form; what is in it does not count."""
+"""Tuple whose length d is a constant of the compiled form.
+
+Its entries do not count.
+"""
 Corners = tuple[int, ...]
 """The same of the k corners of a cell."""
 Vector = tuple[Lane, ...]
@@ -57,7 +63,10 @@ Body = tuple[Vector, ...]
 """`WIDTH` cells side by side: their k - 1 corners after the first, or vectors there (`corners`)."""
 
 Spring = tuple[float, float, float, float, float]
-"""Of one kind of spring of a lattice: k (N/m), k·L0 (N) and its vector X, Y, Z (m) at rest."""
+"""Kind of spring of a lattice: k, k·L0 and vector at rest.
+
+The units are N/m, N and m; the vector is X, Y, Z.
+"""
 Done = tuple[int, float, bool]
 """Steps done, kinetic energy of the last, and whether it ended there because that fell."""
 
@@ -74,4 +83,4 @@ Signature = Any
 Generator = Callable[[Context, Builder, Signature, Sequence[Code]], Code]
 """Writes the machine code of a call, from the values given."""
 Instruction = tuple[Signature, Generator]
-"""What the maker of an instruction returns, from the types given."""
+"""Result of an instruction's maker, from the types of its arguments."""

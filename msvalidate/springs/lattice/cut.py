@@ -92,9 +92,10 @@ class CutLattice(PatternLattice):
 
 
 def cell_weights(points: Array, cells: Index, side: float, places: Array) -> tuple[Index, Array]:
-    """Find the cell of each place, and its interpolation weights (q, corners).
+    """Find the corners (q, corners) of the cell of each place, and interpolation weights.
 
-    The grid consists of square or cubic cells (c, corners).
+    The grid consists of square or cubic cells (c, corners); the weights have the shape of the
+    result.
 
     As `CutLattice.weights_at`: `points` (n, d), `side` of the cells and `places` (q, d) in m.
     """

@@ -207,7 +207,9 @@ def _cotangents(corners: Array, ends: Index, shape: Shape) -> Array:
 
 
 def _factors(springs: Index, which: Index, gifts: Array, *, positive: bool) -> Array:
-    """Stiffness (m,) of springs, of what cells bring (e,) to each: refused below zero if so asked.
+    """Relative stiffness (m,) of springs: the sum of the contributions (e,) of cells.
+
+    If they must be `positive`, stiffnesses of zero or less are refused.
 
     What cells bring cancels at right angles: a rest of it is kept, as their parts are over the sum.
     """

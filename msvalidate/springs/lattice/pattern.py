@@ -81,14 +81,16 @@ class Pattern:
     factor
         (m,) stiffness of each spring relative to the constant of its kind, by default 1.
     volume
-        (n,) part of the cell that belongs to each point, by default an equal one.
+        (n,) area or volume of the cell that belongs to each point, in units of the spacing; by
+        default equal. They sum to that of the cell.
     formulas
         Constants of its springs as text, a row a kind or none.
 
     Raises
     ------
     ProblemError
-        If an array does not fit the others, or a spring has no length.
+        If an array does not fit the others, a spring has no length or is listed twice, or volumes
+        do not sum to that of the cell.
     """
 
     name: str

@@ -123,7 +123,10 @@ def _draw_points(kind: str, count: int, size: Array, rng: np.random.Generator) -
 
 
 def _equal_parts(count: int, size: Array) -> tuple[Array, Array]:
-    """Lowest corners and edges, both (count, d), of equal and nearly cubic parts of a box."""
+    """Lowest corners and edges, both (count, d), of parts of a box with equal volumes.
+
+    The parts are nearly cubic.
+    """
     dim = len(size)
     if dim == 1:
         low = np.arange(count)[:, None] / count * size

@@ -127,7 +127,9 @@ def dual_areas(
 
 
 def relative_volume(x: Array, cells: Index) -> Array:
-    """Volume (c,) of simplices over the product of the edges at a corner.
+    """Volumes (c,) of simplices times d!, relative to products of edges.
+
+    The edges, d of them, meet at the first corner.
 
     It is zero for a flat simplex.
     """

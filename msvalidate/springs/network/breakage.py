@@ -16,7 +16,8 @@ from msvalidate.springs.network.network import Network
 def critical_stretches(network: Network, critical_stretch: ArrayLike) -> Array:
     """Elongation over rest length (m,) at which each spring breaks, checked.
 
-    Raises `ProblemError` if one is none or not above 0, or a spring is beyond it at rest.
+    Raises `ProblemError` if a value is not above 0, a spring exceeds it at rest, the law is not
+    linear, or the network has volume energies.
     """
     require_type("network", network, Network)
     if network.law.name != "linear" or network.volumes is not None:

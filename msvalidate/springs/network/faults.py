@@ -54,7 +54,7 @@ def stiffen_boundary(network: Network, size: float) -> Network:
 def lump_tractions(problem: Problem, network: Network, size: float) -> Network:
     """Network with nodal forces of tractions between consistent (0) and equal ones (1).
 
-    A network with any other load is returned unchanged.
+    A network is returned unchanged if any load is not a traction, or is one that varies.
     """
     require_type("problem", problem, Problem)
     _check_network(network, size)
@@ -74,6 +74,6 @@ def lump_tractions(problem: Problem, network: Network, size: float) -> Network:
 
 
 def _check_network(network: Network, size: float) -> None:
-    """Refuse a fault whose network would be invalid."""
+    """Raise `ProblemError` unless a fault has a network and a finite size."""
     require_type("network", network, Network)
     finite_number("size of the fault", size)

@@ -30,8 +30,8 @@ class Ground:
     obstacle, depth, friction
         As in `problem.Contact`.
     stiffness
-        (c,) or one number (N/m); by default of each point a mean of its springs', so that steps
-        that are stable without ground springs nearly are with them: see `frequency`.
+        (c,) or one number (N/m); by default the mean stiffness of the network's springs, so that
+        steps that are stable without ground springs nearly are with them: see `frequency`.
 
     Attributes
     ----------

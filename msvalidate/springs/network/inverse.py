@@ -69,7 +69,7 @@ class Regular:
 
     @property
     def rate(self) -> float:
-        """Largest factor by which a correction reduces an error."""
+        """Upper bound of the error after a correction, relative to the error before."""
         own = 0.0 if isinstance(self.inverse, Factor) else PART
         return max(own, contraction_bound(self.softness))
 

@@ -160,7 +160,7 @@ def refuse_mechanism_motion(A: bsr_array, at: Configuration) -> None:
 
 
 def restrained_tangent(at: Configuration) -> bsr_array:
-    """The tangent there, its free part left: see `restrain_in_place`."""
+    """Tangent stiffness (n·d, n·d) with fixed components uncoupled by `restrain_in_place`."""
     K = at.tangent()
     restrain_in_place(K, ~at.network.fixed)
     return K

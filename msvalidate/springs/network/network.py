@@ -270,10 +270,10 @@ class Network:
         return force
 
     def scaled(self, factor: Array | float) -> Network:
-        """The same network with every spring's stiffness times `factor`, a number or (m,).
+        """Multiply the stiffness of every spring by `factor`, a number or shape (m,).
 
-        Raises `ProblemError` if the factor is of another shape, not finite, or makes a stiffness
-        negative.
+        Raises `ProblemError` if the factor is of another shape or not finite, or if it makes a
+        stiffness negative and the law forbids that.
         """
         times = finite("factor of the stiffness", factor)
         if times.shape not in {(), self.stiffness.shape}:

@@ -60,7 +60,7 @@ class Refined:
 
 
 def contraction_bound(softness: float) -> float:
-    """Upper bound of the factor by which a correction reduces an error.
+    """Upper bound of the error after a correction, relative to the error before.
 
     The bound holds along the softest motion.
 

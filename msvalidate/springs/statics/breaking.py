@@ -112,12 +112,12 @@ class FractureResult:
 
     @property
     def released(self) -> float:
-        """Energy (J) that left the body."""
+        """Energy (J) that left the body in all breaks."""
         return math.fsum(one.released for one in self.breaks)
 
     @property
     def stored_energy(self) -> float:
-        """The part of it that the broken springs held."""
+        """Energy (J) that the springs stored when they broke: a part of `released`."""
         return math.fsum(one.stored_energy for one in self.breaks)
 
     @property

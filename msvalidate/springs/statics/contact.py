@@ -261,7 +261,7 @@ class _ContactPath:
         return gap, normal
 
     def _places(self) -> Array:
-        """Positions (c, d) in m of the candidates, to first order where required."""
+        """Positions (c, d) in m of the candidates; reference positions in a linear problem."""
         x = self.network.points + (self.factorised.displacement if self.nonlinear else 0.0)
         return np.asarray(x[self.points])
 

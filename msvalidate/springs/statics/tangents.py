@@ -27,8 +27,8 @@ Longer steps lead to folded and inverted equilibria.
 class Tangent:
     """A tangent stiffness, and the inverse of its free part.
 
-    `free`: (f,) numbers of the free components. `K`: (n·d, n·d) in N/m. `found`: inverse of the
-    free rows and columns, and their softest motion; None where nothing is free.
+    `free`: (f,) numbers of the free components. `K`: (n·d, n·d) in N/m. `factorised`: inverse of
+    the free rows and columns, and their softest motion; None where nothing is free.
     """
 
     free: Index

@@ -152,12 +152,12 @@ class Volumes:
 
     @property
     def slope(self) -> Array:
-        """U'(1) (c,): the tension of a cell at rest, its pressure below 0."""
+        """First derivatives U'(1) (c,) of the cells' energy at rest: minus their pressure."""
         return self.law.at_rest(*self.coefficients)
 
     @property
     def curvature(self) -> Array:
-        """U''(1) (c,): its stiffness at rest."""
+        """Second derivatives U''(1) (c,) of the cells' energy at rest, in the units of κ."""
         return self.law.curvature(*self.coefficients, np.zeros(len(self.cells)))
 
     @cached_property
@@ -221,9 +221,9 @@ def rest_force(volumes: Volumes) -> Array:
 
 
 def tension_virial(volumes: Volumes, displacement: Array) -> Array:
-    """Virial Σ U'(1) ∂V/∂x⊗X (c, d, d) in N·m of cells, to first order.
+    """Symmetric part (c, d, d) of the virial Σ U'(1) ∂V/∂x⊗X of cells in N·m.
 
-    X are the corners, the displacement is (n, d) in m.
+    It is of first order in the displacement (n, d) in m; X are the corners.
     """
     u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
     pull = _gradient(volumes, X, X) + _gradient(volumes, u, X) + _gradient(volumes, X, u)
