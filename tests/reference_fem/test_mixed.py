@@ -300,7 +300,7 @@ def test_a_solid_material_in_the_plane_is_refused():
 def test_the_refusal_of_displacement_elements_names_mixed_ones():
     problem = Problem(SQUARE, Isotropic(1.0, 0.5, "plane_strain"), LEFT)
     body = reference_fem.box_discretisation(SQUARE, 2, "P2")
-    with pytest.raises(ProblemError, match=r"mixed elements .*mixed=True"):
+    with pytest.raises(ProblemError, match="or mixed elements"):
         reference_fem.solve_problem(problem, body)
     assert not reference_fem.solve_problem(problem, body, mixed=True).displacement.any()
 
