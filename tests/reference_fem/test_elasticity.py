@@ -180,7 +180,10 @@ GOOD = {
 }
 BAD = {name: row for name, *row in stored_rows("meshes_to_solve")} | {
     "no cells": ({"cells": np.zeros((0, 4), dtype=int)}, [r"cells: .*\(0, 4\)"]),
-    "incompressible": ({"material": Isotropic(1.0, 0.5, "plane_strain")}, ["nu = 1/2", "nu = 1/2: .* take nu = 0.4999, or mixed elements"]),
+    "incompressible": (
+        {"material": Isotropic(1.0, 0.5, "plane_strain")},
+        ["nu = 1/2: .* take nu = 0.4999, or mixed"],
+    ),
     "solid": ({"material": Isotropic(1.0, 0.3, "solid")}, ["material: 3D, the body 2D"]),
     "solid tensor": ({"material": Anisotropic(np.eye(6))}, ["material: 3D, the body 2D"]),
 }
