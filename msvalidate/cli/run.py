@@ -251,8 +251,7 @@ def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
     missed = missed_rows(study)
     lines = []
     for row in missed[:FAILURES]:
-        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
-        lines.append(f"{study.name}: FAIL {junit.failure_line(row)}{why}")
+        lines.append(f"{study.name}: FAIL {junit.failure_line(row)}")
     if len(missed) > FAILURES:
         lines.append(f"{study.name}: … {len(missed) - FAILURES} more in {where}")
     return lines

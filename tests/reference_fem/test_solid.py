@@ -356,5 +356,5 @@ def test_a_part_that_can_move_is_refused_even_under_balanced_loads(shared, most,
 @solids
 def test_an_incompressible_solid_is_refused(element):
     problem = Problem(BOX, Isotropic(1.0, 0.5, "solid"), HELD)
-    with pytest.raises(ProblemError, match="take nu = 0.4999, or mixed"):
+    with pytest.raises(ProblemError, match=r"take nu = 0\.4999, or mixed"):
         reference_fem.solve_problem(problem, reference_fem.box_discretisation(BOX, 2, element))

@@ -76,7 +76,9 @@ def printable(text: str) -> str:
 
 
 def failure_line(row: Mapping[Any, Any]) -> str:
-    """Describe a failure in one line: value, reference, error, limit and row."""
+    """Describe a failure in one line: value, reference, error, limit and row, or the reason."""
+    if row["layer"] == "baseline" or row["error"] != row["error"]:
+        return f"{row['quantity']}: {printable(row['because'])}"
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     at = f", at {row['at']}" if row.get("at") else ""
     return (

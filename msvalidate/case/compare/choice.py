@@ -75,7 +75,7 @@ BRIDGED = "bridged"
 It lies between them or beyond the finest; the coarsest meets the target; no spacing does; or no
 lattice shows it, as springs bridge a gap of the body on each of them.
 """
-HEADS = ("to reach", "spacing", "springs", "time", "elements", "time")
+HEADS = ("estimate for", "spacing", "springs", "time", "elements", "time")
 """Columns of `need_rows`."""
 
 
@@ -318,7 +318,7 @@ def choice_sentences(chosen: Choice, unit: str = "m") -> tuple[str, ...]:
         spacing, springs, time, nodes, more = texts
         counts = f", {springs} springs, {time}" if springs else ""
         mesh = f"{nodes}, {more}" if more else nodes
-        lines.append(f"To reach {target}, springs: {spacing}{counts}; elements: {mesh}.")
+        lines.append(f"Estimated for {target}, springs: {spacing}{counts}; elements: {mesh}.")
     if chosen.no_coarser:
         lines.append(f"Coarser lattices are left out of this choice: {chosen.no_coarser}.")
     return tuple(lines)

@@ -217,8 +217,8 @@ def _more_accurate_elements(chosen: Choice) -> str:
         return ""
     why = ", ".join(chosen.reasons)
     return (
-        f"elements with the same {chosen.unknowns:,} unknowns are {chosen.times:.2g} times more "
-        f"accurate{f' ({why})' if why else ''}"
+        f"at {chosen.unknowns:,} unknowns, elements are {chosen.times:.2g} times more accurate"
+        f"{f' ({why})' if why else ''}"
     )
 
 
@@ -226,11 +226,15 @@ def recommend_for_field(found: Judged) -> str:
     """Next step for a judged field, as one sentence."""
     if found.displacement.word == AGREES:
         return f"No change is needed within the band of {percent(found.case.band)}."
-    causes = found.verdict.causes
-    if causes and found.verdict.fits(causes[0]):
-        room = causes[0].left + found.displacement.uncertainty
-        also = dict.fromkeys(each.name for each in causes[1:] if each.left <= room)
+    if unconverged := found.case.notes.get("convergence"):
+        return f"Let the simulator converge first: {unconverged}"
+    causes, uncertainty = found.verdict.causes, found.displacement.uncertainty
+    fitting = [each for each in causes if found.verdict.fits(each)]
+    if fitting:
+        room = min(each.left for each in fitting) + uncertainty
+        first, *others = [each for each in fitting if each.left <= room]
+        also = dict.fromkeys(each.name for each in others)
         more = f" As likely: {', '.join(also)}." if also else ""
-        return f"Check the most likely cause first: {causes[0]}{more}"
+        return f"Check the most likely cause first: {first}{more}"
     near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
     return f"Check loads, supports, material and noise: no single known cause fits.{near}"

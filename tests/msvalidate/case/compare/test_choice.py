@@ -48,7 +48,7 @@ def bent():
 def test_another_material_has_no_spacing():
     chosen = choose(compare_case(beam(cells=6, constants=(1e5, 2e5))))
     assert [need.where for need in chosen.springs] == ["none", "none"]
-    assert "To reach 5 %, springs: no spacing does" in choice_sentences(chosen)[0]
+    assert "Estimated for 5 %, springs: no spacing does" in choice_sentences(chosen)[0]
 
 
 @pytest.mark.parametrize("offset", [0.0, -0.02, 0.01])

@@ -98,7 +98,7 @@ NEARER = Choice(springs=FINER.springs, unknowns=1616, times=9.5)
 @table(
     ("rows", "kind", "chosen", "use", "words"),
     [
-        ((row(0.02),), "", NEARER, "springs", "elements with the same 1,616 unknowns"),
+        ((row(0.02),), "", NEARER, "springs", "at 1,616 unknowns, elements"),
         ((row(0.2),), COARSE, NEARER, "elements", "9.5 times more accurate"),
         ((row(0.2),), COARSE, FINER, "springs", "a spacing of 1 mm (778 springs)"),
         ((row(0.2), row(0.2, 0.01, "strain energy")), COARSE, FINER, "springs", "of 1 mm"),
@@ -150,3 +150,30 @@ def test_quantities_are_shown_in_the_unit_of_the_file():
     assert quantity_text(float("nan"), "m", "mm") == ""
     with pytest.raises(ProblemError, match="unit"):
         Case(LOADED, unit="furlong")
+
+
+class Named:
+    """A cause with a name and what it leaves."""
+
+    def __init__(self, name, part):
+        vars(self).update(name=name, left=part)
+
+    def __str__(self):
+        return f"{self.name}."
+
+
+@pytest.mark.parametrize(
+    ("notes", "text"),
+    [
+        ({}, "Check the most likely cause first: whole springs. As likely: mesh."),
+        ({"convergence": "half the step."}, "Let the simulator converge first: half the step."),
+    ],
+)
+def test_the_cause_that_leaves_least_is_recommended_after_convergence(notes, text):
+    causes = [Named("modulus", 4e-3), Named("whole springs", 2e-3), Named("mesh", 2.1e-3)]
+    field = SimpleNamespace(
+        case=SimpleNamespace(notes=notes, band=0.05),
+        displacement=SimpleNamespace(word="differs", uncertainty=2e-4),
+        verdict=SimpleNamespace(causes=causes, fits=lambda cause: cause.left < 1e-2),
+    )
+    assert headline.recommend_for_field(field) == text
