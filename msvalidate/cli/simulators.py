@@ -258,29 +258,29 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
         for each in judgement.gate.rows
     ]  # fmt: skip
     E, nu = judgement.predicted or (judgement.asked.E, judgement.asked.nu)
-    tables = {
-        "gate": pd.DataFrame([(e.name, e.verdict) for e in judgement.gate.rows], columns=GATE)
-    }
+    gated = [(each.name, each.verdict) for each in judgement.gate.rows]
+    tables = {"gate": pd.DataFrame(gated, columns=GATE)}
     expected = {"E": E, "nu": nu, "zener": 1.0, "weight": 0.5}
-    size = dict.fromkeys((*expected, "error", "unexplained"), 1.0) | {"E": E}
-    rounding = {key: BASELINE_TOLERANCE * each for key, each in size.items()}
+    rounding = dict.fromkeys((*expected, *BODIES[2:]), BASELINE_TOLERANCE)
+    rounding["E"] *= E
     moduli = _moduli(judgement)
     for key, value in moduli.items():
-        error = abs(value - expected[key]) / size[key]
+        error = abs(value - expected[key]) / (E if key == "E" else 1.0)
         rows.append(gating.row(
             "law", key, "pass" if error <= BAND else "fail", word, observed=value,
             reference=expected[key], error=error, limit=BAND, unit="Pa" if key == "E" else "1",
         ))  # fmt: skip
     if moduli:
         tables["law"] = pd.DataFrame([moduli])
-    parts = [math.nan if each.factors is None else each.factors.apart for each in judgement.bodies]
-    for each, part in zip(judgement.bodies, parts, strict=True):
+    bodies = []
+    for each in judgement.bodies:
+        part = math.nan if each.factors is None else each.factors.apart
+        bodies.append((each.body, each.mesh, each.error, part))
         verdict = "pass" if each.is_explained or each.is_rounded else "fail"
         numbers = {"observed": part, "reference": 0.0, "error": part, "limit": BAND}
         rows.append(gating.row("body", f"{each.body}, {each.mesh}", verdict, word, **numbers))
-    if judgement.bodies:
-        named = [(e.body, e.mesh, e.error, p) for e, p in zip(judgement.bodies, parts, strict=True)]
-        tables["bodies"] = pd.DataFrame(named, columns=BODIES)
+    if bodies:
+        tables["bodies"] = pd.DataFrame(bodies, columns=BODIES)
     return gating.Judged(name, pd.DataFrame(rows), {}, tables, rounding)
 
 
@@ -288,21 +288,19 @@ def _moduli(judgement: Judgement) -> dict[str, float]:
     """Return the measured moduli, of a lattice also its Zener ratio and boundary weight."""
     law, lattice = judgement.reading, judgement.lattice
     if lattice is not None:
-        moduli = {"E": lattice.mean.E, "nu": lattice.mean.nu, "zener": lattice.mean.zener}
         known = lattice.springs.misfit <= BAND and math.isfinite(lattice.springs.weight)
-        return moduli | ({"weight": lattice.springs.weight} if known else {})
+        return vars(lattice.mean) | ({"weight": lattice.springs.weight} if known else {})
     known = law is not None and law.E is not None and law.nu is not None
     return {"E": law.E, "nu": law.nu} if known else {}  # type: ignore[union-attr, dict-item]
 
 
 def _material(args: argparse.Namespace, cells: str, dim: int) -> Isotropic:
     """Material of a check; the default ratio of lattices is that of springs alone."""
-    state: State = "solid" if dim == 3 else "plane_stress"
     ratio = args.ratio
     if ratio is None:
         ratio = TETRA_RATIO if cells == "tetra" else CAUCHY[dim]
-    thickness = 1.0 if dim == 3 else THICKNESS
-    return Isotropic(args.modulus, ratio, state, args.density, thickness)
+    state: tuple[State, float] = ("solid", 1.0) if dim == 3 else ("plane_stress", THICKNESS)
+    return Isotropic(args.modulus, ratio, state[0], args.density, state[1])
 
 
 def _known_law(given: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -32,9 +32,9 @@ from msvalidate.simulators.exchange.protocol import (
 from msvalidate.simulators.probe.block import Block
 from msvalidate.simulators.probe.masses import patterns
 from msvalidate.simulators.probe.reading import BAND, Reading
-from msvalidate_check.beside import Mistake, best_scale
+from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
-from msvalidate_check.diagnosis import Field, explain
+from msvalidate_check.diagnosis import explain
 
 
 @dataclass(frozen=True)
@@ -391,22 +391,21 @@ def load_more(
 
 def _shapes(found: AtRest, law: tuple[float, float], mass: Array | None) -> tuple[Cause, ...]:
     """Explain the difference of a field from its elements by known mistakes and other causes."""
-    asked, points = found.request, found.request.mesh.points
+    asked = found.request
     expected = found.of_elements(*law, mass)
-    even = np.full(len(points), asked.mass.mean())
+    even = np.full(len(asked.mass), asked.mass.mean())
     equal = Mistake("equal masses", lambda: [(1.0, found.of_elements(*law, even))])
-    span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
     mistakes = mistakes_on_mesh(
         asked.mesh, asked.material, expected, mass=asked.mass, gravity=asked.gravity,
         force=asked.force, fixed=asked.held, value=asked.value,
     )  # fmt: skip
-    field = Field(
-        points,
-        found.move,
-        expected,
-        BAND / 10,
-        found.case.driven,
-        span,
-        mistakes=(equal, *mistakes),
-    )
-    return explain(field)
+    return explain_body(asked, found.move, expected, found.case.driven, (equal, *mistakes))
+
+
+def explain_body(
+    request: Request, move: Array, expected: Array, driven: Driven, mistakes: Sequence[Mistake]
+) -> tuple[Cause, ...]:
+    """Explain the difference of a body's displacement (n, d) in m from the expected one."""
+    x = request.mesh.points
+    span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
+    return explain(Field(x, move, expected, BAND / 10, driven, span, mistakes=mistakes))

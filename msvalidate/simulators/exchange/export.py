@@ -98,20 +98,23 @@ def export_case(
     if springs:
         return _spring_request(case, cells, shape, settings or {})
     require_one_of("--shape", shape or CELLS[problem.domain.dim][0], CELLS[problem.domain.dim])
-    body = _lay_cells(problem, cells, shape)
+    return replace(request_on(problem, _lay_cells(problem, cells, shape)), settings=settings or {})
+
+
+def request_on(problem: Problem, body: Discretisation) -> Request:
+    """Request for the equilibrium of a problem of one isotropic material on linear cells."""
     others, gravity = _loads_apart(problem)
     mesh, share = _linear_cells(body)
     held, value = prescribed_displacements(problem, mesh.points)
     return Request(
         task="rest",
         mesh=mesh,
-        material=problem.material,
-        mass=lumped_mass(mesh, problem.material),
+        material=problem.material,  # type: ignore[arg-type]  # looked into before
+        mass=lumped_mass(mesh, problem.material),  # type: ignore[arg-type]
         gravity=gravity,
         force=np.asarray(share.T @ nodal_forces(others, body)),
         held=held,
         value=value,
-        settings=settings or {},
         name=problem.name,
     )
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property, lru_cache
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -11,6 +13,7 @@ from scipy.sparse import csr_array
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
+from msvalidate.simulators.exchange.protocol import Request, Task
 from msvalidate.springs.constants.stiffness import lame
 
 SIZE = (0.25, 0.125, 0.125)
@@ -82,22 +85,33 @@ class Block:
         if self.material.state != "solid":
             raise ProblemError(f"probe: a material in {self.material.state}; give state solid")
 
+    def request(self, task: Task, **options: Any) -> Request:
+        """A request without weight, forces and supports, but for those among the options."""
+        none = np.zeros(self.mesh.points.shape)
+        own: dict[str, Any] = {"mass": self.lumped, "gravity": none[0], "force": none}
+        own |= {"held": none.astype(bool), "value": none, "name": "probe"}
+        return Request(task, self.mesh, self.material, **own | options)
+
+    @cached_property
+    def _local(self) -> Array:
+        """Gradients (k, d) of the shape functions in the middle of a reference cell."""
+        return self.mesh.kind.slopes(self.mesh.kind.middle[None])[0]
+
     @cached_property
     def _edges(self) -> Array:
-        """(c, 3, 3) m from a cell's first corner to the others, in rows."""
-        corners = self.mesh.points[self.mesh.cells]
-        return np.asarray(corners[:, 1:] - corners[:, :1])
+        """Edges (c, d, d) in m of the cells there, in columns."""
+        return np.einsum("cka,kb->cab", self.mesh.points[self.mesh.cells], self._local)
 
     @cached_property
     def volumes(self) -> Array:
-        """(c,) of the cells, m³."""
-        return np.asarray(np.linalg.det(self._edges) / 6)
+        """Volumes (c,) of the cells in m³, thickness included; all sides are straight."""
+        part = math.factorial(self.mesh.dim) if self.mesh.kind.simplex else 1
+        return np.asarray(np.linalg.det(self._edges) * self.material.thickness / part)
 
     @cached_property
     def slopes(self) -> Array:
-        """(c, 4, 3) gradients (1/m) of the functions that are 1 on one node of a cell."""
-        rest = np.swapaxes(np.linalg.inv(self._edges), 1, 2)
-        return np.concatenate([-rest.sum(axis=1, keepdims=True), rest], axis=1)
+        """Gradients (c, k, d) in 1/m of the shape functions in the middles of the cells."""
+        return np.asarray(self._local @ np.linalg.inv(self._edges))
 
     @property
     def volume(self) -> float:
@@ -113,9 +127,9 @@ class Block:
 
     @cached_property
     def lumped(self) -> Array:
-        """(n,) kg: a quarter of the mass of each of its cells on each node."""
-        masses = np.zeros(len(self.mesh.points))
-        np.add.at(masses, self.mesh.cells, self.material.density * self.volumes[:, None] / 4)
+        """Masses (n,) in kg, each cell's shared by its corners."""
+        cells, masses = self.mesh.cells, np.zeros(len(self.mesh.points))
+        np.add.at(masses, cells, self.material.density * self.volumes[:, None] / cells.shape[1])
         return masses
 
     @cached_property
