@@ -121,7 +121,10 @@ def conclude(
         text = json.dumps(records if many else records[0], ensure_ascii=False, indent=1)
         code = max(code, print_lines([text]))
     if args.update:
-        code = max(code, _update(args, form, results))
+        failed = ", ".join(each.name for each in results if each.error)
+        failure = failed and f"baseline unchanged: {failed} has no result"
+        tables = {each.name: each.tables for each in results}
+        code = max(code, update(args, form, tables, failure))
     return code
 
 
@@ -142,12 +145,21 @@ def _compared(result: Judged, args: argparse.Namespace, form: str) -> tuple[Judg
     return replace(result, verdict=verdict), MISSED if moved else HELD
 
 
-def _update(args: argparse.Namespace, form: str, results: Sequence[Judged]) -> int:
-    """Make the results the baseline, with a reason."""
-    failed = [each.name for each in results if each.error]
-    if failed:
-        return tell_error(f"baseline unchanged: {', '.join(failed)} has no result", MISSED)
-    tables = {each.name: each.tables for each in results}
-    reasons: Path = baseline.renew(args.baseline, form, tables, args.reason, named=True)
-    tell(f"{form} baseline of {', '.join(tables)} renewed; the reason is in {reasons.name}")
+def update(
+    args: argparse.Namespace,
+    form: str,
+    tables: Mapping[str, Mapping[str, pd.DataFrame]],
+    failure: str,
+    *,
+    named: bool = True,
+) -> int:
+    """Make tables the baseline with a reason, unless there is a failure; return the exit code.
+
+    The tables of all others stay if these are `named`.
+    """
+    if failure:
+        return tell_error(failure, MISSED)
+    reasons: Path = baseline.renew(args.baseline, form, tables, args.reason, named=named)
+    whose = f" of {', '.join(tables)}" if named else ""
+    tell(f"{form} baseline{whose} renewed; {reasons.name} has the reason")
     return HELD

@@ -28,7 +28,7 @@ from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, UNCONVERGED
 from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_of, request_of
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
-from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, format_value
 from msvalidate.problem.material import State
 from msvalidate.problem.progress import report_step
@@ -119,7 +119,11 @@ def _result(request: Request, answer: Answer) -> Result:
     name = _line(answer.about.get("simulator", "simulator"))
     accuracy = ROUNDING.get(str(answer.about.get("precision")), 0.0)  # of positions
     accuracy *= float(np.abs(points + move).max() / (np.abs(move).max() or 1.0))
-    known = {f"linear elements on its {request.mesh.shape} mesh": partial(on_mesh, request)}
+
+    def elements(nu: float) -> Array:
+        return on_mesh(request, replace(request.material, nu=nu))
+
+    known = {f"linear elements on its {request.mesh.shape} mesh": elements}
     return Result(name, move, points, None, math.nan, accuracy or ACCURACY, known)
 
 

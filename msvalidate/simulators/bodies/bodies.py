@@ -30,7 +30,6 @@ from msvalidate.simulators.exchange.protocol import (
     stated_residual_motion,
 )
 from msvalidate.simulators.probe.block import Block
-from msvalidate.simulators.probe.masses import patterns
 from msvalidate.simulators.probe.reading import BAND, Reading
 from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
@@ -277,13 +276,10 @@ def bring_further(
 
 def masses_on(request: Request, reading: Reading | None, total: float) -> Array | None:
     """(n,) kg on a request's mesh by the pattern that the probe measured; None if as asked."""
-    if reading is None or reading.masses is None:
+    masses = reading.masses if reading else None
+    if masses is None or not masses.pattern or len(masses.exceptions):
         return None if total == 1 else request.mass * total
-    known = patterns(Block(request.mesh, request.material))
-    pattern = known.get(reading.masses.pattern)
-    if pattern is None or len(reading.masses.exceptions):
-        return None if total == 1 else request.mass * total
-    return np.asarray(pattern * (total * request.mass.sum() / pattern.sum()))
+    return masses.on(Block(request.mesh, request.material), total * request.mass.sum())
 
 
 def body_row(

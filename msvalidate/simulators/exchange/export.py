@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Box,
     Index,
     Isotropic,
+    Material,
     Mesh,
     Polygon,
     Problem,
@@ -119,11 +120,10 @@ def request_on(problem: Problem, body: Discretisation) -> Request:
     )
 
 
-def on_mesh(request: Request, nu: float) -> Array:
-    """Displacement (n, d) in m of linear elements of another ratio on a request's own mesh."""
-    value, material = np.where(request.held, request.value, 0.0), replace(request.material, nu=nu)
-    body = mesh_discretisation(request.mesh)
-    return solve_on(body, material, request.held, value, request.load, allow_locked=True)
+def on_mesh(request: Request, law: Material) -> Array:
+    """Displacement (n, d) in m of linear elements of a material on a request's own mesh."""
+    value, body = np.where(request.held, request.value, 0.0), mesh_discretisation(request.mesh)
+    return solve_on(body, law, request.held, value, request.load, allow_locked=True)
 
 
 def lumped_mass(mesh: Mesh, material: Isotropic) -> Array:

@@ -26,7 +26,7 @@ from msvalidate.problem import (
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.records import field as default
 from msvalidate.simulators.bodies.bodies import explain_body
-from msvalidate.simulators.exchange.export import request_on
+from msvalidate.simulators.exchange.export import on_mesh, request_on
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     Request,
@@ -42,7 +42,7 @@ from msvalidate.simulators.lattice.measure import (
     is_mechanism,
 )
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
-from msvalidate.simulators.probe.masses import Masses, patterns
+from msvalidate.simulators.probe.masses import Masses
 from msvalidate.simulators.probe.probe import STRAIN
 from msvalidate.simulators.probe.reading import BAND, SHOWN, anisotropy
 from msvalidate.springs.constants.stiffness import (
@@ -55,7 +55,6 @@ from msvalidate.springs.network import spring_network
 from msvalidate_check.beside import Driven, Mistake, best_scale
 from msvalidate_check.causes import Cause
 from reference_fem.body import solve_problem
-from reference_fem.elasticity import solve_on
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 
@@ -165,22 +164,19 @@ def compare_body(
     total
         Mass relative to the requested one.
     """
-    law, request = body.request.material, body.request
+    request = replace(body.request, mass=total * body.request.mass)
+    law, mass = request.material, request.mass
     solid = Anisotropic(C, total * law.density, law.thickness)
-    mass, value, x = total * request.mass, request.value, request.mesh.points
-    load = request.force + np.outer(mass, request.gravity)
-    body_mesh = mesh_discretisation(request.mesh)
-    own = solve_on(body_mesh, solid, request.held, value, load, allow_locked=True)
+    own = on_mesh(request, solid)
     elastic = _elasticity(body, solid)
     fields = {"elasticity": _elasticity(body, law), "solid": elastic, "elements": own}
     mistakes = []
     if springs.misfit <= BAND:
         if masses is not None:
-            pattern = patterns(RegularBlock(request.mesh, law)).get(masses.pattern, mass)
-            mass = pattern * (mass.sum() / pattern.sum())
+            mass = masses.on(RegularBlock(request.mesh, law), mass.sum())
         network = partial(network_displacement, body, springs.constants, springs.weight)
         fields["network"] = network(mass)
-        equal = np.full(len(x), mass.mean())
+        equal = np.full(len(mass), mass.mean())
         mistakes.append(Mistake("equal masses", lambda: [(1.0, network(equal))]))
     errors = {name: _difference(body.move, field) for name, field in fields.items()}
     if errors["elements"] > BAND or errors.get("network", 1.0) <= BAND:

@@ -25,7 +25,7 @@ from msvalidate.simulators.exchange.protocol import (
 )
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
 from msvalidate.simulators.probe.bench import Bench, first_step
-from msvalidate.simulators.probe.masses import Masses, measure_masses, patterns
+from msvalidate.simulators.probe.masses import Masses, measure_masses
 from msvalidate.simulators.probe.probe import STRAIN, fit_strains
 from msvalidate.simulators.probe.reading import BAND
 
@@ -142,8 +142,7 @@ def measure_lattice(
         bench = replace(start, block=block, dt=short * start.dt)
         if masses is None:
             return bench
-        m = patterns(block).get(masses.pattern, block.lumped)
-        m = (m * (block.lumped.sum() / m.sum()))[:, None]
+        m = masses.on(block, block.lumped.sum())[:, None]
         return replace(bench, inertia=lambda v: m * v)
 
     sizes = SIZES[dim]

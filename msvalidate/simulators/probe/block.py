@@ -95,12 +95,13 @@ class Block:
     @cached_property
     def _local(self) -> Array:
         """Gradients (k, d) of the shape functions in the middle of a reference cell."""
-        return self.mesh.kind.slopes(self.mesh.kind.middle[None])[0]
+        return np.asarray(self.mesh.kind.slopes(self.mesh.kind.middle[None])[0])
 
     @cached_property
     def _edges(self) -> Array:
         """Edges (c, d, d) in m of the cells there, in columns."""
-        return np.einsum("cka,kb->cab", self.mesh.points[self.mesh.cells], self._local)
+        corners = self.mesh.points[self.mesh.cells]
+        return np.asarray(np.einsum("cka,kb->cab", corners, self._local))
 
     @cached_property
     def volumes(self) -> Array:

@@ -73,6 +73,7 @@ def test_a_coarse_mesh_is_to_be_refined():
 )
 def test_what_helps_goes_by_what_is_there(given, kind):
     plain = {"word": "not explained", "reading": None, "causes": (), "bodies": (1,)}
+    plain["is_accepted"] = False
     found = SimpleNamespace(**plain | {"predicted": (1e7, 0.3)} | given)
     assert next_step(found, SimpleNamespace(ended=False, failures=())).kind == kind
 
