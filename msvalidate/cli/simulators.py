@@ -12,7 +12,6 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -93,14 +92,17 @@ def simulate(args: argparse.Namespace) -> int:
             raise
         first = _convergence(args, request, answer)
         result, motion = _result(request, answer), stated_residual_motion(request, answer)
-        more: dict[str, Any] = {
-            "notes": (str(kept / OUT),),
-            "first": first,
-            "residual_motion": None if math.isnan(motion) else motion,
-            "command": ("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
-        }
-        case = _described(case, request, answer, first)
-        return judge_and_tell(case, result, folder, whose, args, **more)
+        return judge_and_tell(
+            _described(case, request, answer, first),
+            result,
+            folder,
+            whose,
+            args,
+            notes=(str(kept / OUT),),
+            first=first,
+            residual_motion=None if math.isnan(motion) else motion,
+            command=("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
+        )
 
 
 def _name(args: argparse.Namespace, told: list[str]) -> str:

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.exchange.protocol import (
@@ -113,13 +114,13 @@ def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Ar
 def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> Reading:
     rest = bench.push(np.zeros((3, 3)))
     fit = fit_strains(bench, strain)
-    largest = float(np.abs(fit.C).max())
+    largest = max_abs(fit.C)
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
     noise, of_strain = rounding_parts(bench, strain, largest, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
     half = fit_strains(bench, strain / 2)
-    step = float(np.abs(half.C - fit.C).max()) / largest
+    step = max_abs(half.C - fit.C) / largest
     C = (4 * half.C - fit.C) / 3
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
     cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
@@ -166,6 +167,5 @@ def fit_strains(bench: Bench, strain: float) -> StrainFit:
 def _curvature(fit: StrainFit, rest: Push) -> float:
     """Largest second-order part of the stress, Pa."""
     return max(
-        float(np.abs(there.stress + back.stress - 2 * rest.stress).max()) / 2
-        for there, back in fit.pairs
+        max_abs(there.stress + back.stress - 2 * rest.stress) / 2 for there, back in fit.pairs
     )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.probe.masses import Masses
@@ -80,7 +81,7 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
         Relative, by strains.
     """
     K, G = invariant_moduli(C)
-    reason = _no_solid(C, K, G, error + of_strain * float(np.abs(C).max()))
+    reason = _no_solid(C, K, G, error + of_strain * max_abs(C))
     if reason:
         return Elastic(C, None, None, np.inf, np.inf, reason)
     below = (3 * K + G) ** 2
@@ -190,12 +191,12 @@ class Reading:
     @property
     def shown(self) -> float:
         """Part to which a number is known that counts: `SHOWN`, and what steps are solved to."""
-        return SHOWN + self.causes.get(SOLVED, 0.0) / float(np.abs(self.C).max() or 1.0)
+        return SHOWN + self.causes.get(SOLVED, 0.0) / (max_abs(self.C) or 1.0)
 
     @property
     def is_known(self) -> bool:
         """Whether every component of C is known to `shown` of the largest."""
-        return bool(self.error <= self.shown * np.abs(self.C).max())
+        return bool(self.error <= self.shown * max_abs(self.C))
 
     @property
     def is_bound(self) -> bool:
@@ -208,7 +209,7 @@ class Reading:
         if self.is_valid:
             parts = sum(self.causes.get(cause, 0.0) for cause in OF_PARTS)
             others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
-            of_parts = parts / float(np.abs(self.C).max())
+            of_parts = parts / max_abs(self.C)
             return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
         return Elastic(self.C, None, None, np.inf, np.inf, self.refusals())
 
@@ -234,8 +235,8 @@ class Reading:
     @property
     def uncertain(self) -> Phrase:
         """How well C is known."""
-        part = self.error / (np.abs(self.C).max() or 1.0)
-        return phrase("not known", part=float(part), needed=self.shown)
+        part = self.error / (max_abs(self.C) or 1.0)
+        return phrase("not known", part=part, needed=self.shown)
 
 
 STRAINS = "rounding of strains"
