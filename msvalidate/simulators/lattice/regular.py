@@ -10,6 +10,7 @@ import numpy as np
 
 from msvalidate.problem import Array, Box, Index, Mesh
 from msvalidate.problem.records import dataclass
+from msvalidate.simulators.exchange.export import lumped_mass
 from msvalidate.simulators.probe.block import Block
 from msvalidate.springs.constants.stiffness import spring_tensor
 from msvalidate.springs.lattice.filled import fill, side_share
@@ -82,6 +83,24 @@ class RegularBlock(Block):
 
     def __post_init__(self) -> None:
         """Accept cells of any shape."""
+
+    @cached_property
+    def volumes(self) -> Array:
+        """Volumes (c,) of the cells in m³, thickness included."""
+        count = len(self.mesh.cells)
+        return np.full(count, self.mesh.volume * self.material.thickness / count)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Gradients (c, k, d) in 1/m of the shape functions in cell centres."""
+        local = self.mesh.kind.slopes(self.mesh.kind.middle[None])[0]
+        edges = np.einsum("cka,kb->cab", self.mesh.points[self.mesh.cells], local)
+        return np.asarray(local @ np.linalg.inv(edges))
+
+    @cached_property
+    def lumped(self) -> Array:
+        """Masses (n,) in kg, each cell's shared by its corners."""
+        return lumped_mass(self.mesh, self.material)
 
     @cached_property
     def height(self) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property, lru_cache
 from itertools import permutations
 from typing import Any
@@ -93,26 +92,21 @@ class Block:
         return Request(task, self.mesh, self.material, **own | options)
 
     @cached_property
-    def _local(self) -> Array:
-        """Gradients (k, d) of the shape functions in the middle of a reference cell."""
-        return np.asarray(self.mesh.kind.slopes(self.mesh.kind.middle[None])[0])
-
-    @cached_property
     def _edges(self) -> Array:
-        """Edges (c, d, d) in m of the cells there, in columns."""
+        """(c, 3, 3) m from a cell's first corner to the others, in rows."""
         corners = self.mesh.points[self.mesh.cells]
-        return np.asarray(np.einsum("cka,kb->cab", corners, self._local))
+        return np.asarray(corners[:, 1:] - corners[:, :1])
 
     @cached_property
     def volumes(self) -> Array:
-        """Volumes (c,) of the cells in m³, thickness included; all sides are straight."""
-        part = math.factorial(self.mesh.dim) if self.mesh.kind.simplex else 1
-        return np.asarray(np.linalg.det(self._edges) * self.material.thickness / part)
+        """(c,) of the cells, m³."""
+        return np.asarray(np.linalg.det(self._edges) / 6)
 
     @cached_property
     def slopes(self) -> Array:
-        """Gradients (c, k, d) in 1/m of the shape functions in the middles of the cells."""
-        return np.asarray(self._local @ np.linalg.inv(self._edges))
+        """(c, 4, 3) gradients (1/m) of the functions that are 1 on one node of a cell."""
+        rest = np.swapaxes(np.linalg.inv(self._edges), 1, 2)
+        return np.concatenate([-rest.sum(axis=1, keepdims=True), rest], axis=1)
 
     @property
     def volume(self) -> float:
@@ -128,9 +122,9 @@ class Block:
 
     @cached_property
     def lumped(self) -> Array:
-        """Masses (n,) in kg, each cell's shared by its corners."""
-        cells, masses = self.mesh.cells, np.zeros(len(self.mesh.points))
-        np.add.at(masses, cells, self.material.density * self.volumes[:, None] / cells.shape[1])
+        """(n,) kg: a quarter of the mass of each of its cells on each node."""
+        masses = np.zeros(len(self.mesh.points))
+        np.add.at(masses, self.mesh.cells, self.material.density * self.volumes[:, None] / 4)
         return masses
 
     @cached_property
