@@ -153,9 +153,9 @@ def update(
     *,
     named: bool = True,
 ) -> int:
-    """Make tables the baseline with a reason, unless there is a failure; return the exit code.
+    """Make tables the baseline, and return the exit code.
 
-    The tables of all others stay if these are `named`.
+    A failure is reported in place of that. The tables of all others stay if these are `named`.
     """
     if failure:
         return tell_error(failure, MISSED)

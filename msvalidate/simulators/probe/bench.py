@@ -136,10 +136,11 @@ class Bench:
 def first_step(
     simulator: Simulator, block: Block, settings: Mapping[str, Any] | None
 ) -> tuple[Bench, Answer]:
-    """Take a step at rest, from which the bench has its precision and the place of forces.
+    """Take a step at rest, and return its bench and answer.
 
-    The step is the largest power of two (s) below the time in which a pressure wave of the asked
-    material crosses the smallest cell: it rounds nothing.
+    The bench has the precision, and the place of the forces, that the answer states.
+    The step is the largest power of two (s) below the time in which a pressure wave of the
+    requested material crosses the smallest cell. A power of two is exact.
     """
     dt = float(2.0 ** np.floor(np.log2(block.height / wave_speed(block.material))))
     bench = Bench(simulator, block, dt, "float32", dict(settings or {}))

@@ -85,7 +85,7 @@ class Block:
             raise ProblemError(f"probe: a material in {self.material.state}; give state solid")
 
     def request(self, task: Task, **options: Any) -> Request:
-        """A request without weight, forces and supports, but for those among the options."""
+        """A request without weight, forces and supports except those in the options."""
         none = np.zeros(self.mesh.points.shape)
         own: dict[str, Any] = {"mass": self.lumped, "gravity": none[0], "force": none}
         own |= {"held": none.astype(bool), "value": none, "name": "probe"}

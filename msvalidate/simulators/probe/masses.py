@@ -75,7 +75,10 @@ class Masses:
         return self.values if self.known is None else self.known
 
     def on(self, block: Block, total: float) -> Array:
-        """Masses (n,) in kg of the pattern on another block, or else the shares of its cells."""
+        """Masses (n,) in kg of the pattern on another block.
+
+        They are the shares of its cells if there is no pattern.
+        """
         pattern = patterns(block).get(self.pattern, block.lumped)
         return np.asarray(pattern * (total / pattern.sum()))
 
