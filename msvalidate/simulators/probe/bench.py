@@ -136,7 +136,7 @@ class Bench:
 def first_step(
     simulator: Simulator, block: Block, settings: Mapping[str, Any] | None
 ) -> tuple[Bench, Answer]:
-    """Take a step at rest, and return its bench and answer.
+    """Take a step without strain, and return its bench and answer.
 
     The bench has the precision, and the place of the forces, that the answer states.
     The step is the largest power of two (s) below the time in which a pressure wave of the
