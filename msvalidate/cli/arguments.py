@@ -150,8 +150,8 @@ def check_advise(parser: argparse.ArgumentParser, args: argparse.Namespace) -> N
     advises, own = args.identify is None, [name in given for name in CONSTANTS]
     first = CONSTANTS[own.index(False)] if False in own else ""
     pairs = given & {"E", "nu", "K", "lame", "mu"}
-    missing = [name for name in ("E", "nu", "spacing") if advises and name not in given]
-    missing = missing if pairs in ({"E"}, {"nu"}, set()) else [n for n in missing if n == "spacing"]
+    needed = ("E", "nu", "spacing") if pairs <= {"E", "nu"} else ("spacing",)
+    missing = [name for name in needed if advises and name not in given]
     of_other = {*CONSTANTS, "kappa", "period", "cubic"} if advises else OF_MATERIAL
     others, of_lattice = sorted(given & of_other), [n for n in OF_LATTICE if n in given]
     where = "goes with" if advises else "does not go with"

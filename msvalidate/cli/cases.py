@@ -221,9 +221,17 @@ def judge_file(args: argparse.Namespace) -> int:
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
             result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
-        asked = {"unit": unit, "residual_motion": args.at_rest, "command": COMMAND}
-        asked["network"] = args.network
-        return judge_and_tell(case, result, folder, whose, args, **asked)
+        return judge_and_tell(
+            case,
+            result,
+            folder,
+            whose,
+            args,
+            unit=unit,
+            residual_motion=args.at_rest,
+            command=COMMAND,
+            network=args.network,
+        )
 
 
 def judge_and_tell(

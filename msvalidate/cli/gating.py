@@ -112,13 +112,9 @@ def conclude(
         True if the command takes several: JSON is then a list.
     """
     if args.baseline and not args.update:
-        results = [_compared(each, args, form) for each in results]
-        moved = [each for each in results if not each.error and is_missed(each.verdict).any()]
-        for each in moved:
-            lines = each.verdict[is_missed(each.verdict) & (each.verdict["layer"] == "baseline")]
-            for line in lines.to_dict("records"):
-                tell(f"{each.name}: baseline {line['quantity']}: {line['because']}")
-            code = max(code, MISSED if len(lines) else HELD)
+        compared = [_compared(each, args, form) for each in results]
+        results = [each for each, _ in compared]
+        code = max([code, *(other for _, other in compared)])
     if args.junit:
         exchange.replace_file(args.junit, lambda: junit.junit_xml(results))
     if args.json:
@@ -126,28 +122,45 @@ def conclude(
         text = json.dumps(records if many else records[0], ensure_ascii=False, indent=1)
         code = max(code, print_lines([text]))
     if args.update:
-        code = max(code, _update(args, form, results))
+        failed = ", ".join(each.name for each in results if each.error)
+        failure = failed and f"baseline unchanged: {failed} has no result"
+        tables = {each.name: each.tables for each in results}
+        code = max(code, update(args, form, tables, failure))
     return code
 
 
-def _compared(result: Judged, args: argparse.Namespace, form: str) -> Judged:
-    """Return a result with the rows of its comparison with the baseline."""
+def _compared(result: Judged, args: argparse.Namespace, form: str) -> tuple[Judged, int]:
+    """Print what differs from the baseline; return the result with these rows, and a code."""
+    if result.error:
+        return result, HELD
     folder = baseline.baseline_folder(form, args.baseline) / result.name
-    rows = [] if result.error else baseline.compare(result.tables, folder, result.rounding)
-    if not rows and not result.error:
-        because = 'no baseline; make one by adding --update --reason "first"'
-        rows = [row("baseline", result.name, "fail", because)]
-    return replace(
-        result, verdict=pd.concat([result.verdict, pd.DataFrame(rows)], ignore_index=True)
+    because = 'no baseline; make one by adding --update --reason "first"'
+    rows = pd.DataFrame(
+        baseline.compare(result.tables, folder, result.rounding)
+        or [row("baseline", result.name, "fail", because)]
     )
+    moved = rows[is_missed(rows)].to_dict("records")
+    for line in moved:
+        tell(f"{result.name}: baseline {line['quantity']}: {line['because']}")
+    verdict = pd.concat([result.verdict, rows], ignore_index=True)
+    return replace(result, verdict=verdict), MISSED if moved else HELD
 
 
-def _update(args: argparse.Namespace, form: str, results: Sequence[Judged]) -> int:
-    """Make the results the baseline, with a reason."""
-    failed = [each.name for each in results if each.error]
-    if failed:
-        return tell_error(f"baseline unchanged: {', '.join(failed)} has no result", MISSED)
-    tables = {each.name: each.tables for each in results}
-    reasons: Path = baseline.renew(args.baseline, form, tables, args.reason, named=True)
-    tell(f"{form} baseline of {', '.join(tables)} renewed; the reason is in {reasons.name}")
+def update(
+    args: argparse.Namespace,
+    form: str,
+    tables: Mapping[str, Mapping[str, pd.DataFrame]],
+    failure: str,
+    *,
+    named: bool = True,
+) -> int:
+    """Make tables the baseline, and return the exit code.
+
+    A failure is reported in place of that. The tables of all others stay if these are `named`.
+    """
+    if failure:
+        return tell_error(failure, MISSED)
+    reasons: Path = baseline.renew(args.baseline, form, tables, args.reason, named=named)
+    whose = f" of {', '.join(tables)}" if named else ""
+    tell(f"{form} baseline{whose} renewed; {reasons.name} has the reason")
     return HELD

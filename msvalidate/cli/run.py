@@ -79,7 +79,10 @@ def run_studies(args: argparse.Namespace) -> int:
         said = f"--table {unmade[0]}: no such table; choose from {', '.join(sorted(made))}"
         codes.append(tell_error(said, USAGE))
     if args.update:
-        codes.append(_update(results, args, [each.name for each in outcomes if not each.held]))
+        failed = ", ".join(each.name for each in outcomes if not each.held)
+        failure = failed and f"baseline left as it was: {failed} did not hold; mend that first"
+        tables = {result.name: result.evidence.tables for result in results}
+        codes.append(gating.update(args, args.form, tables, failure, named=args.named))
     if not args.quiet:
         if len(outcomes) > 1:
             tell(ending_of_all(outcomes, time.perf_counter() - clock))
@@ -190,19 +193,6 @@ def _lines(result: Result, args: argparse.Namespace) -> list[str]:
         return table_lines(result, args.tables)
     tables = [*table_lines(result, ()), ""] if args.verbose else []
     return [*tables, *summary_lines(result)]
-
-
-def _update(results: Sequence[Result], args: argparse.Namespace, failed: Sequence[str]) -> int:
-    """Make these results the baseline, that of other studies staying, and say why."""
-    if failed:
-        return tell_error(
-            f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
-        )
-    tables = {result.name: result.evidence.tables for result in results}
-    reason = baseline.renew(args.baseline, args.form, tables, args.reason, named=args.named)
-    whose = f" of {', '.join(args.studies)}" if args.named else ""
-    tell(f"{args.form} baseline{whose} renewed; {reason.name} says why")
-    return HELD
 
 
 # What is said of studies --------------------------------------------------------------------------

@@ -12,7 +12,6 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,7 +27,7 @@ from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING, UNCONVERGED
 from msvalidate.cli.cases import judge_and_tell, of_case, overflowing, progress_of, request_of
 from msvalidate.cli.progress import Progress, log_path
 from msvalidate.cli.terminal import naming, print_lines, tell, tell_error
-from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.checks import finite_number, format_value
 from msvalidate.problem.material import State
 from msvalidate.problem.progress import report_step
@@ -93,14 +92,17 @@ def simulate(args: argparse.Namespace) -> int:
             raise
         first = _convergence(args, request, answer)
         result, motion = _result(request, answer), stated_residual_motion(request, answer)
-        more: dict[str, Any] = {
-            "notes": (str(kept / OUT),),
-            "first": first,
-            "residual_motion": None if math.isnan(motion) else motion,
-            "command": ("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
-        }
-        case = _described(case, request, answer, first)
-        return judge_and_tell(case, result, folder, whose, args, **more)
+        return judge_and_tell(
+            _described(case, request, answer, first),
+            result,
+            folder,
+            whose,
+            args,
+            notes=(str(kept / OUT),),
+            first=first,
+            residual_motion=None if math.isnan(motion) else motion,
+            command=("msvalidate", "simulate", "CASE", "--with", "ADAPTER"),
+        )
 
 
 def _name(args: argparse.Namespace, told: list[str]) -> str:
@@ -119,7 +121,11 @@ def _result(request: Request, answer: Answer) -> Result:
     name = _line(answer.about.get("simulator", "simulator"))
     accuracy = ROUNDING.get(str(answer.about.get("precision")), 0.0)  # of positions
     accuracy *= float(np.abs(points + move).max() / (np.abs(move).max() or 1.0))
-    known = {f"linear elements on its {request.mesh.shape} mesh": partial(on_mesh, request)}
+
+    def elements(nu: float) -> Array:
+        return on_mesh(request, replace(request.material, nu=nu))
+
+    known = {f"linear elements on its {request.mesh.shape} mesh": elements}
     return Result(name, move, points, None, math.nan, accuracy or ACCURACY, known)
 
 
@@ -258,29 +264,29 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
         for each in judgement.gate.rows
     ]  # fmt: skip
     E, nu = judgement.predicted or (judgement.asked.E, judgement.asked.nu)
-    tables = {
-        "gate": pd.DataFrame([(e.name, e.verdict) for e in judgement.gate.rows], columns=GATE)
-    }
+    gated = [(each.name, each.verdict) for each in judgement.gate.rows]
+    tables = {"gate": pd.DataFrame(gated, columns=GATE)}
     expected = {"E": E, "nu": nu, "zener": 1.0, "weight": 0.5}
-    size = dict.fromkeys((*expected, "error", "unexplained"), 1.0) | {"E": E}
-    rounding = {key: BASELINE_TOLERANCE * each for key, each in size.items()}
+    rounding = dict.fromkeys((*expected, *BODIES[2:]), BASELINE_TOLERANCE)
+    rounding["E"] *= E
     moduli = _moduli(judgement)
     for key, value in moduli.items():
-        error = abs(value - expected[key]) / size[key]
+        error = abs(value - expected[key]) / (E if key == "E" else 1.0)
         rows.append(gating.row(
             "law", key, "pass" if error <= BAND else "fail", word, observed=value,
             reference=expected[key], error=error, limit=BAND, unit="Pa" if key == "E" else "1",
         ))  # fmt: skip
     if moduli:
         tables["law"] = pd.DataFrame([moduli])
-    parts = [math.nan if each.factors is None else each.factors.apart for each in judgement.bodies]
-    for each, part in zip(judgement.bodies, parts, strict=True):
+    bodies = []
+    for each in judgement.bodies:
+        part = math.nan if each.factors is None else each.factors.apart
+        bodies.append((each.body, each.mesh, each.error, part))
         verdict = "pass" if each.is_explained or each.is_rounded else "fail"
         numbers = {"observed": part, "reference": 0.0, "error": part, "limit": BAND}
         rows.append(gating.row("body", f"{each.body}, {each.mesh}", verdict, word, **numbers))
-    if judgement.bodies:
-        named = [(e.body, e.mesh, e.error, p) for e, p in zip(judgement.bodies, parts, strict=True)]
-        tables["bodies"] = pd.DataFrame(named, columns=BODIES)
+    if bodies:
+        tables["bodies"] = pd.DataFrame(bodies, columns=BODIES)
     return gating.Judged(name, pd.DataFrame(rows), {}, tables, rounding)
 
 
@@ -288,21 +294,19 @@ def _moduli(judgement: Judgement) -> dict[str, float]:
     """Return the measured moduli, of a lattice also its Zener ratio and boundary weight."""
     law, lattice = judgement.reading, judgement.lattice
     if lattice is not None:
-        moduli = {"E": lattice.mean.E, "nu": lattice.mean.nu, "zener": lattice.mean.zener}
         known = lattice.springs.misfit <= BAND and math.isfinite(lattice.springs.weight)
-        return moduli | ({"weight": lattice.springs.weight} if known else {})
+        return vars(lattice.mean) | ({"weight": lattice.springs.weight} if known else {})
     known = law is not None and law.E is not None and law.nu is not None
     return {"E": law.E, "nu": law.nu} if known else {}  # type: ignore[union-attr, dict-item]
 
 
 def _material(args: argparse.Namespace, cells: str, dim: int) -> Isotropic:
     """Material of a check; the default ratio of lattices is that of springs alone."""
-    state: State = "solid" if dim == 3 else "plane_stress"
     ratio = args.ratio
     if ratio is None:
         ratio = TETRA_RATIO if cells == "tetra" else CAUCHY[dim]
-    thickness = 1.0 if dim == 3 else THICKNESS
-    return Isotropic(args.modulus, ratio, state, args.density, thickness)
+    state: tuple[State, float] = ("solid", 1.0) if dim == 3 else ("plane_stress", THICKNESS)
+    return Isotropic(args.modulus, ratio, state[0], args.density, state[1])
 
 
 def _known_law(given: str) -> str:

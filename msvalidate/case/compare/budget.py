@@ -14,7 +14,7 @@ from msvalidate.case.compare.quantities import difference_row
 from msvalidate.case.file.case import LAWS
 from msvalidate.case.file.fracture import break_table
 from msvalidate.case.springs.lattice_springs import SpringAnswer
-from msvalidate.linear_algebra.norms import max_length
+from msvalidate.linear_algebra.norms import max_abs, max_length
 from msvalidate.problem import AXES, Array
 from msvalidate.springs.constants.stiffness import UNIT
 from reference_fem.converged import Reference
@@ -77,7 +77,7 @@ def budget(found: Comparison) -> pd.DataFrame:
     )
     rows += [linear_reference] if nonlinear else [linear_reference, law]
     rest = found.springs[0].rest
-    moving = float(rest.error) * float(np.abs(rest.displacement).max()) / size
+    moving = float(rest.error) * max_abs(rest.displacement) / size
     rows.append(("rest", 0.0, moving, "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "uncertainty", "meaning"])

@@ -10,7 +10,7 @@ import numpy as np
 
 from msvalidate.case.file.case import Case
 from msvalidate.case.springs.lattice_springs import SpringAnswer
-from msvalidate.linear_algebra.norms import max_length
+from msvalidate.linear_algebra.norms import max_abs, max_length
 from msvalidate.problem import Array, Mask, ProblemError, SolverError, Support
 from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass
@@ -167,7 +167,7 @@ def _refuse_unknown(case: Case, reference: Reference) -> None:
         raise ProblemError("not beside an obstacle; leave it out")
     domain, law = case.problem.domain, case.problem.material
     longest = max(high - low for low, high in domain.span)
-    stiff = float(np.abs(elastic_tensor(law)).max()) * domain.volume * law.thickness
+    stiff = max_abs(elastic_tensor(law)) * domain.volume * law.thickness
     bent = (max_length(reference.displacement.value) / longest) ** 2
     if abs(float(reference.energy.value[0])) <= UNSTRAINED * stiff * bent:
         raise SolverError("the body moves as one and is not strained")
@@ -183,12 +183,12 @@ def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Dif
 def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Difference]:
     found = springs.mean_stress(case.problem.material.thickness)
     wanted = reference.mean_stress
-    size = float(np.abs(wanted.value).max())
+    size = max_abs(wanted.value)
     if wanted.uncertainty > size:
         raise SolverError(f"elasticity has {size:.2g} Pa, known to {wanted.uncertainty:.2g}")
-    difference = float(np.abs(found - wanted.value).max()) / size
+    difference = max_abs(found - wanted.value) / size
     uncertainty = float(wanted.uncertainty) / size
-    sizes = float(np.abs(found).max()), size
+    sizes = max_abs(found), size
     return [Difference("mean stress", "Pa", *sizes, difference, uncertainty, case.band)]
 
 

@@ -104,9 +104,8 @@ def judge_network(judged: Judged, folder: Path) -> OwnNetwork:
     dim = case.problem.domain.dim
     if network is None or AXES_OF[len(identified.tensor)] != dim:
         raise ProblemError(f"--network: points.csv is not of the case's {dim} axes; give its own")
-    elastic = judged.reference.displacement.value
-    elastic, causes = judged.reference.displacement.value, judged.verdict.causes
-    kinds, solid, field, own, reason = ["identified"], math.nan, math.nan, math.nan, ""
+    causes, reason = judged.verdict.causes, ""
+    kinds, solid, field, own = ["identified"], math.nan, math.nan, math.nan
     try:
         at_rest = _equilibrium(judged, network)
         own = _difference(judged, network.points, at_rest)
@@ -119,7 +118,7 @@ def judge_network(judged: Judged, folder: Path) -> OwnNetwork:
         kinds.append("no equilibrium")
     if identified.solid:
         u = _elasticity(judged, identified.tensor)
-        solid = max_length(u - elastic) / judged.size
+        solid = max_length(u - judged.reference.displacement.value) / judged.size
         field = max_length(judged.matched.displacement - u) / judged.size
         near = "same solid" if identified.error <= case.band else "unresolved solid"
         kinds.append(near if solid <= case.band + identified.error else "another solid")
@@ -168,19 +167,18 @@ def _difference(judged: Judged, points: Array, displacement: Array) -> float:
 
 def network_record(judged: OwnNetwork) -> dict[str, Any]:
     """Numbers, kinds, causes and sentences for verdict.json."""
-    numbers = ("solid_difference", "field_difference", "own_difference")
-    record: dict[str, Any] = {name: getattr(judged, name) for name in numbers}
+    found = judged.identified
+    record: dict[str, Any] = {n: x for n, x in vars(judged).items() if n.endswith("difference")}
+    record |= {"error": found.error}
     shown = {name: percent(value) for name, value in record.items()}
-    rows = dict(moduli_rows(judged.identified)) if judged.identified.solid else {}
+    rows = dict(moduli_rows(found)) if found.solid else {}
     solid = next((f"{name} {text}" for name, text in rows.items() if "otropic" in name), "")
-    shown |= {"error": percent(judged.identified.error)}
-    shown |= {"solid": solid or judged.identified.stable, "reason": judged.reason}
+    shown |= {"solid": solid or found.stable, "reason": judged.reason}
     lines = [SENTENCES[kind].format(**shown) for kind in judged.kinds]
     for first in judged.causes[: "not equilibrium" in judged.kinds]:
         lines.append(SENTENCES["cause"].format(left=percent(first.left), cause=first))
     return record | {
-        "tensor": judged.identified.tensor.tolist(),
-        "error": judged.identified.error,
+        "tensor": found.tensor.tolist(),
         "solid": rows,
         "kinds": judged.kinds,
         "causes": [each.row() for each in judged.causes],

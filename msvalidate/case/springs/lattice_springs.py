@@ -31,6 +31,7 @@ from msvalidate.case.file.case import (
 )
 from msvalidate.case.file.part_mesh import edge_lattice
 from msvalidate.case.file.units import quantity_text
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.progress import report_step
@@ -343,24 +344,24 @@ def extrapolate(answers: tuple[SpringAnswer, ...], values: list[Array]) -> Extra
     if len(values) == 1:
         return Extrapolation(fine, math.inf)
     last = fine - values[-2]
-    size, change = float(np.abs(fine).max()), float(np.abs(last).max())
+    size, change = max_abs(fine), max_abs(last)
     if change <= ROUNDING * size:
         return Extrapolation(fine, max(change, ROUNDING * size))
     if contact := answers[-1].contact:
         # A patch ends between two points, elsewhere on each lattice: changes show no order.
-        before = float(np.abs(values[1] - values[0]).max()) / 2
+        before = max_abs(values[1] - values[0]) / 2
         bears = all((one.force > 0).sum() >= LEAST_BEARING for one in contact.contacts)
         return Extrapolation(fine, CAUTION * max(change, before) if bears else max(size, change))
     if len(values) == 2:  # as if the order were 1
         return Extrapolation(fine + last, CAUTION * change)
     first = values[1] - values[0]
-    before = max(float(np.abs(first).max()), ROUNDING * size)
+    before = max(max_abs(first), ROUNDING * size)
     order = float(np.log2(max(float(np.linalg.norm(first)), before) / np.linalg.norm(last)))
     if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
         # Changes that grow may grow as much again: the body is not resolved yet.
         return Extrapolation(fine, CAUTION * max(change**2 / before, before))
     left = last / (2 ** min(order, 2.0) - 1)
-    uncertainty = SAFETY * float(np.abs(left).max())
+    uncertainty = SAFETY * max_abs(left)
     if isinstance(answers[-1].lattice, CutLattice):
         # An outline cuts the cells of each lattice differently, so the last change may be small by
         # chance. The cut's error is of first order: half the change before bounds it as well.

@@ -127,10 +127,9 @@ def springs_alone(case: Case, reference: Reference) -> float:
     if abs(law.nu - nu) > NEAR_RATIO or problem.contacts or case.geometry == "nonlinear":
         return math.nan
     other = replace(
-        case, problem=replace(problem, material=replace(law, nu=nu)), lattice=MESH_EDGES,
-        route=EDGE_ROUTES[0], constants=None, volume=0.0, spacing=problem.domain.mean_edge,
-        cells=None, fracture=None,
-    )  # fmt: skip
+        _on_edges(case, EDGE_ROUTES[0], problem.domain.mean_edge),
+        problem=replace(problem, material=replace(law, nu=nu)),
+    )
     try:
         answer = solve_springs(other, spacing_of(other))
         points = np.asarray(answer.lattice.points)
@@ -138,6 +137,14 @@ def springs_alone(case: Case, reference: Reference) -> float:
     except (ProblemError, SolverError):
         return math.nan
     return max_length(answer.at(points) - exact) / (max_length(exact) or 1.0)
+
+
+def _on_edges(case: Case, route: str, spacing: float) -> Case:
+    """The case with springs on the edges of its mesh, at a spacing (m)."""
+    return replace(
+        case, lattice=MESH_EDGES, route=route, constants=None, volume=0.0, spacing=spacing,
+        cells=None, fracture=None,
+    )  # fmt: skip
 
 
 def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshSprings | None, str]:
@@ -150,10 +157,7 @@ def compare_on_mesh(case: Case, reference: Reference, count: int) -> tuple[MeshS
         return None, ""
     if case.problem.contacts or case.geometry == "nonlinear":
         return None, "springs on the mesh: of loads to first order; for others take on = 'mesh'"
-    other = replace(
-        case, lattice=MESH_EDGES, route=EDGE_ROUTES[1], constants=None, volume=0.0,
-        spacing=spacing_of_points(mesh, count), cells=None, fracture=None,
-    )  # fmt: skip
+    other = _on_edges(case, EDGE_ROUTES[1], spacing_of_points(mesh, count))
     try:
         answers = solve_finer(other)
         at = replace(reference, points=np.asarray(answers[0].lattice.points))

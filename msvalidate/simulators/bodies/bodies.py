@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -30,11 +30,10 @@ from msvalidate.simulators.exchange.protocol import (
     stated_residual_motion,
 )
 from msvalidate.simulators.probe.block import Block
-from msvalidate.simulators.probe.masses import patterns
 from msvalidate.simulators.probe.reading import BAND, Reading
-from msvalidate_check.beside import Mistake, best_scale
+from msvalidate_check.beside import Driven, Field, Mistake, best_scale
 from msvalidate_check.causes import Cause
-from msvalidate_check.diagnosis import Field, explain
+from msvalidate_check.diagnosis import explain
 
 
 @dataclass(frozen=True)
@@ -292,13 +291,10 @@ def bring_further(
 
 def masses_on(request: Request, reading: Reading | None, total: float) -> Array | None:
     """(n,) kg on a request's mesh by the pattern that the probe measured; None if as asked."""
-    if reading is None or reading.masses is None:
+    masses = reading.masses if reading else None
+    if masses is None or not masses.pattern or len(masses.exceptions):
         return None if total == 1 else request.mass * total
-    known = patterns(Block(request.mesh, request.material))
-    pattern = known.get(reading.masses.pattern)
-    if pattern is None or len(reading.masses.exceptions):
-        return None if total == 1 else request.mass * total
-    return np.asarray(pattern * (total * request.mass.sum() / pattern.sum()))
+    return masses.on(Block(request.mesh, request.material), total * request.mass.sum())
 
 
 def body_row(
@@ -409,22 +405,21 @@ def load_more(
 
 def _shapes(found: AtRest, law: tuple[float, float], mass: Array | None) -> tuple[Cause, ...]:
     """Explain the difference of a field from its elements by known mistakes and other causes."""
-    asked, points = found.request, found.request.mesh.points
+    asked = found.request
     expected = found.of_elements(*law, mass)
-    even = np.full(len(points), asked.mass.mean())
+    even = np.full(len(asked.mass), asked.mass.mean())
     equal = Mistake("equal masses", lambda: [(1.0, found.of_elements(*law, even))])
-    span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
     mistakes = mistakes_on_mesh(
         asked.mesh, asked.material, expected, mass=asked.mass, gravity=asked.gravity,
         force=asked.force, fixed=asked.held, value=asked.value,
     )  # fmt: skip
-    field = Field(
-        points,
-        found.move,
-        expected,
-        BAND / 10,
-        found.case.driven,
-        span,
-        mistakes=(equal, *mistakes),
-    )
-    return explain(field)
+    return explain_body(asked, found.move, expected, found.case.driven, (equal, *mistakes))
+
+
+def explain_body(
+    request: Request, move: Array, expected: Array, driven: Driven, mistakes: Sequence[Mistake]
+) -> tuple[Cause, ...]:
+    """Explain the difference of a body's displacement (n, d) in m from the expected one."""
+    x = request.mesh.points
+    span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
+    return explain(Field(x, move, expected, BAND / 10, driven, span, mistakes=mistakes))

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.linear_algebra.norms import max_length
+from msvalidate.linear_algebra.norms import max_abs, max_length
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import blocks
@@ -117,7 +117,7 @@ def _strained(name: str, material: Isotropic, settings: Mapping[str, Any]) -> Re
     move = linear_elements(request, material.E, material.nu)
     slopes = Block(request.mesh, material).slopes
     G = np.einsum("cka,ckb->cab", move[request.mesh.cells], slopes)
-    times = STRAIN / float(np.abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2)).max())
+    times = STRAIN / max_abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2))
     return replace(
         request,
         force=times * request.force,

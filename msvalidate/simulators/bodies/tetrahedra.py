@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import splu
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, Isotropic, Mesh
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bodies import laws
@@ -113,7 +114,7 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
         if request.task == "rest":
             move, solid = at_rest(request, stress)
             left = np.where(request.held, 0.0, request.load - solid.internal_force(move)[0])
-            about["at_rest"] = {"residual": float(np.abs(left).max())}
+            about["at_rest"] = {"residual": max_abs(left)}
             return Answer(displacement=move, about=about)
         position, velocity = _in_motion(request, stress, implicit=implicit)
         return Answer(position=position, velocity=velocity, about=about)
@@ -158,11 +159,11 @@ def _backward(solid: Solid, request: Request, u0: Array, v0: Array) -> Array:
     dt, mass = float(request.dt or 0), request.mass[:, None]
     inertia = diags_array(np.tile(request.mass / dt**2, 3))
     u = u0 + dt * v0 + dt**2 * request.gravity
-    size = float(np.abs(solid.internal_force(u)[0]).max()) or 1.0
+    size = max_abs(solid.internal_force(u)[0]) or 1.0
     for _ in range(STEPS):
         pull = mass * request.gravity - solid.internal_force(u)[0]
         left = pull - mass * ((u - u0) / dt - v0) / dt
-        if np.abs(left).max() <= SETTLED * size:
+        if max_abs(left) <= SETTLED * size:
             break
         K = (solid.tangent(u) + inertia).tocsc()
         u = u + solid.by_node(splu(K).solve(left.T.ravel()))

@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Box,
     Index,
     Isotropic,
+    Material,
     Mesh,
     Polygon,
     Problem,
@@ -98,29 +99,31 @@ def export_case(
     if springs:
         return _spring_request(case, cells, shape, settings or {})
     require_one_of("--shape", shape or CELLS[problem.domain.dim][0], CELLS[problem.domain.dim])
-    body = _lay_cells(problem, cells, shape)
+    return replace(request_on(problem, _lay_cells(problem, cells, shape)), settings=settings or {})
+
+
+def request_on(problem: Problem, body: Discretisation) -> Request:
+    """Request for the equilibrium of a problem of one isotropic material on linear cells."""
     others, gravity = _loads_apart(problem)
     mesh, share = _linear_cells(body)
     held, value = prescribed_displacements(problem, mesh.points)
     return Request(
         task="rest",
         mesh=mesh,
-        material=problem.material,
-        mass=lumped_mass(mesh, problem.material),
+        material=problem.material,  # type: ignore[arg-type]  # looked into before
+        mass=lumped_mass(mesh, problem.material),  # type: ignore[arg-type]
         gravity=gravity,
         force=np.asarray(share.T @ nodal_forces(others, body)),
         held=held,
         value=value,
-        settings=settings or {},
         name=problem.name,
     )
 
 
-def on_mesh(request: Request, nu: float) -> Array:
-    """Displacement (n, d) in m of linear elements of another ratio on a request's own mesh."""
-    value, material = np.where(request.held, request.value, 0.0), replace(request.material, nu=nu)
-    body = mesh_discretisation(request.mesh)
-    return solve_on(body, material, request.held, value, request.load, allow_locked=True)
+def on_mesh(request: Request, law: Material) -> Array:
+    """Displacement (n, d) in m of linear elements of a material on a request's own mesh."""
+    value, body = np.where(request.held, request.value, 0.0), mesh_discretisation(request.mesh)
+    return solve_on(body, law, request.held, value, request.load, allow_locked=True)
 
 
 def lumped_mass(mesh: Mesh, material: Isotropic) -> Array:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from msvalidate.case.file.case import Case
-from msvalidate.linear_algebra.norms import max_length
+from msvalidate.linear_algebra.norms import max_abs, max_length
 from msvalidate.problem import (
     Array,
     Box,
@@ -262,7 +262,7 @@ def _at_rest(simulator: Simulator, block: Request) -> list[GateRow]:
     if answer.position is None:
         strain = _as_strain(block, forces(motion(block, points), answer))
         return _judged(strain, "strain", limit, because)
-    off = float(np.abs(answer.position - points).max())
+    off = max_abs(answer.position - points)
     times = best_scale(answer.position, points)
     return [*_judged(off, "of its size", limit, because), *size_rows("positions", times)]
 
@@ -277,7 +277,7 @@ def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
     if answer.position is None or answer.velocity is None:
         raise CannotRepresent("it answers by forces, and moves nothing")
     wanted = g * time
-    off = float(np.abs(answer.velocity - wanted).max() / np.abs(wanted).max())
+    off = max_abs(answer.velocity - wanted) / max_abs(wanted)
     # Velocities may be differences of positions: these are rounded, and one step is a part of them.
     stated = solves_to(answer.about)
     limit = ROUNDINGS * STEPS * epsilon(answer) / FALL + stated
@@ -350,7 +350,7 @@ def _as_strain(block: Request, force: Array) -> float:
     """Largest nodal force as the strain that would put it on a face of a cell."""
     side = 1.0 / ACROSS
     face = side ** (block.mesh.dim - 1) * block.material.thickness
-    return float(np.abs(force).max() / (block.material.E * face))
+    return max_abs(force) / (block.material.E * face)
 
 
 # Rest ---------------------------------------------------------------------------------------------

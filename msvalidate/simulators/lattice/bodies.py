@@ -22,11 +22,11 @@ from msvalidate.problem import (
     Support,
     Traction,
     Weight,
-    prescribed_displacements,
 )
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.problem.records import field as default
-from msvalidate.simulators.exchange.export import lumped_mass
+from msvalidate.simulators.bodies.bodies import explain_body
+from msvalidate.simulators.exchange.export import on_mesh, request_on
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     Request,
@@ -42,22 +42,19 @@ from msvalidate.simulators.lattice.measure import (
     is_mechanism,
 )
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
-from msvalidate.simulators.probe.masses import Masses, patterns
+from msvalidate.simulators.probe.masses import Masses
 from msvalidate.simulators.probe.probe import STRAIN
-from msvalidate.simulators.probe.reading import BAND, SHOWN
+from msvalidate.simulators.probe.reading import BAND, SHOWN, anisotropy
 from msvalidate.springs.constants.stiffness import (
     Moduli,
     axes_moduli,
     isotropic_moduli,
-    isotropic_part,
     isotropic_tensor,
 )
 from msvalidate.springs.network import spring_network
-from msvalidate_check.beside import Driven, Field, Mistake, best_scale
+from msvalidate_check.beside import Driven, Mistake, best_scale
 from msvalidate_check.causes import Cause
-from msvalidate_check.diagnosis import explain
-from reference_fem.body import nodal_forces, solve_problem
-from reference_fem.elasticity import solve_on
+from reference_fem.body import solve_problem
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 
@@ -127,40 +124,21 @@ def bring_to_rest(
         As the simulator, or if the body does not move.
     """
     part = regular_block(shape, COUNTS[material.dim], spacing)
-    box, x, none = part.box, part.mesh.points, np.zeros(part.mesh.points.shape)
+    box, x = part.box, part.mesh.points
     length, height = box.size[:2]
     strained = STRAIN.get(precision, STRAIN["float64"]) * material.E * height / length
     down = -strained * np.eye(material.dim)[-1]
-    heavy = Weight(tuple((down / (3 * material.density * length)).tolist()))
     loads: dict[str, Traction | Weight] = {
         END: Traction(box.side("right"), tuple((down / 6).tolist())),
-        WEIGHT: heavy,
+        WEIGHT: Weight(tuple((down / (3 * material.density * length)).tolist())),
     }
+    support, body = Support(box.side("left"), (0.0,) * material.dim), mesh_discretisation(part.mesh)
     bodies = []
     for name, load in loads.items():
-        support = Support(box.side("left"), (0.0,) * material.dim)
         problem = Problem(box, material, (support,), (load,), f"cantilever, {name}")
-        held, value = prescribed_displacements(problem, x)
-        force, gravity = none, np.zeros(material.dim)
-        if isinstance(load, Weight):
-            gravity = np.array(load.acceleration)
-        else:
-            force = nodal_forces(problem, mesh_discretisation(part.mesh))
-        mass = lumped_mass(part.mesh, material)
-        request = Request(
-            "rest",
-            part.mesh,
-            material,
-            mass=mass,
-            gravity=gravity,
-            force=force,
-            held=held,
-            value=value,
-            settings=settings,
-            name=problem.name,
-        )
+        request = replace(request_on(problem, body), settings=settings)
         answer = ask(simulator, request)
-        back = ask(simulator, replace(request, force=-force, gravity=-gravity))
+        back = ask(simulator, replace(request, force=-request.force, gravity=-request.gravity))
         there, other = np.asarray(answer.displacement), np.asarray(back.displacement)
         move = (there - other) / 2
         even = float((there + other)[x[:, 0] == length, 0].mean()) / 2 / length
@@ -187,22 +165,19 @@ def compare_body(
     total
         Mass relative to the requested one.
     """
-    law, request = body.request.material, body.request
+    request = replace(body.request, mass=total * body.request.mass)
+    law, mass = request.material, request.mass
     solid = Anisotropic(C, total * law.density, law.thickness)
-    mass, value, x = total * request.mass, request.value, request.mesh.points
-    load = request.force + np.outer(mass, request.gravity)
-    body_mesh = mesh_discretisation(request.mesh)
-    own = solve_on(body_mesh, solid, request.held, value, load, allow_locked=True)
+    own = on_mesh(request, solid)
     elastic = _elasticity(body, solid)
     fields = {"elasticity": _elasticity(body, law), "solid": elastic, "elements": own}
     mistakes = []
     if springs.misfit <= BAND:
         if masses is not None:
-            pattern = patterns(RegularBlock(request.mesh, law)).get(masses.pattern, mass)
-            mass = pattern * (mass.sum() / pattern.sum())
+            mass = masses.on(RegularBlock(request.mesh, law), mass.sum())
         network = partial(network_displacement, body, springs.constants, springs.weight)
         fields["network"] = network(mass)
-        equal = np.full(len(x), mass.mean())
+        equal = np.full(len(mass), mass.mean())
         mistakes.append(Mistake("equal masses", lambda: [(1.0, network(equal))]))
     errors = {name: _difference(body.move, field) for name, field in fields.items()}
     if errors["elements"] > BAND or errors.get("network", 1.0) <= BAND:
@@ -212,8 +187,7 @@ def compare_body(
     causes: tuple[Cause, ...] = ()
     if factor < 0 or residual > BAND:
         driven: Driven = "loads" if body.load == END else "weight"
-        span = tuple(zip(x.min(axis=0), x.max(axis=0), strict=True))
-        causes = explain(Field(x, body.move, own, BAND / 10, driven, span, mistakes=mistakes))
+        causes = explain_body(request, body.move, own, driven, mistakes)
     coarse = _difference(fields["elements"], elastic)
     return replace(
         body, errors=errors, mesh_error=coarse, factor=factor, residual=residual, causes=causes
@@ -243,24 +217,23 @@ def network_displacement(body: LatticeBody, constants: Array, weight: float, mas
 
 def fit_to_rest(body: LatticeBody, start: LatticeSprings) -> LatticeSprings:
     """Springs whose network moves as a body under its end load, for programs without motion."""
-    kinds = min(len(start.constants), 2)
 
     def springs(p: Array) -> tuple[Array, float]:
         constants = start.constants.copy()
-        constants[:kinds] *= np.exp(p[:kinds])
-        return constants, float(np.exp2(p[kinds]) / 2)
+        constants[:2] *= np.exp(p[:2])
+        return constants, float(np.exp2(p[2]) / 2)
 
     def misfit(p: Array) -> Array:
         u = network_displacement(body, *springs(p), body.request.mass)
         return np.asarray((u - body.move).ravel() / max_length(body.move))
 
-    first = network_displacement(body, *springs(np.zeros(kinds + 1)), body.request.mass)
-    times = best_scale(first, body.move)
+    times = best_scale(
+        network_displacement(body, *springs(np.zeros(3)), body.request.mass), body.move
+    )
     if not times > 0:
         raise SimulatorError(f"answer: {body.request.name}: it moves against its load")
-    fit = least_squares(misfit, np.r_[np.full(kinds, np.log(times)), 0.0], xtol=1e-12)
-    residual = float(np.linalg.norm(fit.fun.reshape(body.move.shape), axis=1).max())
-    return LatticeSprings(*springs(fit.x), residual)
+    fit = least_squares(misfit, np.log([times, times, 1.0]), xtol=1e-12)
+    return LatticeSprings(*springs(fit.x), max_length(fit.fun.reshape(body.move.shape)))
 
 
 def _elasticity(body: LatticeBody, law: Material) -> Array:
@@ -278,9 +251,10 @@ class LatticeReport:
 
     Parameters
     ----------
-    C, mean, misfit
-        Homogenised tensor (Pa), moduli of the nearest isotropic solid, and the part of the tensor
-        that this solid leaves.
+    C, requested
+        Homogenised tensor (Pa), and the requested modulus (Pa) and ratio of the axes.
+    mean, misfit
+        Moduli of the nearest isotropic solid, and the part of the tensor that this solid leaves.
     springs, right
         Springs that have the tensor, and those of the requested material.
     steps
@@ -292,6 +266,7 @@ class LatticeReport:
     """
 
     C: Array
+    requested: tuple[float, float]
     mean: Moduli
     misfit: float
     springs: LatticeSprings
@@ -313,8 +288,10 @@ def make_report(
     Return None for a mechanism, or if neither steps nor bodies were measured. The mass follows from
     the stiffness of bodies under forces relative to that of steps.
     """
-    dim, total, block = law.dim, math.nan, regular_block(shape, (2,) * law.dim, spacing)
-    target = isotropic_tensor(dim, *axes_moduli(law, dim, "lattice")) / law.thickness
+    total, block = math.nan, regular_block(shape, (2,) * law.dim, spacing)
+    E, nu = axes_moduli(law, law.dim, "lattice")
+    E /= law.thickness
+    target = isotropic_tensor(law.dim, E, nu)
     right = fit_springs(block, target, target, law.thickness)
     if steps is not None:
         C, springs, masses = steps.C, steps.springs, steps.masses
@@ -327,15 +304,12 @@ def make_report(
         return None
     compared = tuple(compare_body(body, C, springs, masses) for body in bodies)
     first = next((each for each in compared if not max(each.rest, each.residual) > BAND), None)
-    meant = abs(isotropic_moduli(C).E * law.thickness / axes_moduli(law, dim, "")[0] - 1) <= SHOWN
+    meant = abs(isotropic_moduli(C).E / E - 1) <= SHOWN
     if masses is not None and first is not None and first.factor > 0:
         total = 1.0 if meant or abs(first.factor - 1) <= BAND else 1 / first.factor
         C = C * total
         springs = replace(springs, constants=springs.constants * total)
         compared = tuple(compare_body(body, C, springs, masses, total) for body in bodies)
-    mean = isotropic_moduli(C)
-    residual = C - isotropic_part(C)
-    scale = np.sqrt(np.r_[np.ones(dim), np.full(len(C) - dim, 2.0)])
-    misfit = np.linalg.norm(residual * np.outer(scale, scale))
-    misfit /= np.linalg.norm(C * np.outer(scale, scale))
-    return LatticeReport(C, mean, float(misfit), springs, right, steps, total, compared)
+    return LatticeReport(
+        C, (E, nu), isotropic_moduli(C), anisotropy(C), springs, right, steps, total, compared
+    )

@@ -19,16 +19,13 @@ from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.exchange.asked import Note, note_of
 from msvalidate.simulators.exchange.protocol import (
     CannotRepresent,
-    Precision,
-    Request,
     Simulator,
     SimulatorError,
     ask,
 )
 from msvalidate.simulators.lattice.regular import SPACING, Regular, RegularBlock, regular_block
-from msvalidate.simulators.probe.bench import Bench
-from msvalidate.simulators.probe.block import wave_speed
-from msvalidate.simulators.probe.masses import Masses, measure_masses, patterns
+from msvalidate.simulators.probe.bench import Bench, first_step
+from msvalidate.simulators.probe.masses import Masses, measure_masses
 from msvalidate.simulators.probe.probe import STRAIN, fit_strains
 from msvalidate.simulators.probe.reading import BAND
 
@@ -125,42 +122,37 @@ def measure_lattice(
     CannotRepresent, SimulatorError
         As the simulator, or if no masses fit its steps, or no strain causes a force.
     """
-    dim, speed = material.dim, wave_speed(material)
+    dim = material.dim
 
-    def bench_of(count: int, density: float = 1.0) -> Bench:
-        heavy = replace(material, density=density * material.density)
+    def block_of(count: int, density: float = 1.0) -> RegularBlock:
         mesh = regular_block(shape, (count,) * dim, spacing).mesh
         middle = mesh.points - mesh.points.max(axis=0) / 2
-        block = RegularBlock(Mesh(middle, mesh.cells, shape), heavy)
-        dt = float(2.0 ** np.floor(np.log2(block.height / speed)))
-        return Bench(simulator, block, dt, "float32", dict(settings))
+        heavy = replace(material, density=density * material.density)
+        return RegularBlock(Mesh(middle, mesh.cells, shape), heavy)
 
-    first_bench = bench_of(WEIGHED[dim])
-    first = first_bench.step(np.zeros(first_bench.block.mesh.points.shape))
-    precision: Precision = first.about["precision"]
-    forces_at = "start" if first.force is not None else str(first.about["forces_at"])
+    start, first = first_step(simulator, block_of(WEIGHED[dim]), settings)
+    precision = start.precision
     if first.force is None and first.about["mass"] != "lumped":
         raise CannotRepresent("a mass matrix that is not diagonal; these cells need lumped masses")
-    first_bench = replace(first_bench, precision=precision, forces_at=forces_at)
-    masses = None if first.force is not None else measure_masses(first_bench)
+    masses = None if first.force is not None else measure_masses(start)
+    short = SHORT if (precision, start.forces_at) == ("float64", "end") else 1.0
 
-    def weighed(bench: Bench) -> Bench:
-        dt = bench.dt * (SHORT if (precision, forces_at) == ("float64", "end") else 1.0)
-        bench = replace(bench, precision=precision, forces_at=forces_at, dt=dt)
+    def bench_of(count: int, density: float = 1.0) -> Bench:
+        block = block_of(count, density)
+        bench = replace(start, block=block, dt=short * start.dt)
         if masses is None:
             return bench
-        m = patterns(bench.block).get(masses.pattern, bench.block.lumped)
-        m = (m * (bench.block.lumped.sum() / m.sum()))[:, None]
+        m = masses.on(block, block.lumped.sum())[:, None]
         return replace(bench, inertia=lambda v: m * v)
 
     sizes = SIZES[dim]
-    benches = [weighed(bench_of(count)) for count in sizes]
+    benches = [bench_of(count) for count in sizes]
     strain, relaxed, bound = STRAIN[precision], False, False
     fits = [fit_strains(benches[-1], strain)]
     forces = np.array([there.odd(back).force for there, back in fits[0].pairs])
     inner = benches[-1].block.inner
     if max_abs(forces[:, inner]) > INNER * max_abs(forces):
-        settled = [_settling(weighed(bench_of(count))) for count in LARGER[dim]]
+        settled = [_settling(bench_of(count)) for count in LARGER[dim]]
         try:
             fits = [fit_strains(settled[-1], strain)]
             benches, relaxed, sizes = settled, True, LARGER[dim]
@@ -176,7 +168,7 @@ def measure_lattice(
     out = max_abs(rest.force.sum(axis=0)) > BAND * np.abs(rest.force).sum()
     prestrain = 0.0 if out else -float(np.trace(rest.stress) / C[:dim, :dim].sum())
     G = np.diag([strain, *(0.0,) * (dim - 1)])
-    heavy = replace(weighed(bench_of(sizes[0], 2.0)), settle=benches[0].settle)
+    heavy = replace(bench_of(sizes[0], 2.0), settle=benches[0].settle)
     more, light = (bench.push(G).stress[0, 0] - rest.stress[0, 0] for bench in (heavy, benches[0]))
     smallest = regular_block(shape, (sizes[0],) * dim, spacing)
     springs = fit_springs(smallest, C, tensors[0], material.thickness)
@@ -218,18 +210,9 @@ def _settling(bench: Bench) -> Bench:
 
     def settle(move: Array) -> Array:
         held: Mask = np.repeat(~inner[:, None], move.shape[1], axis=1)
-        request = Request(
-            "rest",
-            block.mesh,
-            block.material,
-            mass=block.lumped,
-            gravity=np.zeros(move.shape[1]),
-            force=np.zeros(move.shape),
-            held=held,
-            value=np.where(held, move, 0.0),
-            settings=bench.settings,
-            name="held boundary",
-        )
+        value = np.where(held, move, 0.0)
+        own = {"settings": bench.settings, "name": "held boundary"}
+        request = block.request("rest", held=held, value=value, **own)
         return np.asarray(ask(bench.simulator, request).displacement)
 
     return replace(bench, settle=settle)

@@ -9,18 +9,17 @@ import numpy as np
 
 from msvalidate.problem import VOIGT, Array
 from msvalidate.problem.checks import require_one_of
-from msvalidate.problem.records import dataclass, field
+from msvalidate.problem.records import dataclass, field, replace
 from msvalidate.simulators.exchange.protocol import (
     Answer,
     ForcesAt,
     MassKind,
     Precision,
-    Request,
     Simulator,
     SimulatorError,
     ask,
 )
-from msvalidate.simulators.probe.block import Block
+from msvalidate.simulators.probe.block import Block, wave_speed
 
 ENGINEERING = {2: np.array([1.0, 1.0, 2.0]), 3: np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])}
 """Factors of strains by the number of axes: shear strains count twice."""
@@ -127,22 +126,9 @@ class Bench:
         CannotRepresent, SimulatorError
             As `ask`; and `SimulatorError` where the answer does not say what it must.
         """
-        mesh = self.block.mesh
-        request = Request(
-            "motion",
-            mesh,
-            self.block.material,
-            mass=self.block.lumped,
-            gravity=np.array(gravity or (0.0,) * mesh.dim),
-            force=np.zeros(mesh.points.shape),
-            held=np.zeros(mesh.points.shape, dtype=bool),
-            value=np.zeros(mesh.points.shape),
-            start=self.placed(move),
-            dt=self.dt,
-            settings=self.settings,
-            name="probe",
-        )
-        answer = ask(self.simulator, request)
+        start = self.placed(move)
+        request = self.block.request("motion", start=start, dt=self.dt, settings=self.settings)
+        answer = ask(self.simulator, replace(request, gravity=np.array(gravity or request.gravity)))
         _refuse_silence(answer)
         return answer
 
@@ -150,6 +136,22 @@ class Bench:
         """Positions (n, 3) m that the step starts from."""
         start = self.block.mesh.points + move
         return np.asarray(start.astype(self.precision), dtype=float)
+
+
+def first_step(
+    simulator: Simulator, block: Block, settings: Mapping[str, Any] | None
+) -> tuple[Bench, Answer]:
+    """Take a step without strain, and return its bench and answer.
+
+    The bench has the precision, and the place of the forces, that the answer states.
+    The step is the largest power of two (s) below the time in which a pressure wave of the
+    requested material crosses the smallest cell. A power of two is exact.
+    """
+    dt = float(2.0 ** np.floor(np.log2(block.height / wave_speed(block.material))))
+    bench = Bench(simulator, block, dt, "float32", dict(settings or {}))
+    first = bench.step(np.zeros(block.mesh.points.shape))
+    forces_at = "start" if first.force is not None else str(first.about["forces_at"])
+    return replace(bench, precision=first.about["precision"], forces_at=forces_at), first
 
 
 def _refuse_silence(answer: Answer) -> None:

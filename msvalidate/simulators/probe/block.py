@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property, lru_cache
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -11,6 +12,7 @@ from scipy.sparse import csr_array
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
+from msvalidate.simulators.exchange.protocol import Request, Task
 from msvalidate.springs.constants.stiffness import lame
 
 SIZE = (0.25, 0.125, 0.125)
@@ -84,6 +86,13 @@ class Block:
             raise ProblemError(f"probe: cells {self.mesh.shape}; give a mesh of tetra")
         if self.material.state != "solid":
             raise ProblemError(f"probe: a material in {self.material.state}; give state solid")
+
+    def request(self, task: Task, **options: Any) -> Request:
+        """A request without weight, forces and supports except those in the options."""
+        none = np.zeros(self.mesh.points.shape)
+        own: dict[str, Any] = {"mass": self.lumped, "gravity": none[0], "force": none}
+        own |= {"held": none.astype(bool), "value": none, "name": "probe"}
+        return Request(task, self.mesh, self.material, **own | options)
 
     @cached_property
     def _edges(self) -> Array:

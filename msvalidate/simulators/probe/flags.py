@@ -62,7 +62,7 @@ def rounding_parts(
         X = block.mesh.points
         spacing = np.spacing(np.abs(X).astype(bench.precision)).astype(float)
         delta = float(np.sqrt((spacing**2).mean() / 24))  # half of it, squared, over 3 and 2
-        r = float(np.abs(X).max())
+        r = max_abs(X)
         stress = block.material.density * delta * r / np.sqrt(len(X)) / bench.dt**2
         gradient = delta * float(np.linalg.norm(block.weights, axis=0).max())
         part += PLACED * stress / largest / (strain * shrunk)

@@ -74,6 +74,14 @@ class Masses:
         """(n,) kg: of the pattern that they agree with, or else as measured."""
         return self.values if self.known is None else self.known
 
+    def on(self, block: Block, total: float) -> Array:
+        """Masses (n,) in kg of the pattern on another block.
+
+        They are the shares of its cells if there is no pattern.
+        """
+        pattern = patterns(block).get(self.pattern, block.lumped)
+        return np.asarray(pattern * (total / pattern.sum()))
+
     @property
     def off(self) -> float:
         """Largest part by which one is not what is asked."""

@@ -23,17 +23,17 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.exchange.protocol import (
     Answer,
-    Precision,
     Simulator,
     SimulatorError,
     solves_to,
 )
-from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, voigt
-from msvalidate.simulators.probe.block import Block, probe_mesh, wave_speed
+from msvalidate.simulators.probe.bench import ENGINEERING, Bench, Push, first_step, voigt
+from msvalidate.simulators.probe.block import Block, probe_mesh
 from msvalidate.simulators.probe.flags import raise_flags, rounding_parts
 from msvalidate.simulators.probe.masses import Masses, measure_masses
 from msvalidate.simulators.probe.reading import SOLVED, STRAINS, Reading
@@ -92,19 +92,15 @@ def probe(
         For arguments out of their range.
     """
     block = Block(probe_mesh(), material)
-    base = float(2.0 ** np.floor(np.log2(block.height / wave_speed(material))))  # it rounds nothing
-    bench = Bench(simulator, block, base, "float32", dict(settings or {}))
-    first = bench.step(np.zeros(block.mesh.points.shape))
-    told: Precision = first.about["precision"]
-    forces_at = "start" if first.force is not None else str(first.about["forces_at"])
-    stretch = LONGER if told == "float32" and forces_at == "end" else 1.0
-    bench = replace(bench, precision=told, dt=base * stretch, forces_at=forces_at)
+    bench, first = first_step(simulator, block, settings)
+    if (bench.precision, bench.forces_at) == ("float32", "end"):
+        bench = replace(bench, dt=LONGER * bench.dt)
     if first.force is None and masses is None:
         masses = measure_masses(bench)
     inertia = _inertia(block, masses, first)
     consistent = first.force is None and first.about["mass"] != "lumped"
     bench = replace(bench, inertia=inertia, consistent=consistent, solves_to=solves_to(first.about))
-    return _read(bench, STRAIN[told], masses, first)
+    return _read(bench, STRAIN[bench.precision], masses, first)
 
 
 def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Array], Array]:
@@ -121,13 +117,13 @@ def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Ar
 def _read(bench: Bench, strain: float, masses: Masses | None, first: Answer) -> Reading:
     rest = bench.push(np.zeros((3, 3)))
     fit = fit_strains(bench, strain)
-    largest = float(np.abs(fit.C).max())
+    largest = max_abs(fit.C)
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
     noise, of_strain = rounding_parts(bench, strain, largest, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
     half = fit_strains(bench, strain / 2)
-    step = float(np.abs(half.C - fit.C).max()) / largest
+    step = max_abs(half.C - fit.C) / largest
     C = (4 * half.C - fit.C) / 3
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
     cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
@@ -174,6 +170,5 @@ def fit_strains(bench: Bench, strain: float) -> StrainFit:
 def _curvature(fit: StrainFit, rest: Push) -> float:
     """Largest second-order part of the stress, Pa."""
     return max(
-        float(np.abs(there.stress + back.stress - 2 * rest.stress).max()) / 2
-        for there, back in fit.pairs
+        max_abs(there.stress + back.stress - 2 * rest.stress) / 2 for there, back in fit.pairs
     )

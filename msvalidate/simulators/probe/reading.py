@@ -11,9 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.probe.masses import Masses
+from msvalidate.springs.constants.stiffness import AXES_OF, invariant_moduli, young_and_ratio
+from msvalidate.springs.lattice.patterns import cubic_tensor
 from msvalidate_check.causes import Phrase, phrase
 
 SHOWN = 5e-3
@@ -50,29 +53,19 @@ class Elastic:
     because: tuple[Phrase, ...]
 
 
-def bulk_and_shear(C: Array) -> tuple[float, float]:
-    """K and G (Pa) of the isotropic tensor nearest to a Voigt tensor (6, 6), symmetric or not.
-
-    From its mean over all rotations [Voigt1889]: a = C_iijj = 9 K and b = C_ijij = 3 K + 10 G.
-    """
-    K = float(C[:3, :3].mean())
-    b = float(np.trace(C[:3, :3]) + 2 * np.trace(C[3:, 3:]))
-    return K, (b - 3 * K) / 10
-
-
 def anisotropy(C: Array) -> float:
     """Relative distance of a tensor from the nearest isotropic one.
 
-    In Mandel's scaling, in which the six components are those of an orthonormal basis, so that
-    the number is the same in all axes.
+    In Mandel's scaling, in which the components are those of an orthonormal basis, so that the
+    number is the same in all axes.
     """
-    scale = np.array([1.0] * 3 + [np.sqrt(2)] * 3)
-    scaled = C * np.outer(scale, scale)
-    whole = float(np.linalg.norm(scaled))
-    K, G = bulk_and_shear(C)
-    near = np.diag([2 * G] * 6)
-    near[:3, :3] += K - 2 * G / 3
-    return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
+    d = AXES_OF[len(C)]
+    scale = np.sqrt(np.repeat([1.0, 2.0], [d, len(C) - d]))
+    weight = np.outer(scale, scale)
+    whole = float(np.linalg.norm(C * weight))
+    K, G = invariant_moduli(C)
+    near = cubic_tensor(d, K + (2 - 2 / d) * G, K - 2 * G / d, G)
+    return float(np.linalg.norm((C - near) * weight)) / whole if whole else 0.0
 
 
 def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN) -> Elastic:
@@ -93,12 +86,12 @@ def elastic(C: Array, error: float, of_strain: float = 0.0, shown: float = SHOWN
     of_strain
         Relative, by strains.
     """
-    K, G = bulk_and_shear(C)
-    reason = _no_solid(C, K, G, error + of_strain * float(np.abs(C).max()))
+    K, G = invariant_moduli(C)
+    reason = _no_solid(C, K, G, error + of_strain * max_abs(C))
     if reason:
         return Elastic(C, None, None, np.inf, np.inf, reason)
     below = (3 * K + G) ** 2
-    E, nu = 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)
+    E, nu = young_and_ratio(3, K, G)
     K_error, G_error = error + of_strain * K, error + of_strain * G
     E_error = (9 * G**2 * K_error + 27 * K**2 * G_error) / below
     nu_error = 4.5 * (G * K_error + K * G_error) / below
@@ -210,12 +203,12 @@ class Reading:
 
         It is `SHOWN` and the accuracy to which steps are solved.
         """
-        return SHOWN + self.causes.get(SOLVED, 0.0) / float(np.abs(self.C).max() or 1.0)
+        return SHOWN + self.causes.get(SOLVED, 0.0) / (max_abs(self.C) or 1.0)
 
     @property
     def is_known(self) -> bool:
         """Return True if C is known to `shown` of its largest component."""
-        return bool(self.error <= self.shown * np.abs(self.C).max())
+        return bool(self.error <= self.shown * max_abs(self.C))
 
     @property
     def is_bound(self) -> bool:
@@ -231,7 +224,7 @@ class Reading:
         if self.is_valid:
             parts = sum(self.causes.get(cause, 0.0) for cause in OF_PARTS)
             others = [part for cause, part in self.causes.items() if cause not in OF_PARTS]
-            of_parts = parts / float(np.abs(self.C).max())
+            of_parts = parts / max_abs(self.C)
             return elastic(self.C, float(np.linalg.norm(others)), of_parts, self.shown)
         return Elastic(self.C, None, None, np.inf, np.inf, self.refusals())
 
@@ -257,8 +250,8 @@ class Reading:
     @property
     def uncertain(self) -> Phrase:
         """Uncertainty of C as text."""
-        part = self.error / (np.abs(self.C).max() or 1.0)
-        return phrase("not known", part=float(part), needed=self.shown)
+        part = self.error / (max_abs(self.C) or 1.0)
+        return phrase("not known", part=part, needed=self.shown)
 
 
 STRAINS = "rounding of strains"

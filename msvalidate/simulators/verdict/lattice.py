@@ -55,7 +55,6 @@ from msvalidate.simulators.verdict.causes import (
 )
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement, try_or_note
 from msvalidate.simulators.verdict.sentences import Cause
-from msvalidate.springs.constants.stiffness import axes_moduli
 from msvalidate_check.causes import phrase
 from msvalidate_check.verdict import AGREES, NOT_AT_REST
 
@@ -147,18 +146,17 @@ def judge_lattice(
     report = try_or_note("lattice", notes, make)
     causes = _causes(send, block, material, gated, report, steps, bodies)
     causes = list({each.kind: each for each in reversed(causes)}.values())[::-1]
-    word = AGREES if not causes else CAUSE
+    word, stopped = CAUSE if causes else AGREES, list[Any]()
     if gated.rows and not gated.passed:
-        word, stopped = "gate", stop_verdict(gated).causes
         known = {each.kind for each in causes}
-        causes += [Cause(c.kind, c.value, c.of) for c in stopped if c.kind not in known]
+        word, stopped = "gate", [c for c in stop_verdict(gated).causes if c.kind not in known]
     elif any(each.kind in {LENGTH, STEP} for each in causes):
         word = NOT_AT_REST
     elif any(each.kind == "body" for each in causes) or (report is None and set(parts) - {"gate"}):
         word = NOT_EXPLAINED
     return Judgement(
         word,
-        tuple(causes),
+        (*causes, *stopped),
         asked=material,
         predicted=None,
         gate=gated,
@@ -199,8 +197,7 @@ def _causes(
     found: list[Cause] = []
     if steps is not None and steps.over_density:
         found.append(_cause("over density"))
-    E = axes_moduli(law, law.dim, "")[0] / law.thickness
-    times = report.mean.E / E if report else 1.0
+    times = report.mean.E / report.requested[0] if report else 1.0
     if not found and not 1 / SCALE < times < SCALE:
         found.append(_cause("units", times))
     longest = max((body.prestrain for body in bodies), default=0.0, key=abs)
@@ -229,7 +226,7 @@ def _of_convergence(
 ) -> list[Cause]:
     """Causes of displacements that are not converged, too much damping first."""
     change = max([gated.moving, *(body.rest for body in bodies if body.rest > BAND)])
-    still = [Cause(c.kind, c.value, c.of) for c in convergence_causes(gated, change)]
+    still = convergence_causes(gated, change)
     if still and still[0].kind == LENGTH and _creeps(simulator, block):
         return [_cause("damping"), *still]
     return still
@@ -240,19 +237,20 @@ def _of_springs(report: LatticeReport, law: Isotropic, times: float) -> list[Cau
     found, mean, springs, right = [], report.mean, report.springs, report.right
     alone = all(body.residual <= BAND or body.rest > BAND for body in report.bodies)
     central = alone and max(springs.misfit, right.misfit) <= BAND
-    each = {"zener": mean.zener, "k1": springs.constants[0], "right1": right.constants[0]}
-    if len(springs.constants) > 1:
-        each |= {"k2": springs.constants[1], "right2": right.constants[1]}
-    ratio = axes_moduli(law, law.dim, "")[1]
+    (k1, k2), (right1, right2) = springs.constants[:2], right.constants[:2]
+    ratio = report.requested[1]
     if report.misfit > BAND:
-        key = "ratio of constants" if central and "k2" in each else "anisotropic"
         found.append(
             _cause(
-                key,
+                "ratio of constants" if central else "anisotropic",
                 report.misfit,
-                **each,
-                ratio=each.get("k2", 0) / each["k1"],
-                right=each.get("right2", 0) / each["right1"],
+                zener=mean.zener,
+                k1=k1,
+                k2=k2,
+                right1=right1,
+                right2=right2,
+                ratio=k2 / k1,
+                right=right2 / right1,
             )
         )
     elif abs(times - 1) > SHOWN and 1 / SCALE < times < SCALE:
@@ -303,40 +301,34 @@ def _falling(simulator: Simulator, block: Request, gated: Gate) -> list[Cause]:
     return [_cause("gravity", one)] if abs(one - 1) > BAND else []
 
 
-def _moves(simulator: Simulator, block: Request, **times: float) -> Array:
-    """Displacement (n, d) in m with settings that its answer names, each multiplied.
+def _moves(simulator: Simulator, block: Request, *changes: Mapping[str, float]) -> list[Array]:
+    """Displacements (n, d) in m as it is, and with settings multiplied.
 
-    Raises
-    ------
-    CannotRepresent, SimulatorError
-        As the simulator, or if a setting is not named.
+    The list is empty if an answer does not name such a setting, or there is none.
     """
-    answer = ask(simulator, block)
-    if times:
-        stated = answer.about.get("settings", {})
-        if not {*times} <= {*stated}:
-            raise CannotRepresent(f"settings name {', '.join(stated)}")
-        settings = {name: type(stated[name][0])(x * stated[name][0]) for name, x in times.items()}
-        request = replace(block, settings={**block.settings, **settings})
-        answer = ask(simulator, request)
-    return np.asarray(answer.displacement)
+    moves: list[Array] = []
+    stated: Mapping[str, Any] = {}
+    try:
+        for times in ({}, *changes):
+            own = {name: type(stated[name][0])(x * stated[name][0]) for name, x in times.items()}
+            answer = ask(simulator, replace(block, settings={**block.settings, **own}))
+            moves.append(np.asarray(answer.displacement))
+            stated = stated or answer.about.get("settings", {})
+    except (KeyError, CannotRepresent, SimulatorError):
+        return []
+    return moves
 
 
 def _depends_on_step(simulator: Simulator, block: Request) -> bool:
     """Return true if a run of the same length in half the time step ends elsewhere."""
-    try:
-        move, finer = (_moves(simulator, block, **t) for t in ({}, {"dt": 0.5, "steps": 2}))
-    except (CannotRepresent, SimulatorError):
-        return True
-    return max_abs(finer - move) > UNSTATED * max_abs(move)
+    moves = _moves(simulator, block, {"dt": 0.5, "steps": 2})
+    return not moves or max_abs(moves[1] - moves[0]) > UNSTATED * max_abs(moves[0])
 
 
 def _creeps(simulator: Simulator, block: Request) -> bool:
     """Return true if half the damping moves a body as far as twice the steps do."""
-    tried: tuple[dict[str, float], ...] = ({}, {"steps": 2}, {"damping": 0.5})
-    try:
-        sums = (float(abs(_moves(simulator, block, **t)).sum()) for t in tried)
-        before, longer, looser = sums
-    except (CannotRepresent, SimulatorError):
+    moves = _moves(simulator, block, {"steps": 2}, {"damping": 0.5})
+    if not moves:
         return False
+    before, longer, looser = (float(abs(u).sum()) for u in moves)
     return longer > before * (1 + UNSTATED) and abs(looser - longer) <= CREEPS * (longer - before)

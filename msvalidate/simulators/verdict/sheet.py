@@ -15,7 +15,6 @@ from msvalidate.simulators.verdict.advice import mesh_errors, next_step
 from msvalidate.simulators.verdict.causes import NOTHING, STOPPED
 from msvalidate.simulators.verdict.judgement import PARTS, Judgement
 from msvalidate.simulators.verdict.sentences import text_of
-from msvalidate.springs.constants.stiffness import axes_moduli
 from msvalidate_check.causes import Phrase, phrase
 from msvalidate_check.text import align_table, percent
 from msvalidate_check.verdict import AGREES
@@ -24,9 +23,9 @@ FIRST = (LENGTH, STEP, "units")
 """Kinds of causes that the headline names."""
 LAW_COLUMNS = ("", "E (Pa)", "nu", "E over asked", "nu less asked")
 REFERENCES = {
-    "elasticity": "elasticity as requested",
-    "solid": "its homogenised solid",
-    "elements": "linear elements of it",
+    "elasticity": "elasticity",
+    "solid": "its solid",
+    "elements": "linear elements",
     "network": "its springs",
 }
 """Key of a body's differences -> what it differs from."""
@@ -92,7 +91,7 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
     """A judgement in words; `parts` are those that were asked for."""
     tables = [_gate_table(found)] if found.gate.rows else []
     if found.lattice is not None:
-        tables += _lattice_tables(found, found.lattice)
+        tables += _lattice_tables(found.lattice)
     elif found.word != STOPPED and set(parts) - {"gate"}:
         tables.append(_law_table(found))
     if found.bodies:
@@ -234,13 +233,11 @@ def _reading_lines(reading: Reading) -> list[str]:
 # Lattices -----------------------------------------------------------------------------------------
 
 
-def _lattice_tables(judgement: Judgement, lattice: LatticeReport) -> list[SheetTable]:
+def _lattice_tables(lattice: LatticeReport) -> list[SheetTable]:
     """Moduli of the lattice beside the requested ones, and its cantilevers."""
-    law, mean, springs = judgement.asked, lattice.mean, lattice.springs
-    E, nu = axes_moduli(law, law.dim, "lattice")
-    requested = E / law.thickness, nu
-    pairs = {"requested": requested, "nearest isotropic": (mean.E, mean.nu)}
-    rows = [(name, *_pair(*pair), *_away(pair, requested)) for name, pair in pairs.items()]
+    mean, springs = lattice.mean, lattice.springs
+    pairs = {"requested": lattice.requested, "nearest isotropic": (mean.E, mean.nu)}
+    rows = [(name, *_pair(*pair), *_away(pair, lattice.requested)) for name, pair in pairs.items()]
     solid = phrase("lattice of", **vars(mean), misfit=percent(lattice.misfit))
     below = [solid]
     if springs.misfit <= BAND:

@@ -137,8 +137,8 @@ def tensor_bounds(points: Array, springs: Index, stiffness: Array) -> tuple[Tens
     n, d = x.shape
     vector = x[pairs[:, 1]] - x[pairs[:, 0]]
     length = np.linalg.norm(vector, axis=1)
-    B = elongations(n, pairs, vector / length[:, None])
-    stretch = length[:, None] * voigt_directions(vector / length[:, None])
+    normal = vector / length[:, None]
+    B, stretch = elongations(n, pairs, normal), length[:, None] * voigt_directions(normal)
     if d == 1:
         inner = np.delete(np.arange(n), [x.argmin(), x.argmax()])
         e = _relax(B[:, inner], k, stretch)

@@ -128,7 +128,7 @@ def largest_reach(run: Stepping, start: MotionState) -> float:
     """Distance (m) from the start beyond which a motion has blown up."""
     size = float(np.ptp(run.network.points, axis=0).max())
     time = run.dt * run.steps
-    flight = time * (float(np.abs(start.v).max()) + time * float(np.abs(start.a).max()))
+    flight = time * (max_abs(start.v) + time * max_abs(start.a))
     reach = RUNAWAY * (size + flight)
     return reach if reach < LONGEST else LONGEST  # nor is it NaN
 
@@ -177,7 +177,7 @@ def _largest_ordinary_step(run: Stepping, start: MotionState) -> float:
     A free point stays where springs keep digits of their lengths, and masses are seen beside the
     stiffness.
     """
-    speed, pull = (float(np.abs(values).max()) for values in (start.v, start.a))
+    speed, pull = (max_abs(values) for values in (start.v, start.a))
     shortest = float(np.linalg.norm(run.network.vector, axis=1).min(initial=LONGEST))
     count, far = max(run.steps, 1), FARTHEST * shortest
     bounds = (

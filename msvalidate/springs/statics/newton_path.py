@@ -278,4 +278,4 @@ def _is_same_point(station: PathPoint, other: PathPoint, far: PathPoint) -> bool
 
 
 def _rounding(u: Array) -> float:
-    return float(4 * np.finfo(float).eps * np.abs(u).max())
+    return float(4 * np.finfo(float).eps * max_abs(u))

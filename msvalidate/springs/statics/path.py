@@ -171,7 +171,7 @@ def _refuse_other_end(network: Network, applied: Callable[[float], Applied]) -> 
     ends = zip(("force", "displacement"), _evaluate_path(network, applied, 1.0), own, strict=True)
     for name, end, wanted in ends:
         apart = np.abs(end - wanted)
-        if apart.max() > SAME_END * np.abs(wanted).max():
+        if apart.max() > SAME_END * max_abs(wanted):
             point = int(np.unravel_index(apart.argmax(), apart.shape)[0])
             raise ProblemError(
                 f"path: at t = 1 the {name} of point {point} is "

@@ -169,12 +169,13 @@ def test_wrong_fields_of_rubber_are_judged_where_elements_exist(tmp_path, fault)
 def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
     case = Case(problem(), accuracy=5e-3)
     request = export_case(case, cells=3, shape="triangle")
-    move = on_mesh(request, 0.3)
+    move = on_mesh(request, replace(request.material, nu=0.3))
     found = judge_result(case, simulated(request, Answer(move)))
     assert found.verdict.word == "differs"
     assert names(found) == ["coarse mesh"]
     assert "linear elements on its triangle mesh" in found.verdict.causes[0].said
-    other = judge_result(case, simulated(request, Answer(on_mesh(request, 0.1))))
+    move = on_mesh(request, replace(request.material, nu=0.1))
+    other = judge_result(case, simulated(request, Answer(move)))
     assert names(other)[:1] == ["coarse mesh and ratio"]
     assert other.verdict.causes[0].value == pytest.approx(0.1, abs=1e-3)
 
