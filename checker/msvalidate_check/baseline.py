@@ -333,8 +333,11 @@ def _commit() -> str:
     try:
         answer = subprocess.run(
             ["git", "rev-parse", "--short=12", "HEAD"],
-            capture_output=True, text=True, check=True, timeout=5.0,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=5.0,
+        )
     except (OSError, subprocess.SubprocessError):
         return ""
     return f"commit {answer.stdout.strip()}"

@@ -258,11 +258,17 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
     rows = [gating.row("verdict", "verdict", "pass" if accepted else "fail", because)]
     rows += [
         gating.row(
-            "gate", each.name, GATE_WORDS.get(each.verdict, NOT_RESOLVED), text_of(each.because),
-            observed=each.value, reference=0.0, error=each.value, limit=each.limit,
+            "gate",
+            each.name,
+            GATE_WORDS.get(each.verdict, NOT_RESOLVED),
+            text_of(each.because),
+            observed=each.value,
+            reference=0.0,
+            error=each.value,
+            limit=each.limit,
         )
         for each in judgement.gate.rows
-    ]  # fmt: skip
+    ]
     E, nu = judgement.predicted or (judgement.asked.E, judgement.asked.nu)
     gated = [(each.name, each.verdict) for each in judgement.gate.rows]
     tables = {"gate": pd.DataFrame(gated, columns=GATE)}
@@ -272,10 +278,19 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
     moduli = _moduli(judgement)
     for key, value in moduli.items():
         error = abs(value - expected[key]) / (E if key == "E" else 1.0)
-        rows.append(gating.row(
-            "law", key, "pass" if error <= BAND else "fail", word, observed=value,
-            reference=expected[key], error=error, limit=BAND, unit="Pa" if key == "E" else "1",
-        ))  # fmt: skip
+        rows.append(
+            gating.row(
+                "law",
+                key,
+                "pass" if error <= BAND else "fail",
+                word,
+                observed=value,
+                reference=expected[key],
+                error=error,
+                limit=BAND,
+                unit="Pa" if key == "E" else "1",
+            )
+        )
     if moduli:
         tables["law"] = pd.DataFrame([moduli])
     bodies = []

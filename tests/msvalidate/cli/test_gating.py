@@ -24,8 +24,12 @@ def test_commands_that_judge_have_the_same_options(name):
     for shared in command["with"]:
         options |= TABLE["shared"][shared]
     assert {option: "metavar" in options[option] for option in OPTIONS} == {
-        "--json": False, "--junit": True, "--baseline": True, "--update": False, "--reason": True,
-    }  # fmt: skip
+        "--json": False,
+        "--junit": True,
+        "--baseline": True,
+        "--update": False,
+        "--reason": True,
+    }
 
 
 @pytest.fixture
@@ -69,8 +73,11 @@ def test_json_and_junit_are_complete(conclude, capsys):
     assert json.loads(capsys.readouterr().out) == {"u": 1.0}
     suite = ET.parse(path).find("testsuite")  # noqa: S314  our own
     assert {name: suite.get(name) for name in ("name", "tests", "failures", "errors")} == {
-        "name": "bar", "tests": "1", "failures": "0", "errors": "0",
-    }  # fmt: skip
+        "name": "bar",
+        "tests": "1",
+        "failures": "0",
+        "errors": "0",
+    }
     assert conclude(1.0, code=3, error="it crashed", junit=path) == 3
     error = ET.parse(path).find("testsuite/testcase/error")  # noqa: S314  our own
     assert error.get("message") == "it crashed"
