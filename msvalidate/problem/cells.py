@@ -58,9 +58,12 @@ def refuse_folded(points: Array, cells: Index, kind: Shape) -> None:
 
 
 def _find_folded(kind: Shape, places: Array, frame: Array, halvings: int) -> Mask:
-    """Cells (c,) of some nodes (c, k, d) that fold within a part of the unit cell.
+    """Mask (c,) of cells that fold or cannot be shown not to.
 
-    The part has its origin and the ends of its axes in the rows of the frame (d + 1, d).
+    A cell of nodes (c, k, d) in m counts if its Jacobian within a part of the unit cell is no more
+    than `FLAT` of the product of its sides, or if Bernstein coefficients leave that open after
+    `halvings` halvings of the part. The part has its origin and the ends of its axes in the rows of
+    the frame (d + 1, d).
     """
     at, to_coefficients = kind.bernstein
     slopes = kind.slopes(frame[0] + at @ (frame[1:] - frame[0]))

@@ -101,7 +101,11 @@ def _plain_array(name: str, values: Any) -> np.ndarray:
 
 
 def _real_array(name: str, values: Any) -> np.ndarray:
-    """The same, of real numbers."""
+    """Convert to a plain NumPy array of integers or floats.
+
+    The array may share the memory of `values`. Raises `ProblemError` as `_plain_array`, and for
+    Booleans, complex numbers and text.
+    """
     given = _plain_array(name, values)
     if given.dtype.kind not in "iuf":
         raise ProblemError(f"{name}: expected numbers, got {format_value(values)}")
@@ -271,7 +275,11 @@ def require_entry(name: str, value: object, kind: type, table: str, keys: Iterab
 
 
 def whole_number(name: str, value: object, least: int, most: int = MOST_COUNTED) -> int:
-    """Return `value` as an int; raise `ProblemError` unless it is whole and in this range."""
+    """Return a whole number as an int, checked for type and range.
+
+    Raises `ProblemError` if `value` is not a Python or NumPy integer from `least` to `most`.
+    Booleans and floats are refused, even a float such as 3.0.
+    """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise ProblemError(f"{name}: {format_value(value)}; give a whole number, {least} or more")
     if value > most:

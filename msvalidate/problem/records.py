@@ -40,7 +40,12 @@ class ReadOnly:
 
 
 class _Short(Repr):
-    """Short repr: arrays by shape and range, other objects by kind and size."""
+    """Short repr: few values in full, large arrays by shape and range.
+
+    Arrays of 1 to `FEW` elements are shown in full. Other arrays show their shape, and those of
+    floats their range. Records show their own repr, or their name alone at the last level. Other
+    objects show their kind, and their shape if they have one.
+    """
 
     def __init__(self, levels: int) -> None:
         super().__init__()

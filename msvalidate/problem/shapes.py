@@ -248,10 +248,12 @@ STRAIGHT = {(shape.dim, shape.corners): shape for shape in SHAPES.values() if sh
 def map_facets(places: Array, at: Array) -> tuple[Array, Array]:
     """Map positions of the unit facet to facets, with outward area vectors.
 
-    Both are (f, q, d): positions in m, area vectors in m or m².
+    `places` (f, k, d) in m are the nodes of the facets. They run counter-clockwise as seen from
+    outside; in 2D they run counter-clockwise round the body. `at` are positions of the unit facet
+    with e = d - 1 coordinates: (q, e) for all facets, or (f, q, e) for each its own.
 
-    The places are (q, e), or (f, q, e) for each of the facets (f, k, d) in m, whose nodes run
-    counter-clockwise as seen from outside, in the plane round the body. Vectors are in m or m².
+    Returns the positions (f, q, d) in m and the outward area vectors (f, q, d), in m or m² per unit
+    of the unit facet.
     """
     shape, flat = FACETS[places.shape[2], places.shape[1]], at.reshape(-1, at.shape[-1])
     values = shape.values(flat).reshape(*at.shape[:-1], -1)

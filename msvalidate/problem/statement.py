@@ -189,9 +189,12 @@ class Problem:
                 )
 
     def _support_corners(self) -> tuple[Array, Mask]:
-        """Corners of the supported regions and the components held there.
+        """Corners of the supported regions and their fixed components.
 
-        A rigid motion is affine, so it vanishes on a region when it vanishes on its corners.
+        They are (k, d) in m, and a mask (k, d). A rigid motion is affine, so it vanishes on a
+        region if it vanishes on its corners.
+
+        Raises `ProblemError` if a support is not on one side of the body.
         """
         corners: list[Array] = []
         held: list[list[bool]] = []

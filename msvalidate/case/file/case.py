@@ -89,10 +89,12 @@ class Case:
         For mesh edges, the approximate mean edge length; default: the file's own mesh.
     cells
         Number of cells across the narrowest side, instead of `spacing`. Default: 20 in 2D and 8 in
-        3D, fewer in slender bodies.
+        3D, fewer in slender bodies, and up to almost twice as many in a box if whole cells then fit
+        all its sides. For mesh edges the default is the file's own mesh.
     route
         "springs", "volume energy" or "neo-Hookean". Default: springs alone if they suffice,
-        otherwise springs with a volume energy.
+        otherwise springs with a volume energy. Mesh edges take "springs", their default, or
+        "neo-Hookean".
     constants, volume
         Spring constants, one per kind, and κ of the volume energy, instead of a route. Units: N/m,
         for 3D mesh edges Pa; κ in N/m in 2D and in Pa in 3D.

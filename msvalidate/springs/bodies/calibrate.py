@@ -168,7 +168,12 @@ def _check_uniform_tension(
 def _measure_tension(
     pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool
 ) -> TensionCheck:
-    """Error of a body (n, d) in tension, from networks, loads and target strains (d,)."""
+    """Error of a body (n, d) in tension along each axis.
+
+    `pulls` are pairs of a loaded network and the normal strains (d,) of the material under its
+    load; all have one tangent. `points` (n, d) are in m. `stiff` states that no constant is
+    negative, so that a balanced body needs no factor.
+    """
     first, _ = pulls[0]
     K, free = tangent(first, points), np.flatnonzero(~first.fixed.ravel())
     wanted = [points * strain for _, strain in pulls]

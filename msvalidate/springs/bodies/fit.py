@@ -222,7 +222,14 @@ def _load_cases(
 
 
 def _starting_constants(cases: list[_Case], number: int, volumes: bool) -> Array:
-    """Constants to start from: the equal ones that come nearest under forces."""
+    """Equal spring constants, and κ = 0, from which a fit starts.
+
+    Their shape is (number,), or (number + 1,) with a volume energy. Their common factor is the one
+    whose displacements are nearest to the reference if only forces act. It is 1 if that factor is
+    not between 1/`LONGEST` and `LONGEST`.
+
+    Raises `ProblemError` if a network has no stable equilibrium, or if nothing moves any of them.
+    """
     p = np.append(np.ones(number), np.zeros(int(volumes)))
     answers = [_respond(case, p).move for case in cases]
     if not all(np.isfinite(answer).all() for answer in answers):

@@ -29,20 +29,16 @@ MEMORY = 2e9
 def meshed_geometry(file: Path, size: float | None = None) -> Iterator[Path]:
     """Context manager of a temporary Gmsh file with the meshed geometry.
 
-    Its faces are named "face 1", "face 2" and so on.
+    The body is named "body". The faces of a solid are named "face 1", "face 2" and so on; the edges
+    of plane faces are named "edge 1", "edge 2" and so on.
 
-    Parameters
-    ----------
-    file
-        .step or .stl: a solid, or faces of one plane.
-    size
-        Of the cells, in the file's unit of length, by default a part of the body's diagonal, and
-        smaller where it is bent.
+    Parameters ---------- file     A .step or .stp file of a solid or of faces in one plane, or an
+    .stl file of a closed surface. size     Largest size of the cells, in the file's unit of length.
+    The default is 1/25 of the body's     diagonal. Cells are smaller at curved surfaces, with or
+    without a size.
 
-    Raises
-    ------
-    ProblemError
-        If gmsh is not installed, or makes no mesh of the file in `LIMIT` seconds and `MEMORY`.
+    Raises ------ ProblemError     If gmsh is not installed, refuses the file, or makes no mesh of
+    it within `LIMIT` seconds and     `MEMORY` bytes.
     """
     message = f"mesh file {format_value(file.name)}"
     with tempfile.TemporaryDirectory() as name:

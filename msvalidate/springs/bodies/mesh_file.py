@@ -237,7 +237,13 @@ class _Unpacking:
 
 @contextlib.contextmanager
 def _bounded(file: Path) -> Iterator[None]:
-    """Have blocks of VTK's files unpacked up to a number of bytes: a thousand may be in each."""
+    """Limit the bytes that meshio unpacks from a .vtu file.
+
+    In the context, all blocks of zlib, and all of LZMA, may each unpack to the larger of
+    `MOST_UNPACKED` and `UNPACKED` times the file's size, at most `LARGEST_FILE`: one packed byte
+    may hold a thousand. Beyond that `ProblemError` is raised. Base64 text is read to its first
+    padding.
+    """
     most = min(LARGEST_FILE, max(MOST_UNPACKED, UNPACKED * file.stat().st_size))
     reader: Any = importlib.import_module("meshio.vtu._vtu")
     own = reader.zlib, reader.lzma, reader.base64

@@ -151,7 +151,12 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
 
 
 def _refuse_other_material(known: Calibration, lattice: Lattice, material: Material) -> None:
-    """A calibration of something else, whose constants would make another material of this."""
+    """Raise `ProblemError` for a calibration that does not fit the body.
+
+    Its lattice, number of constants and thickness must be the body's, in 3D also its spacing, and
+    its tensor must be that of an isotropic material. The tensor of an anisotropic material is not
+    compared.
+    """
     if isinstance(lattice, EdgeLattice):
         name, kinds, scales, unit = lattice.name, 1, False, 0.0
     else:

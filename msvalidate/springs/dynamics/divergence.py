@@ -189,9 +189,11 @@ def _largest_ordinary_step(run: Stepping, start: MotionState) -> float:
 
 
 def is_at_rest(network: Network, start: MotionState) -> bool:
-    """Return True if the network stays in equilibrium.
+    """Return True if an unloaded, undisplaced network stays in equilibrium.
 
-    It then has no load, velocity or displacement, and the springs are in balance.
+    It then has no displacement or velocity, no load on a free component, and no internal force
+    beyond rounding. False does not mean that it moves: a loaded or displaced network may be in
+    equilibrium too.
     """
     free = ~network.fixed
     if start.x.any() or start.v.any() or network.force[free].any():

@@ -59,7 +59,10 @@ class SolvableAcceleration(Protocol):
 
 
 class ModeAcceleration:
-    """Accelerations -ω²x of modes that do not know of each other."""
+    """Accelerations -ω²x of uncoupled modes with one frequency.
+
+    `omega` is their angular frequency in rad/s.
+    """
 
     linear = True
 

@@ -270,7 +270,11 @@ def _check_stopping(
 
 
 def _check_frequencies(frequencies: tuple[float, float] | None) -> tuple[float, float] | None:
-    """Frequencies that a caller gives, checked."""
+    """Lowest and highest natural frequency (rad/s) of a caller.
+
+    None stays None. Raises `ProblemError` unless they are two finite numbers above 0, the lowest
+    first.
+    """
     if frequencies is None:
         return None
     given = finite("natural frequencies", frequencies)

@@ -16,8 +16,11 @@ from msvalidate.springs.network.network import Network
 def critical_stretches(network: Network, critical_stretch: ArrayLike) -> Array:
     """Elongation over rest length (m,) at which each spring breaks, checked.
 
-    Raises `ProblemError` if a value is not above 0, a spring exceeds it at rest, the law is not
-    linear, or the network has volume energies.
+    `critical_stretch` is one number or (m,) numbers, infinite for springs that never break. The
+    result is read-only.
+
+    Raises `ProblemError` if it has another shape, a value is not above 0, a spring with stiffness
+    exceeds it at rest, the law is not linear, or the network has volume energies.
     """
     require_type("network", network, Network)
     if network.law.name != "linear" or network.volumes is not None:

@@ -62,7 +62,11 @@ It is in points of a layer: lattices have less than 1, random numbers n^(1/d)/3.
 
 
 class NotConvergedError(SolverError):
-    """Multigrid did not converge, which says nothing about the network."""
+    """Multigrid gives no answer; a factor may give one.
+
+    Multigrid did not converge, or the softest motion has so little stiffness that rounding hides
+    its sign. Neither means that the network is unstable or a mechanism.
+    """
 
 
 @dataclass(eq=False)

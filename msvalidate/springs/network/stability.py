@@ -31,10 +31,14 @@ It refers to the stiffest of these modes.
 
 
 def negative_modes(factorised: Regular) -> int:
-    """Number of negative eigenvalues of the tangent that `factorised` is the inverse of.
+    """Number of negative eigenvalues of a tangent, at most 1 from multigrid.
 
-    Raises `SolverError` if more motions than can be looked at meet no more than rounding;
-    `NotConvergedError` if one does, and there is no factor.
+    `factorised` holds the inverse of the tangent. Multigrid does not count: 1 then means that at
+    least one eigenvalue is negative.
+
+    Raises `SolverError` if some motion has no stiffness, or if too many motions have none beyond
+    rounding. Raises `NotConvergedError` if the softest motion has none beyond rounding and there is
+    no factor, or if conjugate gradients do not decide.
     """
     if is_certain(factorised.softness):
         return factorised.negative

@@ -241,7 +241,15 @@ def _solve_linear(network: Network, solver: Solver) -> Equilibrium:
 def _solve_nonlinear(
     network: Network, solver: Solver, path: Path | None, begun: Array | None
 ) -> Equilibrium:
-    """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
+    """Nonlinear equilibrium at the end of a load path, refined.
+
+    By default loads and prescribed displacements rise together from the reference points; a path
+    function prescribes them otherwise. From a start (`begun`) without a path, the loads act in full
+    and the initial imbalance is reduced to zero. If the default path of a prestressed network
+    fails, its rest lengths are raised from the present lengths too.
+
+    Raises `SolverError` if no stable equilibrium is found at the full load.
+    """
     found = _follow_path(network, solver, path, begun)
     end = refine_equilibrium(network, found.displacement, found.factor, solver)
     return equilibrium_at(

@@ -69,9 +69,10 @@ class PathPoint:
 
 @dataclass(frozen=True, eq=False)
 class Arrival:
-    """A station that Newton's method found from the one before.
+    """Equilibrium that Newton's method reached from the previous one.
 
-    `smooth` says whether the way there shows no sign of a jump; `factor` is that of the tangent.
+    `smooth` is True if the way there shows no sign of a jump. `factor` is the inverse of the
+    tangent at the station, by a factor or by multigrid; it is None if no component is free.
     """
 
     station: PathPoint

@@ -354,7 +354,13 @@ def _monomial_powers(dim: int, degree: int) -> Index:
 
 
 def _fit_strain(x: Array, u: Array, place: Array, powers: Index) -> Array:
-    """Voigt strain (3,) or (6,) at a place of the polynomial fitted to points (k, d)."""
+    """Voigt strain at a place, from a polynomial fitted to displacements.
+
+    The fit by least squares is to displacements `u` (k, d) in m of points `x` (k, d) in m. `powers`
+    (q, d) are those of its monomials. The strain is (3,) or (6,) with engineering shears.
+
+    Raises `ProblemError` if the points do not determine the polynomial.
+    """
     radius = max(np.linalg.norm(x - place, axis=1).max(), 1 / LONGEST)
     terms = (((x - place) / radius)[:, None] ** powers).prod(axis=2)
     coefficients, _, rank, _ = np.linalg.lstsq(terms, u, rcond=None)
