@@ -82,7 +82,7 @@ def test_a_study_of_ones_own_is_held_to_a_baseline_of_ones_own(own):
     table = own / "base" / "quick" / "bar" / "t.csv"
     assert abs(float(table.read_text(encoding="utf-8").split()[1]) - 0.2) < 1e-12
     done = run(own, *check)
-    assert (done.returncode, "bar: FAIL t.csv: observed 1" in done.stderr) == (1, True)
+    assert (done.returncode, "bar: FAIL t.csv: " in done.stderr) == (1, True)
 
 
 def test_it_is_listed_and_helpers_are_not(own):

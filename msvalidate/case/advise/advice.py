@@ -255,8 +255,7 @@ def constants_lines(each: Sequence[Advice], unit: str = "m", density: str = "") 
     kappa = any(one.volume for one in each)
     heads = ["springs", *(f"k{number} (N/m)" for number in range(1, kinds + 1))]
     heads += [f"κ ({UNIT[each[0].material.dim]})"] * kappa
-    own = "this body" + ", damped" * any(one.damping is not None for one in each)
-    steps = f"step (s), {'filled bodies' if each[0].whose == WHOSE else own}"
+    steps = f"step (s), {'un' * all(one.damping is None for one in each)}damped"
     heads += ["mass (kg)", steps, "density (kg/m³)"]
     rows = []
     for number, one in enumerate(each):

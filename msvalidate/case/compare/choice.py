@@ -75,7 +75,7 @@ BRIDGED = "bridged"
 It lies between them or beyond the finest; the coarsest meets the target; no spacing does; or no
 lattice shows it, as springs bridge a gap of the body on each of them.
 """
-HEADS = ("estimate for", "spacing", "springs", "time", "elements", "time")
+HEADS = ("estimate", "spacing", "springs", "time", "elements", "time")
 """Columns of `need_rows`."""
 
 
