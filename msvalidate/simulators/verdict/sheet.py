@@ -100,10 +100,13 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
     causes = [c for c in found.causes if not (c.kind == FAILED and c.of["because"] in known)]
     failures = [phrase("note", what=each.what, why=each.why) for each in asked.failures]
     word, first = _word(found, asked, parts), next((each.kind for each in found.causes), "")
+    agrees = word == phrase("state", state=AGREES, some=NOTHING)
+    if agrees and found.lattice is not None:
+        word = phrase("lattice agrees", **vars(found.lattice.mean))
     word = phrase(f"first {first}", state=word) if first in FIRST else word
     return Sheet(
         word=text_of(word),
-        agrees=word == phrase("state", state=AGREES, some=NOTHING),
+        agrees=agrees,
         who=text_of(_who(asked)),
         causes=(*(each.said for each in causes), *map(text_of, dict.fromkeys(failures))),
         tables=tuple(tables),
