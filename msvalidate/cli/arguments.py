@@ -174,6 +174,9 @@ def check_sweep(parser: argparse.ArgumentParser, args: argparse.Namespace) -> No
     for option in ("--jobs", "--limit", "--scheduler"):
         if option in words and not args.set:
             parser.error(f"{option} is of combinations; give --set too, or leave it out")
+    for option in ("--json", "--junit", "--baseline"):
+        if option in words and args.set:
+            parser.error(f"{option} is of single cases; a sweep writes sweep.csv; leave it out")
     if {"--jobs", "--scheduler"} <= words:
         parser.error("--jobs is of this machine; with --scheduler leave it out")
 

@@ -209,7 +209,8 @@ def judge_file(args: argparse.Namespace) -> int:
     """Displacements from a file beside a case's elasticity."""
     folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
     gating.refuse_outputs(args, gating.CASES)
-    with of_case(args.file), progress_of(args.file, folder, args):
+    failing = gating.failures(args, folder.name)
+    with failing, of_case(args.file), progress_of(args.file, folder, args):
         with contextlib.suppress(ValueError):
             args.unit = float(args.unit)
         unit = places.unit_in_metres("--unit", args.unit)

@@ -6,7 +6,8 @@ import argparse
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from msvalidate.bench.judging.evidence import is_missed
 from msvalidate.bench.output import baseline, junit, report
 from msvalidate.cli.arguments import HELD, MISSED
 from msvalidate.cli.terminal import print_lines, tell, tell_error
-from msvalidate.problem import ProblemError
+from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.records import dataclass, field, replace
 from msvalidate_check import exchange
 
@@ -91,6 +92,18 @@ def refuse_outputs(args: argparse.Namespace, form: str) -> None:
             )
     if args.update:
         baseline.reasons(args.baseline, form, args.reason)
+
+
+@contextmanager
+def failures(args: argparse.Namespace, name: str) -> Iterator[None]:
+    """Write the JUnit file of a command that ends without a result."""
+    try:
+        yield
+    except (ProblemError, SolverError) as error:
+        failure = unfinished(name, str(error))
+        if args.junit:
+            exchange.replace_file(args.junit, lambda: junit.junit_xml([failure]))
+        raise
 
 
 def conclude(

@@ -34,7 +34,7 @@ def main(arguments: Sequence[str]) -> int:
     # Figures are made without a window; the library refuses to start with one that is not there.
     os.environ["MPLBACKEND"] = "agg"
     try:
-        return attempt(lambda: _load(args.act)(args))
+        return attempt(lambda: _load(args.act, quiet=args.quiet)(args))
     except Exception as error:  # noqa: BLE001  a fault of ours: one line, and a code of its own
         if args.verbose:
             tell(traceback.format_exc())
@@ -42,13 +42,16 @@ def main(arguments: Sequence[str]) -> int:
         return tell_error(f"a fault of the program itself: {said}; -v shows where", FAILED)
 
 
-def _load(act: str) -> Callable[[argparse.Namespace], int]:
-    """Function of a command, whose libraries take seconds to load on a busy machine."""
+def _load(act: str, *, quiet: bool) -> Callable[[argparse.Namespace], int]:
+    """Load the function of a command, and report that unless it is quiet.
+
+    Its libraries take seconds on a busy machine.
+    """
     module, _, name = act.partition(":")
     loaded = threading.Event()
 
     def report() -> None:
-        while not loaded.wait(LOADING):
+        while not (loaded.wait(LOADING) or quiet):
             tell("loading libraries")
 
     threading.Thread(target=report, daemon=True).start()

@@ -75,7 +75,8 @@ def simulate(args: argparse.Namespace) -> int:
     told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
     folder = args.out / _name(args, told)
     gating.refuse_outputs(args, gating.CASES)
-    with of_case(args.file), progress_of(args.file, folder, args):
+    failing = gating.failures(args, folder.name)
+    with failing, of_case(args.file), progress_of(args.file, folder, args):
         whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *told])
         files.refuse_foreign(folder, whose)
         kept = folder.with_name(f"{folder.name}{RUN}")
@@ -86,7 +87,9 @@ def simulate(args: argparse.Namespace) -> int:
         try:
             answer = program(request)
         except CannotRepresent as error:
-            return tell_error(f"{args.file.name}: cannot represent: {error}", NOTHING)
+            code = tell_error(f"{args.file.name}: cannot represent: {error}", NOTHING)
+            unanswered = gating.unfinished(folder.name, f"cannot represent: {error}")
+            return gating.conclude(args, gating.CASES, [unanswered], code)
         except SimulatorError as error:
             error.args = (f"{error} ({kept / OUT / LOG})",)
             raise
@@ -227,7 +230,8 @@ def check_adapter(args: argparse.Namespace) -> int:
     if folder is not None and not args.quiet:
         tell(f"{name}: {folder / PAGE}")
     result = _judged(name, found, sheet.word, accepted=code == HELD)
-    result = replace(result, record=record, seconds=seconds)
+    failure = sheet.word if code in (FAILED, NOTHING) else ""
+    result = replace(result, record=record, seconds=seconds, error=failure)
     return gating.conclude(args, gating.SIMULATORS, [result], code)
 
 
@@ -300,6 +304,10 @@ def _judged(name: str, judgement: Judgement, word: str, *, accepted: bool) -> ga
         verdict = "pass" if each.is_explained or each.is_rounded else "fail"
         numbers = {"observed": part, "reference": 0.0, "error": part, "limit": BAND}
         rows.append(gating.row("body", f"{each.body}, {each.mesh}", verdict, word, **numbers))
+    for lattice in judgement.lattice.bodies if judgement.lattice else ():
+        part, away = lattice.residual, lattice.errors.get("elasticity", math.nan)
+        if math.isfinite(part + away):
+            bodies.append((lattice.load, "lattice", away, part))
     if bodies:
         tables["bodies"] = pd.DataFrame(bodies, columns=BODIES)
     return gating.Judged(name, pd.DataFrame(rows), {}, tables, rounding)

@@ -102,8 +102,8 @@ def plot(network: Network, displacement: Any = None, magnification: float | None
     on = loaded_points(network.force, most=8 * (dim - 1) ** 2)
     with figure_style():
         figure, axis = body_axes(np.concatenate([x, moved]), 1.3 * ARROW * size)
-        for at, label, colour in ((x, "at rest", "#999999"), (moved, "deformed", COLOURS[0])):
-            if label == "at rest" or displacement is not None:
+        for at, label, colour in ((x, "undeformed", "#999999"), (moved, "deformed", COLOURS[0])):
+            if label == "undeformed" or displacement is not None:
                 draw_springs(axis, at, network.springs, label, colour)
         arrows = moved[on], network.force[on], ARROW * size
         draw_supports_and_loads(axis, moved, network.fixed, *arrows)

@@ -244,7 +244,7 @@ def draw_fields(found: Comparison) -> Figure:
         shown = moved[_flat(solution.body.surface)][..., UPWARDS]
         axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
     _draw_edges(axis, moved, solution, COLOURS[1], elements)
-    _draw_edges(axis, x, solution, EDGE, "at rest", "--")
+    _draw_edges(axis, x, solution, EDGE, "undeformed", "--")
     at, arrow = _arrows(found)
     loads = at + times * found.reference.finest.at(at), arrow, ARROW * size
     draw_supports_and_loads(axis, springs, found.springs[0].network.fixed, *loads)

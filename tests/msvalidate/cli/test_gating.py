@@ -83,6 +83,17 @@ def test_json_and_junit_are_complete(conclude, capsys):
     assert error.get("message") == "it crashed"
 
 
+def test_a_command_that_fails_leaves_a_junit_file(tmp_path):
+    path = tmp_path / "j.xml"
+    with (
+        pytest.raises(ProblemError, match="no mesh"),
+        gating.failures(Namespace(junit=path), "bar"),
+    ):
+        raise ProblemError("case bar: no mesh")
+    error = ET.parse(path).find("testsuite/testcase/error")  # noqa: S314  our own
+    assert error.get("message") == "case bar: no mesh"
+
+
 def test_a_result_without_baseline_or_without_numbers_is_no_success(conclude, capsys):
     base = {"baseline": conclude.folder / "base"}
     (base["baseline"] / "case").mkdir(parents=True)

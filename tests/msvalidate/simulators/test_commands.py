@@ -22,7 +22,7 @@ EXAMPLES = Path(__file__).parents[3] / "examples"
 
 def messages(said):
     """Lines of standard error, except progress."""
-    progress = re.compile("(?!.* error: ).*: (step|simul|quest|still|load)")
+    progress = re.compile("(?!.* error: ).*: (step|simul|quest|still)|loading libraries")
     return [line for line in said.splitlines() if not progress.match(line)]
 
 
@@ -189,6 +189,16 @@ def test_adapters_that_cannot_be_checked(place, text, words, code, said):
     assert (done.returncode, done.stdout) == (code, "")
     assert said in done.stderr
     assert len(messages(done.stderr)) == 1
+
+
+def test_a_crash_in_one_question_is_no_baseline(adapters):
+    words = ("--baseline", "none", "--update", "--reason", "x", "--junit", "crash.xml")
+    done = run("adapter", "check", "fails.py", "--only", "gate", *words, cwd=adapters)
+    assert done.returncode == 3
+    assert "baseline unchanged: fails has no result" in done.stderr
+    assert not (adapters / "none").exists()
+    suite = ET.parse(adapters / "crash.xml").find("testsuite")  # noqa: S314  our own
+    assert suite.get("errors") == "1"
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the system for processes")

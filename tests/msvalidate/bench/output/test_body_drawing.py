@@ -31,7 +31,7 @@ def test_springs_are_drawn_at_rest_and_moved_as_the_title_says(dim, given):
     assert most == pytest.approx(lengths.max(), rel=5e-3)
     assert times == given or 0.04 < times * lengths.max() / 2.0 <= 0.1
     lines = {each.get_label(): each for each in axis.collections}
-    for label, at in (("at rest", network.points), ("deformed", rest.position)):
+    for label, at in (("undeformed", network.points), ("deformed", rest.position)):
         at = network.points + times * (at - network.points)  # noqa: PLW2901
         drawn = lines[label].get_segments() if dim == 2 else lines[label]._segments3d
         expected = at[network.springs][..., [0, 2, 1][:dim] if dim == 3 else [0, 1]]
