@@ -5,6 +5,7 @@ packages hold the rest. A name is imported when it is first used, as ``python -m
 must not wait for numpy.
 """
 
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -25,13 +26,15 @@ _HOMES = {
     "springs.dynamics.integrate": ("State", "motion", "recommended_time_step"),
     "springs.dynamics.integrators": ("INTEGRATORS",),
     "springs.dynamics.spectrum": ("natural_frequencies",),
-    "bench.judging.evidence": ("judge",),
+    "bench.judging.evidence": ("judge", "run"),
     "springs.lattice": (
         *("cut_lattice", "fill", "fill_rotated", "mesh_lattice", "patterns", "square"),
         *("triangular", "voronoi", "voronoi_box"),
     ),
     "springs.network": ("spring_network",),
-    "bench.output.body_drawing": ("plot",),
+    "api": ("body", "build", "equilibrium", "reference", "solve"),
+    "bench.output.animation": ("animate",),
+    "case.report.solutions": ("compare", "plot"),
     "problem": (
         *("Anisotropic", "Ball", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
         *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction"),
@@ -39,19 +42,29 @@ _HOMES = {
     ),
     "springs.dynamics.relax": ("algorithm1", "relax"),
     "springs.dynamics.relaxations": ("RELAXATIONS",),
-    "springs.statics.equilibrium": ("equilibrium",),
     "springs.statics.stress": ("fitted_stress",),
 }
 """Module -> the names of it that are offered here."""
 
+_SYNONYMS = {"fem": "reference", "simulate": "relax", "problem": "Problem"}
+"""Name that users try -> name that is offered."""
+
 __all__ = ["__version__", *sorted(name for names in _HOMES.values() for name in names)]  # noqa: PLE0604
 
 if TYPE_CHECKING:  # the same for readers of types
+    from msvalidate.api import body as body
+    from msvalidate.api import build as build
+    from msvalidate.api import equilibrium as equilibrium
+    from msvalidate.api import reference as reference
+    from msvalidate.api import solve as solve
+    from msvalidate.bench.judging.evidence import run as run
     from msvalidate.bench.judging.evidence import judge as judge
-    from msvalidate.bench.output.body_drawing import plot as plot
+    from msvalidate.bench.output.animation import animate as animate
     from msvalidate.case.compare.comparison import compare_case as compare_case
     from msvalidate.case.file.building import read_case as read_case
     from msvalidate.case.file.case import Case as Case
+    from msvalidate.case.report.solutions import compare as compare
+    from msvalidate.case.report.solutions import plot as plot
     from msvalidate.problem import Anisotropic as Anisotropic
     from msvalidate.problem import Ball as Ball
     from msvalidate.problem import BodyForce as BodyForce
@@ -94,7 +107,6 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.springs.lattice import voronoi as voronoi
     from msvalidate.springs.lattice import voronoi_box as voronoi_box
     from msvalidate.springs.network import spring_network as spring_network
-    from msvalidate.springs.statics.equilibrium import equilibrium as equilibrium
     from msvalidate.springs.statics.stress import fitted_stress as fitted_stress
 
 
@@ -104,7 +116,9 @@ def __getattr__(name: str) -> object:
         if name in names:
             globals()[name] = getattr(import_module(f"{__name__}.{module}"), name)
             return globals()[name]
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    near = get_close_matches(_SYNONYMS.get(name, name), __all__, 1, 0.5)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}{hint}")
 
 
 def __dir__() -> list[str]:

@@ -36,6 +36,7 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import format_value, require_type, shaped
 from msvalidate.problem.records import dataclass
 from reference_fem.elasticity import elastic_tensor, make_solver
+from reference_fem.first_mesh import first_mesh
 from reference_fem.materials import CellMaterials, Materials, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
@@ -194,7 +195,7 @@ class Solution:
 
 def solve_problem(
     problem: Problem,
-    body: Discretisation,
+    body: Discretisation | None = None,
     *,
     mixed: bool = False,
     solver: str = "auto",
@@ -205,7 +206,8 @@ def solve_problem(
     Parameters
     ----------
     problem, body
-        What is asked, and the mesh.
+        Problem, and the mesh. Default: the coarsest mesh of `converged.converge`, which refines it
+        until the error is known.
     mixed
         Seek displacement and pressure together (Taylor-Hood): for nu near 1/2 and 1/2 itself, in
         plane strain and space, on quadratic elements. Displacement elements lock there.
@@ -223,6 +225,8 @@ def solve_problem(
         If the elements lock, or the solution fails its residual check or its error may be above
         `solver.ACCEPTED`.
     """
+    require_type("problem", problem, Problem)
+    body = first_mesh(problem) if body is None else body
     if mixed:
         if solver not in ("auto", "superlu"):
             raise ProblemError(

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import product
 from types import UnionType
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +37,7 @@ A number stands for itself, a letter for any length, "n>1" for any above 1, a tu
 several.
 """
 ArrayType = TypeVar("ArrayType", bound=np.ndarray)
+Record = TypeVar("Record")
 
 
 def format_value(value: object) -> str:
@@ -261,17 +262,21 @@ def require_one_of(name: str, value: object, names: Iterable[str]) -> None:
         raise ProblemError(f"{name}: {format_value(value)}; choose {listed}")
 
 
-def require_entry(name: str, value: object, kind: type, table: str, keys: Iterable[str]) -> None:
-    """Raise `ProblemError` unless `value` is a record of a table.
+def choose_entry(
+    name: str, value: object, kind: type[Record], table: Mapping[str, Record]
+) -> Record:
+    """Return a record of a table, given as itself or by its key.
 
-    For a key of the table, the message shows how to look the record up.
+    Raises `ProblemError` for another type, and for an unknown key with the nearest one.
     """
     if not isinstance(value, str):
-        return require_type(name, value, kind)
-    known = tuple(keys)
-    near = difflib.get_close_matches(value.lower(), known, n=1)
-    entry = f"{table}[{near[0]!r}]" if near else f"an entry of {table}: {', '.join(known)}"
-    raise ProblemError(f"{name}: {format_value(value)} is a name; give {entry}")
+        require_type(name, value, kind)
+        return cast("Record", value)
+    if value not in table:
+        near = difflib.get_close_matches(value.lower(), table, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"choose {', '.join(table)}"
+        raise ProblemError(f"{name}: {format_value(value)}; {remedy}")
+    return table[value]
 
 
 def whole_number(name: str, value: object, least: int, most: int = MOST_COUNTED) -> int:

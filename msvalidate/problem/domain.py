@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import ClassVar
 
@@ -45,18 +46,18 @@ class Box:
     Parameters
     ----------
     size
-        Edge lengths (m) along x, y (and z), each > 0.
+        Edge lengths (m) along x, y (and z), each > 0, as one tuple or list, or one by one.
 
     Raises
     ------
     ProblemError
-        If it is not a tuple of 2 or 3 positive lengths, or the shortest is not above 1e-9 of the
+        If there are not 2 or 3 positive lengths, or the shortest is not above 1e-9 of the
         longest.
 
     Examples
     --------
     >>> from msvalidate import Box
-    >>> beam = Box((0.37, 0.2))
+    >>> beam = Box(0.37, 0.2)  # or Box((0.37, 0.2))
     >>> beam.dim, round(beam.volume, 6)
     (2, 0.074)
     >>> print(beam.side("right"))
@@ -65,11 +66,11 @@ class Box:
 
     size: tuple[float, ...]
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.size, tuple) or len(self.size) not in {2, 3}:
-            raise ProblemError(
-                f"box size: {format_value(self.size)}; give a tuple of 2 or 3 lengths"
-            )
+    def __init__(self, size: Sequence[float] | float, *more: float) -> None:
+        given = (size, *more) if more or not isinstance(size, list | tuple) else tuple(size)
+        if len(given) not in {2, 3}:
+            raise ProblemError(f"box size: {format_value(size)}; give 2 or 3 lengths in m")
+        object.__setattr__(self, "size", given)
         for axis, edge in zip(AXES, self.size, strict=False):
             length_in_metres(f"box size along {axis}", edge)
         if min(self.size) <= self.tolerance:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -69,8 +70,8 @@ class Traction:
     Parameters
     ----------
     region
-        Side of the body or part of it: a `Region` with exactly one fixed coordinate, a segment, or
-        a named boundary of a `Mesh`.
+        Side of the body or part of it: a `Region` with exactly one fixed coordinate, a segment, a
+        named boundary of a `Mesh`, or the name of a side of the problem's domain.
     traction
         Force per area (Pa): d components, or a function of points (n, d) in m that returns (n, d).
         In 2D the area is the length of the edge times the thickness of the material.
@@ -91,14 +92,19 @@ class Traction:
     region: Part
     traction: tuple[float, ...] | Field
 
-    def __post_init__(self) -> None:
-        check_region("traction", self.region)
-        if not self.region.is_facet:
+    def __init__(self, region: Part | str, traction: Sequence[float] | Field) -> None:
+        given = traction if callable(traction) else as_tuple(traction)
+        object.__setattr__(self, "region", region)
+        object.__setattr__(self, "traction", given)
+        if isinstance(region, str):  # which the problem resolves
+            return
+        check_region("traction", region)
+        if not region.is_facet:
             raise ProblemError(
-                f"traction on {self.region}: a traction acts on a side of the body, where exactly "
+                f"traction on {region}: a traction acts on a side of the body, where exactly "
                 "one coordinate is fixed; or give a Segment"
             )
-        check_vector(f"traction on {self.region}", self.traction, self.region.dim)
+        check_vector(f"traction on {region}", self.traction, region.dim)
 
 
 @dataclass(frozen=True)
@@ -197,6 +203,11 @@ class Weight:
 
 
 Load = PointForce | Traction | BodyForce | Weight
+
+
+def as_tuple(value: Any) -> Any:
+    """Return a list as a tuple, and anything else unchanged."""
+    return tuple(value) if isinstance(value, list) else value
 
 
 def check_region(name: str, region: object) -> None:

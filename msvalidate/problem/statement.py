@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any, get_args
 
 import numpy as np
 
@@ -11,17 +12,26 @@ from msvalidate.problem.checks import (
     check_name,
     finite,
     finite_coordinates,
+    finite_number,
     format_value,
     require_type,
 )
 from msvalidate.problem.contact import Contact
-from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
+from msvalidate.problem.domain import Box, Domain, Polygon, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.loads import BodyForce, Load, Traction, Weight, check_region, check_vector
+from msvalidate.problem.loads import (
+    BodyForce,
+    Load,
+    Traction,
+    Weight,
+    as_tuple,
+    check_region,
+    check_vector,
+)
 from msvalidate.problem.material import Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
-from msvalidate.problem.records import dataclass, field
+from msvalidate.problem.records import dataclass, field, replace
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
 from msvalidate.problem.zone import Zone, refuse_other_state
@@ -34,34 +44,41 @@ class Support:
     Parameters
     ----------
     region
-        Part of the body: a point, edge, face or interval as `Region`, a segment, or a named
-        boundary of a `Mesh`.
+        Part of the body: a point, edge, face or interval as `Region`, a segment, a named boundary
+        of a `Mesh`, or the name of a side of the problem's domain.
     displacement
         One entry per axis: a value (m), a function of points (n, d) in m that returns (n,) in m, or
-        None for a free component.
+        None for a free component. One number applies to all axes. Default: clamped, 0.
 
     Raises
     ------
     ProblemError
-        If it is not a tuple with one entry per axis, every entry is None, or a value is not a
-        finite number.
+        If there is not one entry per axis, every entry is None, or a value is not a finite number.
 
     Examples
     --------
     >>> from msvalidate import Box, Support
     >>> box = Box((0.4, 0.1))
-    >>> clamp = Support(box.side("left"), (0.0, 0.0))
+    >>> clamp = Support("left")
     >>> roller = Support(box.side("bottom"), (None, 0.0))
     """
 
     region: Part
     displacement: tuple[float | Field | None, ...]
 
-    def __post_init__(self) -> None:
-        check_region("support", self.region)
-        name, given = f"support on {self.region}", self.displacement
+    def __init__(
+        self, region: Part | str, displacement: Sequence[float | Field | None] | float = 0.0
+    ) -> None:
+        given: Any = as_tuple(displacement)
+        object.__setattr__(self, "region", region)
+        object.__setattr__(self, "displacement", given)
+        if isinstance(region, str):  # which the problem resolves
+            return
+        check_region("support", region)
+        name = f"support on {region}"
         if not isinstance(given, tuple):
-            raise ProblemError(f"{name}: {format_value(given)}; give a tuple")
+            given = (finite_number(name, given),) * region.dim
+            object.__setattr__(self, "displacement", given)
         if len(given) != self.region.dim:
             raise ProblemError(
                 f"{name}: {len(given)} components for {self.region.dim} axes; give a value, a "
@@ -93,13 +110,13 @@ class Problem:
     material
         Material of the body outside its zones, `Isotropic` or `Anisotropic`.
     supports
-        Prescribed displacements, a tuple of `Support` (Dirichlet boundary conditions).
+        Prescribed displacements (Dirichlet boundary conditions): `Support`, one or several.
     loads
-        Tuple of `PointForce`, `Traction`, `BodyForce` and `Weight`.
+        `PointForce`, `Traction`, `BodyForce` and `Weight`, one or several.
     name
         Name of the problem in messages.
     zones
-        Parts of other materials, a tuple of `Zone`. Where zones overlap, the last one counts.
+        Parts of other materials, `Zone`. Where zones overlap, the last one counts.
     contacts
         Rigid obstacles that the body may touch.
 
@@ -132,18 +149,22 @@ class Problem:
 
     def __post_init__(self) -> None:
         check_name("problem name", self.name)
-        for name, parts, kind in (
-            ("supports", self.supports, Support),
-            ("loads", self.loads, Load),
-            ("zones", self.zones, Zone),
-            ("contacts", self.contacts, Contact),
-        ):
-            if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
-                raise ProblemError(
-                    f"{self.name}: {name} {format_value(parts)}; give a tuple of them"
-                )
         require_type(f"{self.name}: material", self.material, Material)
         require_type(f"{self.name}: domain", self.domain, Domain)
+        for name, kind in (
+            ("supports", Support),
+            ("loads", Load),
+            ("zones", Zone),
+            ("contacts", Contact),
+        ):
+            value = getattr(self, name)
+            parts = (value,) if isinstance(value, kind) else as_tuple(value)
+            if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
+                one = " or ".join(k.__name__ for k in get_args(kind) or (kind,))
+                raise ProblemError(
+                    f"{self.name}: {name} {format_value(value)}; give a list of {one}"
+                )
+            object.__setattr__(self, name, tuple(map(self._resolve_side, parts)))
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
@@ -165,6 +186,17 @@ class Problem:
             _refuse_off_side("contact", contact.region, self.domain, corners)
             _refuse_centre_inside(contact, self.domain)
         self._support_corners()
+
+    def _resolve_side(self, part: Any) -> Any:
+        """Return a support or load whose region, if named, is the domain's side of that name."""
+        name = getattr(part, "region", None)
+        if not isinstance(name, str):
+            return part
+        if isinstance(self.domain, Polygon):
+            raise ProblemError(
+                f"{self.name}: side {format_value(name)}: a polygon has no names; give a Segment"
+            )
+        return replace(part, region=self.domain.side(name))
 
     @property
     def materials(self) -> tuple[Material, ...]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Sequence
+from itertools import cycle
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,11 +23,13 @@ from msvalidate.bench.output.figures import (
     new_figure,
     solid_axes,
 )
+from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Index, Mask
-from msvalidate.problem.checks import finite_coordinates, positive_number, require_type
+from msvalidate.problem.checks import finite_coordinates, positive_number
 from msvalidate.springs.network import Network
 
 AT_REST = "#d4d4d4"
+UNDEFORMED = "#949494"
 SHOWN = 0.1
 """Size of the largest displacement as drawn, relative to the body."""
 ARROW = 0.12
@@ -53,63 +57,89 @@ BOUNDARY_RULES = {
 """Names in figures of `springs.lattice.filled.WEIGHTS`."""
 
 
-def plot(network: Network, displacement: Any = None, magnification: float | None = None) -> Figure:
-    """Plot the springs of a network in its reference and deformed positions.
-
-    The figure also shows the supports and the load at some of the points.
+class Drawing(NamedTuple):
+    """Lines of a body, with their motion, supports and loads.
 
     Parameters
     ----------
-    network
-        Network in 2D or 3D.
+    label
+        Name in the legend.
+    points, lines
+        Reference positions (n, d) in m, and pairs (m, 2) of points that a line joins.
     displacement
-        Displacement (m) of shape (n, d), or an object with such a field, for example the result of
-        `equilibrium`. Default: the reference positions only.
-    magnification
-        Factor of the displacements, > 0. Default: 1, 2 or 5 times a power of ten, so that the
-        largest displacement appears as at most a tenth of the body; 1 if it is between a tenth of
-        the body and all of it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure whose title states the magnification.
-
-    Raises
-    ------
-    ProblemError
-        If the displacement does not fit the network, or its magnification is not positive.
-
-    Examples
-    --------
-    >>> from msvalidate import plot, spring_network
-    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
-    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
-    >>> figure = plot(network)  # figure.savefig("network.png") writes a file
-    >>> len(figure.axes)
-    1
+        Displacement (n, d) in m; None if there is none to draw.
+    fixed, force
+        Mask (n, d) of fixed components, and external forces (n, d) in N.
     """
-    require_type("network", network, Network)
-    x, dim, title = network.points, network.dim, "as given, without displacements"
-    moved, size = x, float(np.ptp(x, axis=0).max()) or 1.0
+
+    label: str
+    points: Array
+    lines: Index
+    displacement: Array | None
+    fixed: Mask
+    force: Array
+
+    @property
+    def size(self) -> float:
+        """Largest extent (m) along an axis."""
+        return float(np.ptp(self.points, axis=0).max()) or 1.0
+
+
+def network_drawing(network: Network, displacement: Any = None) -> Drawing:
+    """Return the drawing of a network, deformed by a displacement (n, d) in m if there is one.
+
+    Raises `ProblemError` if the displacement does not fit the network.
+    """
     if displacement is not None:
-        u = getattr(displacement, "displacement", displacement)
-        u = finite_coordinates("displacement", u, *x.shape)
-        most = float(np.linalg.norm(u, axis=1).max())
-        times = _magnification(SHOWN * size, most) if magnification is None else magnification
-        moved = x + positive_number("magnification", times) * u
+        displacement = finite_coordinates("displacement", displacement, *network.points.shape)
+    lines = network.points, network.springs
+    return Drawing("springs", *lines, displacement, network.fixed, network.force)
+
+
+def draw_bodies(drawings: Sequence[Drawing], magnification: float | None = None) -> Figure:
+    """Draw bodies in their reference and deformed positions in one pair of axes.
+
+    Supports and loads are those of the first. The default magnification is 1, 2 or 5 times a power
+    of ten, so that the largest displacement appears as at most a tenth of the body; 1 if it is
+    between a tenth of the body and all of it.
+
+    Raises `ProblemError` if the magnification is not positive.
+    """
+    first = drawings[0]
+    moved = [each for each in drawings if each.displacement is not None]
+    times = common_magnification(drawings) if magnification is None else magnification
+    positive_number("magnification", times)
+    places = [_moved(each, times) for each in drawings]
+    title = "reference positions"
+    if moved:
+        most = max(max_length(each.displacement) for each in moved)  # type: ignore[arg-type]
         title = f"displacements magnified {times:g} times, the largest is {most:.3g} m"
-    on = loaded_points(network.force, most=8 * (dim - 1) ** 2)
+    on = loaded_points(first.force)
     with figure_style():
-        figure, axis = body_axes(np.concatenate([x, moved]), 1.3 * ARROW * size)
-        for at, label, colour in ((x, "undeformed", "#999999"), (moved, "deformed", COLOURS[0])):
-            if label == "undeformed" or displacement is not None:
-                draw_springs(axis, at, network.springs, label, colour)
-        arrows = moved[on], network.force[on], ARROW * size
-        draw_supports_and_loads(axis, moved, network.fixed, *arrows)
+        room = 1.3 * ARROW * first.size
+        figure, axis = body_axes(np.concatenate([first.points, *places]), room)
+        if moved:
+            draw_springs(axis, first.points, first.lines, "undeformed", UNDEFORMED)
+        for each, at, colour in zip(drawings, places, cycle(COLOURS)):
+            draw_springs(axis, at, each.lines, each.label, colour)
+        arrows = places[0][on], first.force[on], ARROW * first.size
+        draw_supports_and_loads(axis, places[0], first.fixed, *arrows)
         axis.set_title(title, loc="left")
         add_shared_legend(figure, [axis])
     return figure
+
+
+def _moved(drawing: Drawing, magnification: float) -> Array:
+    """Positions (n, d) in m as drawn."""
+    if drawing.displacement is None:
+        return drawing.points
+    return drawing.points + magnification * drawing.displacement
+
+
+def common_magnification(drawings: Sequence[Drawing]) -> float:
+    """Return the magnification at which all of some bodies are drawn."""
+    most = [max_length(u) for each in drawings if (u := each.displacement) is not None]
+    return _magnification(SHOWN * drawings[0].size, max(most, default=0.0))
 
 
 def _magnification(shown: float, most: float) -> float:
@@ -163,15 +193,17 @@ def draw_supports_and_loads(
         axis.quiver(*start, *along, color=COLOURS[1], lw=1.2, label="load")
 
 
-def draw_springs(axis: Any, at: Array, springs: Index, label: str, colour: str = DEFORMED) -> None:
-    """Lines between points (n, d) in m that springs (m, 2) join, finer where they are many."""
+def draw_springs(axis: Any, at: Array, springs: Index, label: str, colour: str = DEFORMED) -> Any:
+    """Draw lines between points (n, d) in m that springs (m, 2) join, finer where they are many.
+
+    Return the collection of lines.
+    """
     dim = at.shape[1]
     width = min(0.8, 30 / len(at) ** (1 - 1 / dim))  # about in proportion to gaps between lines
     style: dict[str, Any] = {"color": colour, "lw": width, "label": label}
     if dim == 2:
-        axis.add_collection(LineCollection(list(at[springs]), **style))
-    else:
-        axis.add_collection3d(Line3DCollection(at[springs][..., UPWARDS], **style))
+        return axis.add_collection(LineCollection(list(at[springs]), **style))
+    return axis.add_collection3d(Line3DCollection(at[springs][..., UPWARDS], **style))
 
 
 def draw_particles(axis: Axes, at: Array) -> None:

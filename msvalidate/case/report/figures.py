@@ -322,16 +322,24 @@ def _draw_edges(
     axis: Axes, places: Array, solution: Solution, colour: str, label: str, style: str = "-"
 ) -> None:
     """Outline of a body in the plane, sharp edges and rims in space, its nodes at places (n, d)."""
-    body = solution.body
-    facets = body.surface
-    if body.dim == 2:
-        ends = facets[:, [0, 2, 1]] if facets.shape[1] == 3 else facets
+    edges = outline_edges(solution.body)
+    if solution.body.dim == 2:
         drawn: dict[str, Any] = {"linewidths": 1.1, "linestyles": style, "label": label}
-        axis.add_collection(LineCollection(list(places[ends]), colors=colour, **drawn))
+        axis.add_collection(LineCollection(list(places[edges]), colors=colour, **drawn))
         return
-    for number, edge in enumerate(sharp_edges(body.points, _flat(facets))):
+    for number, edge in enumerate(edges):
         own = label if not number else None
         axis.plot(*_upright(places[edge]), style, color=colour, lw=0.9, label=own)
+
+
+def outline_edges(mesh: Discretisation) -> Index:
+    """Pairs (e, 2) of nodes along the outline of a 2D mesh, or the sharp edges of a 3D mesh."""
+    facets = mesh.surface
+    if mesh.dim == 3:
+        return sharp_edges(mesh.points, _flat(facets))
+    if facets.shape[1] == 2:
+        return facets
+    return np.concatenate([facets[:, [0, 2]], facets[:, [2, 1]]])
 
 
 def _flat(facets: Index) -> Index:

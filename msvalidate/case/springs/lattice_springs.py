@@ -17,6 +17,7 @@ import math
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any, Literal
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -33,6 +34,7 @@ from msvalidate.case.file.part_mesh import edge_lattice
 from msvalidate.case.file.units import quantity_text
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, Isotropic, Mask, Mesh, Problem, ProblemError, SolverError
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
@@ -45,7 +47,7 @@ from msvalidate.springs.constants.zones import OneOrEach, calibrate_zones
 from msvalidate.springs.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.springs.lattice.cut import cell_weights, joins_corners
 from msvalidate.springs.lattice.edges import EdgeLattice
-from msvalidate.springs.network import Network, mode_energy
+from msvalidate.springs.network import Body, Network, mode_energy
 from msvalidate.springs.statics.breaking import FractureResult
 from msvalidate.springs.statics.contact import ContactEquilibrium, solve_contact
 from msvalidate.springs.statics.equilibrium import Equilibrium, equilibrium
@@ -210,21 +212,45 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     length = quantity_text(spacing, "m", case.unit)
     counts = (f"{len(lattice.cells):,}", f"{len(network.springs):,}")
     report_step("lattice %s, spacing %s, %s cells, %s springs", case.lattice, length, *counts)
-    contact = None
     if contacts:
         problem = laid_problem(case, spacing)
-        try:
-            contact = solve_contact(network, touching_points(problem, lattice))
-        except SolverError:
-            problem.refuse_slight_force()
-            raise
+        network = replace(network, body=Body(problem, lattice, calibration))
+    rest, contact = solve_network(network, case.geometry)
+    if contact:
         network = replace(network, force=network.force + contact.load)
-    rest = contact.equilibrium if contact else equilibrium(network, case.geometry)
     if case.lattice == MESH_EDGES:
         spacing = problem.domain.mean_edge  # type: ignore[union-attr]
     seconds = time.perf_counter() - began
     made = (lattice, network, rest, calibration, seconds, case.geometry, contact)
     return SpringAnswer(problem, spacing, *made)
+
+
+def solve_network(
+    network: Network, geometry: Literal["linear", "nonlinear"] = "linear", **options: Any
+) -> tuple[Equilibrium, ContactEquilibrium | None]:
+    """Equilibrium of a network, with the contact if its problem has an obstacle.
+
+    The options are those of `equilibrium`. Raises `ProblemError` for unknown options, and for any
+    with an obstacle.
+    """
+    require_type("network", network, Network)
+    known = ("path", "start", "allow_folded", "solver")
+    for name in options.keys() - set(known):
+        raise ProblemError(
+            f"solve: option {name!r}; choose {', '.join(known)}, or geometry='nonlinear' for large "
+            "displacements"
+        )
+    body = network.body
+    if body is None or not body.problem.contacts:
+        return equilibrium(network, geometry, **options), None
+    if options or geometry == "nonlinear":
+        raise ProblemError("solve: springs meet an obstacle to first order; leave options out")
+    try:
+        contact = solve_contact(network, touching_points(body.problem, body.lattice))
+    except SolverError:
+        body.problem.refuse_slight_force()
+        raise
+    return contact.equilibrium, contact
 
 
 def make_network(

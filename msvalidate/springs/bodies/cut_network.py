@@ -51,10 +51,10 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import require_type
 from msvalidate.springs.bodies.cut_solid import fixed_points, traction_on_solid
 from msvalidate.springs.bodies.lattice_network import nodal_force
-from msvalidate.springs.constants.zones import OneOrEach, constants_by_zone
+from msvalidate.springs.constants.zones import OneOrEach, choose_constants, constants_by_zone
 from msvalidate.springs.lattice.cut import CutLattice
 from msvalidate.springs.lattice.outline import crossed_cells, outline, straight_pieces
-from msvalidate.springs.network import Network, spring_network
+from msvalidate.springs.network import Body, Network, spring_network
 from msvalidate.springs.network.laws.volumes import Volumes
 
 GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
@@ -112,6 +112,7 @@ def cut_network(
     """
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
+    constants = choose_constants(problem, lattice, constants, volume)
     k, kappa, pressure, density = constants_by_zone(problem, lattice, constants, volume)
     if pressure.any():
         raise ProblemError(
@@ -140,6 +141,7 @@ def cut_network(
         force=force,
         volumes=volumes if kappa.any() else None,
         cells=lattice.cells,
+        body=Body(problem, lattice, constants),
     )
 
 

@@ -26,11 +26,11 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import require_one_of, require_type
 from msvalidate.problem.records import replace
-from msvalidate.springs.constants.zones import OneOrEach, constants_by_zone
+from msvalidate.springs.constants.zones import OneOrEach, choose_constants, constants_by_zone
 from msvalidate.springs.lattice import CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.springs.lattice.corners import quadrilateral_shares
 from msvalidate.springs.lattice.edges import EdgeLattice
-from msvalidate.springs.network import Network, spring_network
+from msvalidate.springs.network import Body, Network, spring_network
 from msvalidate.springs.network.laws.linear import LINEAR
 from msvalidate.springs.network.laws.logarithmic import LOGARITHMIC
 from msvalidate.springs.network.laws.quadratic import QUADRATIC
@@ -66,7 +66,7 @@ def lattice_network(
     constants
         Spring constants (N/m, thickness included; Pa for 3D mesh edges) per kind, or a calibration;
         with zones a tuple of one per material. Default: the constants of the problem's
-        isotropic material, if springs alone can represent it.
+        isotropic material by springs alone, or with a volume energy if these do not suffice.
     volume
         Stiffness κ of the volume energy of every cell (N/m with the thickness in 2D, Pa in 3D).
     weights
@@ -103,6 +103,7 @@ def lattice_network(
     require_type("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
+    constants = choose_constants(problem, lattice, constants, volume)
     k, kappa, pressure, density = constants_by_zone(problem, lattice, constants, volume)
     require_one_of("mass", mass, ("shared", "equal"))
     weight = boundary_weights(lattice, weights)
@@ -122,6 +123,7 @@ def lattice_network(
         volumes=volumes,
         cells=lattice.cells,
         law=ZERO_LENGTH if volumes is not None and volumes.law is LOGARITHMIC else LINEAR,
+        body=Body(problem, lattice, constants),
     )
     if not network.law.rests:
         _refuse_unbalanced(network, lattice.name, weights)

@@ -27,7 +27,12 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.records import ReadOnly, dataclass, replace
 from msvalidate.springs.constants.cell_at_rest import elongations, relax_cell
-from msvalidate.springs.constants.stiffness import ALIKE, spring_tensor, voigt_directions
+from msvalidate.springs.constants.stiffness import (
+    ALIKE,
+    isotropic_moduli,
+    spring_tensor,
+    voigt_directions,
+)
 from msvalidate.springs.lattice import (
     WEIGHTS,
     Constants,
@@ -68,6 +73,21 @@ class Homogenised(ReadOnly):
     error: float
     solver: str
 
+    @property
+    def E(self) -> float:
+        """Young's modulus (N/m in 2D, Pa in 3D) of the nearest isotropic tensor."""
+        return isotropic_moduli(self.tensor).E
+
+    @property
+    def nu(self) -> float:
+        """Poisson's ratio of the nearest isotropic tensor."""
+        return isotropic_moduli(self.tensor).nu
+
+    @property
+    def zener(self) -> float:
+        """Zener ratio, 1 for an isotropic tensor."""
+        return isotropic_moduli(self.tensor).zener
+
 
 def homogenise(
     pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
@@ -93,7 +113,8 @@ def homogenise(
     -------
     Homogenised
         Its field ``tensor`` is the Voigt tensor, (3, 3) in N/m in 2D or (6, 6) in Pa in 3D;
-        ``affine`` is the upper bound without relaxation of the points inside the cell.
+        ``affine`` is the upper bound without relaxation of the points inside the cell. ``E``,
+        ``nu`` and ``zener`` are the moduli of the nearest isotropic tensor.
 
     Raises
     ------
@@ -105,9 +126,9 @@ def homogenise(
 
     Examples
     --------
-    >>> from msvalidate import homogenise, isotropic_moduli, patterns
-    >>> moduli = isotropic_moduli(homogenise(patterns.triangular(), (1.0,)).tensor)
-    >>> print(f"{moduli.E:.6f} N/m, nu = {moduli.nu:.6f}")  # 2/√3 k and 1/3
+    >>> from msvalidate import homogenise, patterns
+    >>> solid = homogenise(patterns.triangular(), (1.0,))
+    >>> print(f"{solid.E:.6f} N/m, nu = {solid.nu:.6f}")  # 2/√3 k and 1/3
     1.154701 N/m, nu = 0.333333
     """
     require_type("pattern", pattern, Pattern)

@@ -1,7 +1,7 @@
 """From a body's materials to the constants of its springs and cells, zone by zone.
 
 Constants that are given, or were calibrated before, are checked against the body; by default they
-are those of the material by springs alone.
+are those of the material by springs alone, or with a volume energy if these do not suffice.
 
 With zones each cell has the constants of its material. A spring has from each cell that shares it
 the cell's part of that cell's constant: on an interface half of each material's. A body whose zones
@@ -38,7 +38,7 @@ from msvalidate.problem import Array, CellSet, Problem, ProblemError, cut_cells,
 from msvalidate.problem.checks import finite_number, format_value, require_type
 from msvalidate.problem.shapes import STRAIGHT
 from msvalidate.springs.constants.calibration import Calibration
-from msvalidate.springs.constants.routes import calibrate_by_route, constants_of
+from msvalidate.springs.constants.routes import calibrate_by_route, constants_of, default_constants
 from msvalidate.springs.constants.stiffness import shear_modulus
 from msvalidate.springs.lattice import Constants, CutLattice, Lattice, Pattern
 from msvalidate.springs.lattice.outline import is_outside, outline
@@ -184,6 +184,7 @@ def _constants_of_each(
             f"volume stiffness: {format_value(volume)} for {count} materials; "
             "give calibrate_zones(problem, lattice), which has one for each"
         )
+    constants = choose_constants(problem, lattice, constants, volume)
     each: tuple[Any, ...] = constants if isinstance(constants, tuple) else ()
     if count == 1 or constants is None:
         each = (constants,) * count
@@ -201,6 +202,31 @@ def _constants_of_each(
     if pressure.any() and not pressure.all():
         raise ProblemError("spring constants: some by route 'neo-Hookean'; take it for all zones")
     return np.array(k), np.array(kappa), pressure, np.array(shear)
+
+
+def choose_constants(
+    problem: Problem, lattice: Lattice, constants: OneOrEach | None, volume: float = 0.0
+) -> OneOrEach:
+    """Return the given constants, or those of the problem's materials.
+
+    By default springs alone represent all materials, or springs with a volume energy if springs
+    alone cannot. Raises `ProblemError` if neither can.
+    """
+    if constants is not None:
+        return constants
+    each: OneOrEach
+    try:
+        each = tuple(default_constants(material, lattice) for material in problem.materials)
+    except ProblemError:
+        if volume:
+            raise
+        try:
+            each = calibrate_zones(problem, lattice, route="volume energy")
+        except ProblemError:
+            each = ()
+        if not each:
+            raise
+    return each if len(each) > 1 else each[0]
 
 
 def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) -> Array:

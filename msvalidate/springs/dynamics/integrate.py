@@ -33,7 +33,7 @@ from msvalidate.springs.dynamics.divergence import (
     warn_beyond_limit,
 )
 from msvalidate.springs.dynamics.implicit import NetworkAcceleration
-from msvalidate.springs.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
+from msvalidate.springs.dynamics.integrators import EULER_CROMER, choose_integrator, step_factors
 from msvalidate.springs.dynamics.scheme import Integrator, MotionState, stagger, synchronise
 from msvalidate.springs.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.springs.dynamics.step_limits import SAFETY, stability_limit
@@ -72,7 +72,7 @@ class State:
 def motion(
     network: Network,
     state: State,
-    integrator: Integrator,
+    integrator: Integrator | str,
     dt: float,
     steps: int,
     damping: ArrayLike = 0.0,
@@ -96,7 +96,7 @@ def motion(
         Initial state. Position and velocity belong to the same time; a staggered scheme shifts the
         velocity by half a step at the start and back in every state that it returns.
     integrator
-        Time integration scheme, a record of `INTEGRATORS`.
+        Time integration scheme, a record of `INTEGRATORS` or its name.
     dt
         Time step (s), > 0.
     steps
@@ -139,7 +139,7 @@ def motion(
     >>> (end.position - network.points)[:, 0].round(4).tolist()
     [0.01, -0.01]
     """
-    require_integrator("integrator", integrator)
+    integrator = choose_integrator("integrator", integrator)
     if not (watch is None or callable(watch)):
         raise ProblemError(
             f"watch: {format_value(watch)}; give a function of step and state, or None"
@@ -186,7 +186,7 @@ def motion(
 
 def recommended_time_step(
     network: Network,
-    integrator: Integrator,
+    integrator: Integrator | str,
     *,
     damping: ArrayLike = 0.0,
     ground: Ground | None = None,
@@ -203,7 +203,7 @@ def recommended_time_step(
     network
         Network with n points.
     integrator
-        Conditionally stable scheme, a record of `INTEGRATORS`.
+        Conditionally stable scheme, a record of `INTEGRATORS` or its name.
     damping
         Rate (1/s) of mass-proportional damping, one number or shape (n,), >= 0.
     ground
@@ -234,7 +234,7 @@ def recommended_time_step(
     >>> print(f"{dt * highest:.3f}")
     1.800
     """
-    require_integrator("integrator", integrator)
+    integrator = choose_integrator("integrator", integrator)
     rate = damping_rate(network, damping)
     if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
         raise ProblemError(

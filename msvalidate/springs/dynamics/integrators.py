@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import require_entry
+from msvalidate.problem.checks import choose_entry
 from msvalidate.springs.dynamics.implicit import increment
 from msvalidate.springs.dynamics.scheme import (
     Acceleration,
@@ -276,9 +276,9 @@ INTEGRATORS = {
 """Name -> scheme: the report's four in their true forms, others, and variants."""
 
 
-def require_integrator(name: str, value: object) -> None:
-    """Raise `ProblemError` unless `value` is an integrator."""
-    require_entry(name, value, Integrator, "INTEGRATORS", INTEGRATORS)
+def choose_integrator(name: str, value: Integrator | str) -> Integrator:
+    """Return an integrator, given as itself or by its name in `INTEGRATORS`."""
+    return choose_entry(name, value, Integrator, INTEGRATORS)
 
 
 def step_factors(scheme: Integrator) -> Factors:
@@ -286,7 +286,7 @@ def step_factors(scheme: Integrator) -> Factors:
 
     Raises `ProblemError` if it does not move with one new velocity.
     """
-    require_integrator("scheme", scheme)
+    scheme = choose_integrator("scheme", scheme)
     if scheme.factors is None:
         able = ", ".join(name for name, one in INTEGRATORS.items() if one.factors)
         raise ProblemError(f"{scheme.name}: more than one velocity a step; choose from: {able}")

@@ -19,10 +19,10 @@ from numpy.typing import ArrayLike
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import (
+    choose_entry,
     finite,
     format_value,
     positive_number,
-    require_entry,
     require_type,
     whole_number,
 )
@@ -30,7 +30,15 @@ from msvalidate.problem.progress import report_step
 from msvalidate.springs.dynamics.integrate import damping_rate
 from msvalidate.springs.dynamics.integrators import EULER_CROMER
 from msvalidate.springs.dynamics.relaxations import RELAXATIONS
-from msvalidate.springs.dynamics.run import DIVERGED, Method, Relaxation, Run, join_runs
+from msvalidate.springs.dynamics.run import (
+    DIVERGED,
+    MAX_FRAME_POINTS,
+    MAX_FRAMES,
+    Method,
+    Relaxation,
+    Run,
+    join_runs,
+)
 from msvalidate.springs.dynamics.viscous import ALGORITHM1, viscous
 from msvalidate.springs.network import Configuration, Network
 from msvalidate.springs.statics.equilibrium import (
@@ -61,7 +69,7 @@ Watch = Callable[[Run], bool]
 
 def relax(
     network: Network,
-    method: Method,
+    method: Method | str,
     *,
     tolerance: float = 1e-10,
     max_steps: int | None = None,
@@ -82,7 +90,7 @@ def relax(
     network
         Network with n points in d dimensions, whose supports prevent every rigid-body motion.
     method
-        Relaxation method, a record of `RELAXATIONS`.
+        Relaxation method, a record of `RELAXATIONS` or its name.
     tolerance
         Convergence criterion, 0 < tolerance <= 0.01. The residual force must fall below `tolerance`
         times the largest sum of force magnitudes at a point, and the kinetic energy below
@@ -131,7 +139,7 @@ def relax(
     3.970e-04 m
     """
     require_type("network", network, Network)
-    require_entry("method", method, Method, "RELAXATIONS", RELAXATIONS)
+    method = choose_entry("method", method, Method, RELAXATIONS)
     _check_stopping(tolerance, max_steps, look_every, watch)
     require_type("allow_folded", allow_folded, bool)
     refuse_free_motions("network", network.points, network.fixed)
@@ -330,6 +338,7 @@ class Monitor:
     def __init__(self, run: Run) -> None:
         self.run = run
         self.history: list[HistoryRow] = []
+        self.frames, self._stride = dict[int, Array](), 1
         self._reach = DIVERGED * max(float(np.ptp(x)) for x in run.network.points.T)
 
     def record(self) -> HistoryRow:
@@ -339,6 +348,11 @@ class Monitor:
         near = max_abs(run.displacement) < self._reach
         if not (math.isfinite(seen.residual) and math.isfinite(seen.kinetic) and near):
             raise SolverError(self._diverged)
+        if len(self.history) % self._stride == 0 and len(run.displacement) <= MAX_FRAME_POINTS:
+            self.frames[run.steps] = run.displacement.copy()
+        if len(self.frames) == MAX_FRAMES:  # every second one is kept, and from now on stored
+            self.frames = dict(list(self.frames.items())[::2])
+            self._stride *= 2
         self.history.append(seen)
         return seen
 
@@ -370,17 +384,17 @@ class Monitor:
 
     def result(self, seconds: float) -> Relaxation:
         """The run as it is now, and its history."""
-        run = self.run
+        run, last = self.run, self.run.displacement.copy()
         return Relaxation(
-            equilibrium=equilibrium_at(
-                run.network, run.displacement.copy(), run.steps, error=math.inf
-            ),
+            equilibrium=equilibrium_at(run.network, last, run.steps, error=math.inf),
             dt=run.dt,
             damping=float(run.rate.max()),
             stability_limit=run.limit,
             history=np.array(self.history, dtype=float).reshape(-1, len(HistoryRow._fields)),
             evaluations=run.evaluations,
             seconds=seconds,
+            network=run.network,
+            frames=self.frames | ({run.steps: last} if self.frames else {}),
         )
 
     def report(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from msvalidate.linear_algebra.multigrid import Cycle
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, SolverError
-from msvalidate.problem.records import dataclass, replace
+from msvalidate.problem.records import dataclass, field, replace
 from msvalidate.springs import kernels
 from msvalidate.springs.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.springs.dynamics.spectrum import extreme_frequencies
@@ -41,6 +41,11 @@ MOST_STEPS = 10**9
 """Predicted steps, patience included, that nobody would wait for."""
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
+MAX_FRAMES, MAX_FRAME_POINTS = 100, 20_000
+"""Number of displacements that a result stores, and of points of a network that it stores any of.
+
+They need at most 48 MB; an animation of more points shows no springs.
+"""
 SLOWEST = 1e-7
 """Relative frequency below which the lowest one may be rounding of zero."""
 
@@ -65,6 +70,11 @@ class Relaxation:
         multigrid cycle counts as one, a factorisation as none; checks are not counted.
     seconds
         Wall-clock time of the steps and checks, without preparation and final tests.
+    network
+        Network that was relaxed.
+    frames
+        Step -> displacement (m), shape (n, d), at up to `MAX_FRAMES` of the checks; empty for
+        networks with more than `MAX_FRAME_POINTS` points.
     """
 
     equilibrium: Equilibrium
@@ -74,6 +84,13 @@ class Relaxation:
     history: Array
     evaluations: int
     seconds: float
+    network: Network
+    frames: Mapping[int, Array] = field(default_factory=dict)
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement (n, d) in m of the final state."""
+        return self.equilibrium.displacement
 
     @property
     def steps(self) -> int:
@@ -334,17 +351,19 @@ def join_runs(runs: list[Relaxation]) -> Relaxation:
     if len(runs) == 1:
         return last
     before = np.cumsum([0, *(run.steps for run in runs)])
-    looks = []
+    looks, frames = [], dict[int, Array]()
     for run, steps in zip(runs, before, strict=False):
         shifted = np.array(run.history)
         shifted[:, 0] += steps
         looks.append(shifted)
+        frames |= {int(steps) + step: u for step, u in run.frames.items()}
     return replace(
         last,
         equilibrium=replace(last.equilibrium, iterations=int(before[-1])),
         history=np.concatenate(looks),
         evaluations=sum(run.evaluations for run in runs),
         seconds=sum(run.seconds for run in runs),
+        frames=frames,
     )
 
 

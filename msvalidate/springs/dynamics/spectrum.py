@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigvalsh
@@ -53,6 +54,21 @@ The first ones separate a squared frequency from its neighbours.
 """
 
 
+class NaturalFrequencies(NamedTuple):
+    """Lowest natural frequencies of a network and the highest one.
+
+    Parameters
+    ----------
+    lowest
+        Angular frequencies (rad/s), shape (count,), in ascending order.
+    highest
+        Angular frequency (rad/s) that limits the time step.
+    """
+
+    lowest: Array
+    highest: float
+
+
 def natural_frequencies(
     network: Network,
     count: int = 10,
@@ -61,7 +77,7 @@ def natural_frequencies(
     cycle: Cycle | None = None,
     rigid: bool = False,
     solver: str = "auto",
-) -> tuple[Array, float]:
+) -> NaturalFrequencies:
     """Compute the lowest natural frequencies and the highest one of a network.
 
     The undamped eigenvalue problem K φ = ω² M φ is solved on the free degrees of freedom, with a
@@ -88,10 +104,8 @@ def natural_frequencies(
 
     Returns
     -------
-    lowest : ndarray
-        The `count` lowest angular frequencies (rad/s), shape (count,), in ascending order.
-    highest : float
-        The highest angular frequency (rad/s).
+    NaturalFrequencies
+        The `count` lowest angular frequencies (rad/s) in ascending order, and the highest one.
 
     Raises
     ------
@@ -114,9 +128,9 @@ def natural_frequencies(
     >>> guide = Support(Region((None, None)), (None, 0.0))  # longitudinal motion only
     >>> problem = Problem(bar, Isotropic(E=1e5, nu=1 / 3), supports=(clamp, guide))
     >>> network = lattice_network(problem, square(bar, (16, 4)))
-    >>> (lowest,), _ = natural_frequencies(network, 1)
+    >>> frequencies = natural_frequencies(network, 1)
     >>> speed = np.sqrt(1e5 / (1 - 1 / 9) / 1000.0)  # m/s, without lateral contraction
-    >>> print(f"{lowest / (np.pi / 2 * speed / 0.4):.3f}")
+    >>> print(f"{frequencies.lowest[0] / (np.pi / 2 * speed / 0.4):.3f}")
     1.000
     """
     require_type("network", network, Network)
@@ -147,7 +161,7 @@ def natural_frequencies(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
         )
     lowest = _separate_rounding(network, lowest, highest, zero)
-    return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
+    return NaturalFrequencies(np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest)))
 
 
 def _lowest_of_large(

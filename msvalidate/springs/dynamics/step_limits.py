@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite, finite_number, format_value, positive_number
 from msvalidate.springs.dynamics.implicit import ModeAcceleration
-from msvalidate.springs.dynamics.integrators import require_integrator
+from msvalidate.springs.dynamics.integrators import choose_integrator
 from msvalidate.springs.dynamics.scheme import Integrator, MotionState
 
 SAFETY = 0.9
@@ -43,7 +43,7 @@ def stability_limit(
     SolverError
         If the limit is beyond the largest number or below the smallest.
     """
-    require_integrator("integrator", integrator)
+    integrator = choose_integrator("integrator", integrator)
     low = positive_number("lowest frequency", omega_min, "rad/s")
     high = positive_number("highest frequency", omega_max, "rad/s")
     if low > high:

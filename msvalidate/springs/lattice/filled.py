@@ -153,7 +153,8 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLat
     box
         Box of the same dimension d.
     cells
-        Number of cells along each axis, d integers; one integer applies to all axes.
+        Number of cells along each axis, d integers; one integer is the number across the narrowest
+        side.
 
     Returns
     -------
@@ -179,6 +180,9 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLat
         need = "a plane box" if d == 2 else "a box of three lengths"
         raise ProblemError(f"{pattern.name} lattice: a {format_value(box)}; give {need}")
     n = cell_counts("cells", cells, d)
+    if not isinstance(cells, tuple | list):
+        cells_long = np.array(box.size) / pattern.size
+        n = tuple(np.rint(n[0] * cells_long / cells_long.min()).astype(int).tolist())
     counted = " x ".join(map(str, n))
     refuse_too_many(
         f"{pattern.name} lattice of {counted} cells",

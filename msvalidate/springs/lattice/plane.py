@@ -23,7 +23,8 @@ def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     box
         2D box.
     cells
-        Number of cells along x and y; one integer applies to both. The cells must be square.
+        Number of cells along x and y; one integer is the number across the narrowest side. The
+        cells must be square.
 
     Returns
     -------

@@ -9,9 +9,10 @@ from msvalidate.springs.network.configuration import (
     mode_energy,
     tangent,
 )
-from msvalidate.springs.network.network import Network, spring_network
+from msvalidate.springs.network.network import Body, Network, spring_network
 
 __all__ = [
+    "Body",
     "Configuration",
     "Network",
     "configuration_at",

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.linear_algebra.norms import EPS
-from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError
+from msvalidate.problem import LONGEST, Array, Index, Mask, Problem, ProblemError
 from msvalidate.problem.checks import (
     boolean_mask,
     finite,
@@ -23,6 +23,7 @@ from msvalidate.problem.checks import (
     require_type,
 )
 from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.lattice import Lattice
 from msvalidate.springs.network.blocks import Blocks, blocks_of
 from msvalidate.springs.network.checks import (
     broadcast_values,
@@ -48,6 +49,24 @@ rounding would be a prestress that bends a slender body more than a small load d
 """
 BALANCED = 16.0
 """Out-of-balance force that counts as equilibrium, in units of rounding."""
+
+
+class Body(NamedTuple):
+    """Origin of a network: the problem and the lattice that it stands for.
+
+    Parameters
+    ----------
+    problem
+        Boundary value problem.
+    lattice
+        Lattice of the points and springs.
+    constants
+        Spring constants per kind, or calibrations; with zones one entry per material.
+    """
+
+    problem: Problem
+    lattice: Lattice
+    constants: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +102,8 @@ class Network:
         those of `volumes`, or the triangles that springs form in 2D.
     law
         Constitutive law of the springs; `volumes` have a law of their own.
+    body
+        Problem and lattice that the network stands for; None for any other network.
 
     Raises
     ------
@@ -101,6 +122,7 @@ class Network:
     volumes: Volumes | None = None
     cells: Index | None = None
     law: SpringLaw = LINEAR
+    body: Body | None = None
 
     def __post_init__(self) -> None:
         points = finite_coordinates("points", self.points, "n>0", (2, 3))
@@ -146,6 +168,10 @@ class Network:
             object.__setattr__(self, "cells", check_cells(self.cells, n, d))
         for array in (self.springs, self.fixed):
             array.setflags(write=False)
+
+    def __str__(self) -> str:
+        size = f"network of {len(self.points):,} points and {len(self.springs):,} springs"
+        return f"{size}; {self.body.constants}" if self.body else size
 
     @property
     def dim(self) -> int:
@@ -297,6 +323,7 @@ def spring_network(
     volumes: Volumes | None = None,
     cells: ArrayLike | None = None,
     law: SpringLaw = LINEAR,
+    body: Body | None = None,
 ) -> Network:
     """Build a network from any list of points and springs.
 
@@ -325,6 +352,8 @@ def spring_network(
         Points of the cells that are checked for folding, shape (c, corners), in the order of VTK.
     law
         Constitutive law of the springs. Default: linear (Hooke).
+    body
+        Problem and lattice that the network stands for. Default: none.
 
     Returns
     -------
@@ -364,4 +393,5 @@ def spring_network(
         volumes=volumes,
         cells=None if cells is None else integers("cells", cells),
         law=law,
+        body=body,
     )

@@ -1,0 +1,432 @@
+"""Solutions by springs and by elements, and their comparison, as Python users read them."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate.bench.output.body_drawing import Drawing, draw_bodies, network_drawing
+from msvalidate.case.compare.quantities import compare_quantities, difference_row
+from msvalidate.case.compare.validity import Limitation, limit_rows, limitations
+from msvalidate.case.file.case import BAND, Case
+from msvalidate.case.file.schema import QUANTITIES
+from msvalidate.case.report.figures import outline_edges
+from msvalidate.case.report.page import quantity_summary
+from msvalidate.case.springs.large import BY_NAME, answer_in_full, change_in_full
+from msvalidate.case.springs.lattice_springs import SpringAnswer
+from msvalidate.linear_algebra.norms import max_length
+from msvalidate.problem import Array, Problem, ProblemError, SolverError, prescribed_displacements
+from msvalidate.problem.checks import format_value, require_type
+from msvalidate.problem.records import dataclass, replace
+from msvalidate.springs.constants.calibration import Calibration
+from msvalidate.springs.dynamics.integrate import State
+from msvalidate.springs.dynamics.run import Relaxation
+from msvalidate.springs.lattice import Lattice, PatternLattice
+from msvalidate.springs.network import Body, Configuration, Network, mode_energy
+from msvalidate.springs.statics.contact import ContactEquilibrium
+from msvalidate.springs.statics.equilibrium import Equilibrium
+from msvalidate.springs.statics.stress import cell_stress, point_stress
+from msvalidate_check.text import align_table, number_text
+from msvalidate_check.verdict import Difference
+from reference_fem.body import nodal_forces
+from reference_fem.converged import Reference
+from reference_fem.first_mesh import first_mesh
+from reference_fem.mesh.discretisation import Discretisation
+
+HEADS = ("quantity", "value", "unit")
+"""Columns of the table of a solution."""
+
+
+class Result:
+    """Base of results: text, HTML and a figure from their rows and drawings."""
+
+    def table(self) -> pd.DataFrame:
+        """Return the values, one row per quantity."""
+        raise NotImplementedError
+
+    def plot(self, magnification: float | None = None) -> Figure:
+        """Plot the deformed body; see `msvalidate.plot`."""
+        return draw_bodies(self.drawings, magnification)
+
+    @property
+    def drawings(self) -> list[Drawing]:
+        """Lines of the body and their motion."""
+        raise NotImplementedError
+
+    @property
+    def texts(self) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[str]]:
+        """Heads, rows and sentences as they are shown."""
+        table = self.table()
+        rows = [
+            tuple(number_text(x, 4) if isinstance(x, float) else str(x) for x in row)
+            for row in table.itertuples(index=False)
+        ]
+        return tuple(map(str, table)), rows, []
+
+    def __str__(self) -> str:
+        heads, rows, sentences = self.texts
+        return "\n".join([*align_table(heads, rows), *sentences])
+
+    def _repr_html_(self) -> str:
+        heads, rows, sentences = self.texts
+        html = pd.DataFrame(rows, columns=list(heads)).to_html(index=False, border=0)
+        return html + "".join(f"<p>{sentence}</p>" for sentence in sentences)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpringSolution(Equilibrium, Result):
+    """Equilibrium of a network, with energy, stress, table and plot.
+
+    Parameters
+    ----------
+    network
+        Network that was solved.
+    geometry
+        "linear" or "nonlinear".
+    contact
+        Contact with the obstacle, if there is one.
+    """
+
+    network: Network
+    geometry: Literal["linear", "nonlinear"] = "linear"
+    contact: ContactEquilibrium | None = None
+
+    @property
+    def energy(self) -> float:
+        """Strain energy (J)."""
+        if self.geometry == "linear":
+            return mode_energy(self.network, self.network.points, self.displacement) / 2
+        return Configuration(self.network, self.displacement).energy()
+
+    @cached_property
+    def stress(self) -> Array:
+        """Stress (n, 3) or (n, 6) in Pa at the points, in Voigt notation.
+
+        Volume-weighted mean of the cells around each point: second order in the spacing at inner
+        points, first order on the boundary. Raises `ProblemError` for networks without a lattice,
+        or if springs run through no cell.
+        """
+        body, thickness = self.body, self.body.problem.material.thickness
+        options: Any = {"geometry": self.geometry, "thickness": thickness}
+        cells = cell_stress(self.network, body.lattice, self, **options)
+        return point_stress(body.lattice, cells)
+
+    @property
+    def body(self) -> Body:
+        """Problem and lattice of the network; raises `ProblemError` if it stands for none."""
+        body = self.network.body
+        if body is None:
+            raise ProblemError(
+                "springs: this network stands for no problem; build it with build(problem, lattice)"
+            )
+        return body
+
+    @property
+    def answer(self) -> SpringAnswer:
+        """Solution as comparisons take it."""
+        problem, lattice, constants = self.body
+        spacing = lattice.spacing if isinstance(lattice, PatternLattice) else math.nan
+        first = constants[0] if isinstance(constants, tuple) else constants
+        calibration = first if isinstance(first, Calibration) else None
+        solved = self.network, self, calibration, 0.0, self.geometry, self.contact
+        return SpringAnswer(problem, spacing, lattice, *solved)
+
+    @property
+    def drawings(self) -> list[Drawing]:
+        """Springs and their motion."""
+        return [network_drawing(self.network, self.displacement)]
+
+    def table(self) -> pd.DataFrame:
+        """Return the largest displacement, the strain energy, the reaction and the solver's error.
+
+        The reaction is the norm of the sum of all support forces.
+        """
+        rows = [
+            ("largest displacement", max_length(self.displacement), "m"),
+            ("strain energy", self.energy, "J"),
+            ("sum of reactions", float(np.linalg.norm(self.reaction.sum(axis=0))), "N"),
+            ("solver error, relative", self.error, ""),
+        ]
+        return pd.DataFrame(rows, columns=list(HEADS))
+
+
+@dataclass(frozen=True, eq=False)
+class ElementSolution(Result):
+    """Solution of a problem by finite elements, refined until its error is small.
+
+    Parameters
+    ----------
+    reference
+        Solutions on each mesh, with the points at which they are evaluated.
+    geometry
+        "linear" or "nonlinear".
+    """
+
+    reference: Reference
+    geometry: str = "linear"
+
+    @property
+    def problem(self) -> Problem:
+        """Problem that was solved."""
+        return self.reference.problem
+
+    @property
+    def points(self) -> Array:
+        """Points (p, d) in m at which the solution is evaluated."""
+        return self.reference.points
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement (p, d) in m at the points."""
+        return self.reference.displacement.value
+
+    @property
+    def error(self) -> float:
+        """Largest error of a displacement, relative to the largest displacement."""
+        return self.reference.error
+
+    @property
+    def energy(self) -> float:
+        """Strain energy (J) by linear theory."""
+        self._refuse_nonlinear("energy")
+        return float(self.reference.energy.value[0])
+
+    @cached_property
+    def stress(self) -> Array:
+        """Stress (p, 3) or (p, 6) in Pa at the points by linear theory, in Voigt notation.
+
+        It has no limit at re-entrant corners; ``reference.stress`` has the uncertainties.
+        """
+        self._refuse_nonlinear("stress")
+        return self.reference.stress(self.points)[0]
+
+    def _refuse_nonlinear(self, quantity: str) -> None:
+        if self.geometry == "nonlinear":
+            raise ProblemError(
+                f"elements: {quantity} at large displacement is not computed; take "
+                "reference(problem), or compare displacements"
+            )
+
+    def at(self, points: Array) -> ElementSolution:
+        """Return the same solution evaluated at other points (q, d) in m of the body."""
+        large = self.reference.large
+        other = replace(self.reference, points=np.asarray(points, dtype=float), large=None)
+        if large is not None:
+            other = replace(other, large=change_in_full(other, BY_NAME[LAW]))
+        return replace(self, reference=other)
+
+    @property
+    def drawings(self) -> list[Drawing]:
+        """Outline of the coarsest mesh and its motion."""
+        mesh = self.reference.solutions[0].body
+        lines, moved = mesh_drawing(self.problem, mesh), self.at(mesh.points).displacement
+        return [lines._replace(displacement=moved, label="elements")]
+
+    def table(self) -> pd.DataFrame:
+        """Return the largest displacement, the strain energy and the relative error."""
+        rows: list[tuple[str, float, str]] = [
+            ("largest displacement", max_length(self.displacement), "m")
+        ]
+        if self.geometry == "linear":
+            rows.append(("strain energy", self.energy, "J"))
+        rows.append(("error of displacements, relative", self.error, ""))
+        return pd.DataFrame(rows, columns=list(HEADS))
+
+
+LAW = "st-venant-kirchhoff"
+"""Constitutive law of elements at large displacement, as by default in case files."""
+
+
+def mesh_drawing(problem: Problem, mesh: Discretisation | None = None) -> Drawing:
+    """Return the outline of a problem's body, with supports and loads on a mesh."""
+    mesh = mesh or first_mesh(problem)
+    fixed, _ = prescribed_displacements(problem, mesh.points)
+    loads = nodal_forces(replace(problem, contacts=()), mesh)
+    return Drawing("body", mesh.points, outline_edges(mesh), None, fixed, loads)
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionComparison(Result):
+    """Springs compared with finite elements, quantity by quantity.
+
+    Parameters
+    ----------
+    case
+        Problem, tolerance and compared quantities.
+    springs, elements
+        The two solutions.
+    rows
+        Differences whose verdicts hold in the range of the theory.
+    limitations
+        Reasons why a verdict is *not resolved*.
+    remarks
+        Quantities that were not compared, with the reason.
+    """
+
+    case: Case
+    springs: SpringSolution
+    elements: ElementSolution
+    rows: tuple[Difference, ...]
+    limitations: tuple[Limitation, ...]
+    remarks: tuple[str, ...]
+
+    def table(self) -> pd.DataFrame:
+        """Return sizes, relative differences, uncertainties and verdicts."""
+        return pd.DataFrame([difference_row(row) for row in self.rows])
+
+    @property
+    def texts(self) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[str]]:
+        """Heads, rows and sentences as they are shown."""
+        summary = quantity_summary(self.case, self.rows, "springs")
+        limits = [each.sentence for each in self.limitations]
+        return summary.heads, summary.rows, [summary.caption, *limits, *self.remarks]  # type: ignore[return-value]
+
+    @property
+    def drawings(self) -> list[Drawing]:
+        """Springs and the outline of the elements."""
+        return [*self.springs.drawings, *self.elements.drawings]
+
+
+def compare(
+    springs: SpringSolution, elements: ElementSolution, band: float = BAND
+) -> SolutionComparison:
+    """Compare springs with finite elements of the same problem.
+
+    The elements are evaluated at the points of the springs, at large displacement if the springs
+    were solved so. Outside the range of linear theory no quantity is reported to agree.
+
+    Parameters
+    ----------
+    springs
+        Result of `solve` for a network of `build`.
+    elements
+        Result of `reference` for the same problem.
+    band
+        Largest relative difference that counts as agreement.
+
+    Returns
+    -------
+    SolutionComparison
+        Its `table` has sizes, relative differences, uncertainties and verdicts.
+
+    Raises
+    ------
+    ProblemError
+        If the two solve different problems.
+    SolverError
+        If elements at large displacement are needed and there are none.
+
+    Examples
+    --------
+    >>> import msvalidate as ms
+    >>> rubber = ms.Isotropic(E=1e5, nu=1 / 3)
+    >>> problem = ms.body(ms.Box(0.4, 0.1), rubber, fixed="left", traction={"right": (9, 0)})
+    >>> springs = ms.solve(ms.build(problem, cells=8))
+    >>> comparison = ms.compare(springs, ms.reference(problem))
+    >>> comparison.rows[0].quantity, comparison.rows[0].word
+    ('displacement', 'agrees')
+    """
+    require_type("compare, springs", springs, SpringSolution)
+    require_type("compare, elements", elements, ElementSolution)
+    problem, geometry = springs.body.problem, springs.geometry
+    if problem is not elements.problem:
+        raise ProblemError(
+            "compare: springs and elements solve two problems; take one problem for "
+            "build(problem, lattice) and for reference(problem)"
+        )
+    quantities = ("displacement",) if geometry == "nonlinear" else QUANTITIES
+    case = Case(problem, quantities=quantities, geometry=geometry, band=band)
+    answer = springs.answer
+    reference = replace(elements.reference, points=_compared(answer), large=None)
+    missing: list[Limitation] = []
+    nonlinear = answer_in_full(case, reference)
+    if geometry == "nonlinear":
+        if nonlinear.target is None:
+            raise SolverError(f"compare: no elements at large displacement: {nonlinear.why}")
+        reference = replace(reference, large=nonlinear.target)
+    rows, remarks = compare_quantities(case, answer, reference)
+    missing += [Limitation("quantity", detail=str(each)) for each in remarks if each.failed]
+    limits = limitations(case, reference, lambda: nonlinear, None, missing)
+    matched = replace(elements, reference=reference, geometry=geometry)
+    texts = tuple(str(each) for each in remarks if not each.failed)
+    return SolutionComparison(case, springs, matched, limit_rows(rows, limits), limits, texts)
+
+
+def _compared(answer: SpringAnswer) -> Array:
+    """Points (p, d) in m of the springs that lie in the body."""
+    inside: Any = getattr(answer.lattice, "inside", slice(None))
+    return np.asarray(answer.lattice.points[inside])
+
+
+def plot(*results: Any, magnification: float | None = None) -> Figure:
+    """Plot bodies in their reference and deformed positions, in one pair of axes.
+
+    Parameters
+    ----------
+    results
+        Problem, lattice, network, solution, comparison or relaxation; several are drawn over each
+        other. A displacement (m) of shape (n, d), a `State` or an `Equilibrium` belongs to the
+        network before it.
+    magnification
+        Factor of the displacements, > 0. Default: 1, 2 or 5 times a power of ten, so that the
+        largest displacement appears as at most a tenth of the body; 1 if it is between a tenth of
+        the body and all of it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure whose title states the magnification.
+
+    Raises
+    ------
+    ProblemError
+        If there is nothing to plot, a displacement does not fit the network, or the magnification
+        is not positive.
+
+    Examples
+    --------
+    >>> from msvalidate import plot, spring_network
+    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
+    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
+    >>> figure = plot(network)  # figure.savefig("network.png") writes a file
+    >>> len(figure.axes)
+    1
+    """
+    drawings: list[Drawing] = []
+    for number, each in enumerate(results):
+        before = results[number - 1] if number else None
+        if isinstance(before, Network) and isinstance(each, np.ndarray | Equilibrium | State):
+            u = each if isinstance(each, np.ndarray) else getattr(each, "displacement", None)
+            u = each.position - before.points if isinstance(each, State) else u
+            drawings[-1] = network_drawing(before, u)
+        else:
+            drawings += _drawings_of(each)
+    if not drawings:
+        raise ProblemError("plot: nothing to plot; give a problem, a network or a solution")
+    if len({each.points.shape[1] for each in drawings}) > 1:
+        raise ProblemError("plot: bodies in 2D and in 3D; plot them one by one")
+    return draw_bodies(drawings, magnification)
+
+
+def _drawings_of(result: Any) -> list[Drawing]:
+    """Drawings of a result; raises `ProblemError` for an object that has none."""
+    if isinstance(result, Result):
+        return result.drawings
+    if isinstance(result, Relaxation):
+        return [network_drawing(result.network, result.displacement)]
+    if isinstance(result, Network):
+        return [network_drawing(result)]
+    if isinstance(result, Problem):
+        return [mesh_drawing(result)]
+    if isinstance(result, Lattice):
+        zero = np.zeros(result.points.shape)
+        return [Drawing("springs", result.points, result.springs, None, zero > 0, zero)]
+    raise ProblemError(
+        f"plot: {format_value(result)}; give a problem, lattice, network, solution, comparison or "
+        "relaxation, or a network with its equilibrium: plot(network, equilibrium)"
+    )
