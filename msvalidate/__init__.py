@@ -26,7 +26,8 @@ _HOMES = {
     "springs.dynamics.integrate": ("State", "motion", "recommended_time_step"),
     "springs.dynamics.integrators": ("INTEGRATORS",),
     "springs.dynamics.spectrum": ("natural_frequencies",),
-    "bench.judging.evidence": ("judge", "run"),
+    "bench.judging.evidence": ("judge",),
+    "bench.judging.sweep": ("run",),
     "springs.lattice": (
         *("cut_lattice", "fill", "fill_rotated", "mesh_lattice", "patterns", "square"),
         *("triangular", "voronoi", "voronoi_box"),
@@ -57,8 +58,8 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.api import equilibrium as equilibrium
     from msvalidate.api import reference as reference
     from msvalidate.api import solve as solve
-    from msvalidate.bench.judging.evidence import run as run
     from msvalidate.bench.judging.evidence import judge as judge
+    from msvalidate.bench.judging.sweep import run as run
     from msvalidate.bench.output.animation import animate as animate
     from msvalidate.case.compare.comparison import compare_case as compare_case
     from msvalidate.case.file.building import read_case as read_case

@@ -1,7 +1,7 @@
 """High-level functions: from a body to springs and elements; they choose the defaults.
 
 `compare` and `plot` are in `case.report.solutions`, `animate` in `bench.output.animation`, `run` in
-`bench.judging.evidence`.
+`bench.judging.sweep`.
 """
 
 from __future__ import annotations

@@ -232,7 +232,7 @@ def test_the_checker_needs_numpy_only():
 
 LOAD_ALL = """
 import importlib, pkgutil, sys
-BOTH = ("studies", "__main__", "case", "cases", "simulators", "new")
+BOTH = ("api", "studies", "__main__", "case", "cases", "simulators", "new")
 def load(name):
     package = importlib.import_module(name)
     for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
@@ -334,7 +334,7 @@ MAIN = ("msvalidate.__main__", "msvalidate.study")
 """Programs: what they define would exist twice, so they are imported by nobody."""
 
 
-BOTH_SIDES = {"reference_fem", "studies", "case", "simulators"}
+BOTH_SIDES = {"reference_fem", "studies", "case", "simulators", "msvalidate.api"}
 """Folders that may know the reference."""
 
 
@@ -525,6 +525,7 @@ WRITING = {
     "msvalidate.springs.bodies.geometry_file": ("tempfile.TemporaryDirectory(",),
     "msvalidate.springs.bodies.mesh_file": ("tempfile.TemporaryDirectory(", "copy.write_bytes("),
     "msvalidate.bench.output.report": ("",),
+    "msvalidate.bench.output.animation": ("images[0].save(content,",),
     "msvalidate.bench.output.vtu": ("tempfile.TemporaryDirectory(",),
     "msvalidate.simulators.exchange.program": ("tempfile.TemporaryDirectory(",),
     "msvalidate.bench.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
@@ -537,8 +538,8 @@ WRITING = {
         *("shutil.rmtree(old,", "old.unlink("),
     ),
 }
-"""Who may write, beginning with which calls: `stored` makes bytes and text, in memory; `cache` is
-where compiled code is kept."""
+"""Who may write, beginning with which calls: `stored` and `animation` make bytes and text, in
+memory; `cache` is where compiled code is kept."""
 
 
 def writes(parsed):

@@ -45,7 +45,7 @@ class Box:
 
     Parameters
     ----------
-    size
+    size, more
         Edge lengths (m) along x, y (and z), each > 0, as one tuple or list, or one by one.
 
     Raises

@@ -10,11 +10,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.bench.judging import catalogue
 from msvalidate.bench.judging.columns import Column, column_key, common_columns
 from msvalidate.bench.judging.compare import Observed, Tolerance
 from msvalidate.bench.judging.rules import Rule
-from msvalidate.bench.judging.sweep import Setting
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass, field
@@ -196,35 +194,6 @@ def gather_evidence(
         given = format_value(unknown[0]) if unknown else "none"
         raise ProblemError(f"questions: {given}; {hint}choose from {', '.join(study)}")
     return merge(*(answer() for name, answer in study.items() if name in asked))
-
-
-def run(study: str, *, quick: bool = False) -> Evidence:
-    """Run a study in this process and return its evidence with its tables.
-
-    Parameters
-    ----------
-    study
-        Name of a study, such as "poisson".
-    quick
-        True for quick mode: fewer sizes, the same tolerances.
-
-    Raises
-    ------
-    ProblemError
-        If there is no such study, or it combines the results of others.
-
-    Examples
-    --------
-    >>> import msvalidate as ms
-    >>> table = ms.run("poisson", quick=True).tables["summary"]  # doctest: +SKIP
-    """
-    if study not in catalogue.names():
-        raise ProblemError(f"study {study!r}: {catalogue.suggestion(study, catalogue.names())}")
-    if catalogue.reads_results(study):
-        command = f"python -m msvalidate.study {study}"
-        raise ProblemError(f"study {study!r}: combines results of others; run `{command}`")
-    evidence: Evidence = catalogue.load(study).run(setting=Setting(quick=quick))
-    return evidence
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:

@@ -7,12 +7,16 @@ import os
 import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
+from msvalidate.bench.judging import catalogue
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type, whole_number
 from msvalidate.problem.progress import report_step
 from msvalidate.problem.records import dataclass, replace
+
+if TYPE_CHECKING:
+    from msvalidate.bench.judging.evidence import Evidence
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -82,6 +86,35 @@ class Setting:
 
 FULL = Setting()
 """The whole study, its cases one after another."""
+
+
+def run(study: str, *, quick: bool = False) -> Evidence:
+    """Run a study in this process and return its evidence with its tables.
+
+    Parameters
+    ----------
+    study
+        Name of a study, such as "poisson".
+    quick
+        True for quick mode: fewer sizes, the same tolerances.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such study, or it combines the results of others.
+
+    Examples
+    --------
+    >>> import msvalidate as ms
+    >>> table = ms.run("poisson", quick=True).tables["summary"]  # doctest: +SKIP
+    """
+    if study not in catalogue.names():
+        raise ProblemError(f"study {study!r}: {catalogue.suggestion(study, catalogue.names())}")
+    if catalogue.reads_results(study):
+        command = f"python -m msvalidate.study {study}"
+        raise ProblemError(f"study {study!r}: combines results of others; run `{command}`")
+    evidence: Evidence = catalogue.load(study).run(setting=Setting(quick=quick))
+    return evidence
 
 
 def end_with_parent() -> None:

@@ -30,7 +30,10 @@ from msvalidate.springs.network import Network
 from msvalidate_check import exchange
 
 MAX_SHOWN = 60
-"""Number of frames of an animation: a few seconds, and a file of about 1 MB."""
+"""Maximum number of frames of an animation.
+
+They take a few seconds, and a file of about 1 MB.
+"""
 FRAME_MILLISECONDS, LAST_MILLISECONDS = 80, 1500
 DOTS_PER_INCH = 80
 
@@ -55,7 +58,7 @@ class Animation:
         return f'<img alt="{self.title}" src="data:image/gif;base64,{data}">'
 
     def save(self, path: str | Path) -> Path:
-        """Write a GIF image or an HTML page, by the suffix of the path, and return the path."""
+        """Write a GIF image or an HTML page, by the suffix of the path."""
         place = Path(path)
         if place.suffix not in (".gif", ".html"):
             raise ProblemError(f"animation: {format_value(str(path))}; give a .gif or .html file")
@@ -77,8 +80,8 @@ def animate(
     result
         Result of `relax`, or the network of the states.
     states
-        States, such as the `watch` of `motion` receives, or displacements (m) of shape (n, d). At
-        most `MAX_SHOWN` of them are drawn.
+        States, such as a function ``watch`` receives from `motion`, or displacements (m) of shape
+        (n, d). At most 60 of them are drawn.
     magnification
         Factor of the displacements, > 0. Default: as for `plot`, for the largest.
 

@@ -194,9 +194,9 @@ def draw_supports_and_loads(
 
 
 def draw_springs(axis: Any, at: Array, springs: Index, label: str, colour: str = DEFORMED) -> Any:
-    """Draw lines between points (n, d) in m that springs (m, 2) join, finer where they are many.
+    """Draw springs (m, 2) between points (n, d) in m, and return the lines.
 
-    Return the collection of lines.
+    They are finer where they are many.
     """
     dim = at.shape[1]
     width = min(0.8, 30 / len(at) ** (1 - 1 / dim))  # about in proportion to gaps between lines

@@ -333,7 +333,7 @@ def _draw_edges(
 
 
 def outline_edges(mesh: Discretisation) -> Index:
-    """Pairs (e, 2) of nodes along the outline of a 2D mesh, or the sharp edges of a 3D mesh."""
+    """Return the outline of a 2D mesh, or the sharp edges of a 3D mesh, as pairs (e, 2)."""
     facets = mesh.surface
     if mesh.dim == 3:
         return sharp_edges(mesh.points, _flat(facets))

@@ -21,7 +21,7 @@ from msvalidate.case.springs.large import BY_NAME, answer_in_full, change_in_ful
 from msvalidate.case.springs.lattice_springs import SpringAnswer
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Problem, ProblemError, SolverError, prescribed_displacements
-from msvalidate.problem.checks import format_value, require_type
+from msvalidate.problem.checks import format_value
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.calibration import Calibration
 from msvalidate.springs.dynamics.integrate import State
@@ -50,7 +50,7 @@ class Result:
         raise NotImplementedError
 
     def plot(self, magnification: float | None = None) -> Figure:
-        """Plot the deformed body; see `msvalidate.plot`."""
+        """Plot the deformed body, as the function `plot` does."""
         return draw_bodies(self.drawings, magnification)
 
     @property
@@ -198,9 +198,10 @@ class ElementSolution(Result):
 
     @cached_property
     def stress(self) -> Array:
-        """Stress (p, 3) or (p, 6) in Pa at the points by linear theory, in Voigt notation.
+        """Stress (p, 3) or (p, 6) in Pa at the points by linear theory.
 
-        It has no limit at re-entrant corners; ``reference.stress`` has the uncertainties.
+        It is in Voigt notation, and has no limit at re-entrant corners. ``reference.stress`` has
+        its uncertainties.
         """
         self._refuse_nonlinear("stress")
         return self.reference.stress(self.points)[0]
@@ -312,7 +313,7 @@ def compare(
     Returns
     -------
     SolutionComparison
-        Its `table` has sizes, relative differences, uncertainties and verdicts.
+        Its function ``table`` returns sizes, relative differences, uncertainties and verdicts.
 
     Raises
     ------
@@ -331,8 +332,9 @@ def compare(
     >>> comparison.rows[0].quantity, comparison.rows[0].word
     ('displacement', 'agrees')
     """
-    require_type("compare, springs", springs, SpringSolution)
-    require_type("compare, elements", elements, ElementSolution)
+    if not (isinstance(springs, SpringSolution) and isinstance(elements, ElementSolution)):
+        kinds = f"{type(springs).__name__} and {type(elements).__name__}"
+        raise ProblemError(f"compare: {kinds}; give solve(network) and reference(problem)")
     problem, geometry = springs.body.problem, springs.geometry
     if problem is not elements.problem:
         raise ProblemError(
@@ -370,7 +372,7 @@ def plot(*results: Any, magnification: float | None = None) -> Figure:
     ----------
     results
         Problem, lattice, network, solution, comparison or relaxation; several are drawn over each
-        other. A displacement (m) of shape (n, d), a `State` or an `Equilibrium` belongs to the
+        other. A displacement (m) of shape (n, d), a `State` or an ``Equilibrium`` belongs to the
         network before it.
     magnification
         Factor of the displacements, > 0. Default: 1, 2 or 5 times a power of ten, so that the

@@ -93,7 +93,7 @@ class Calibration(ReadOnly):
     pushing: tuple[int, int] = (0, 0)
 
     def __str__(self) -> str:
-        end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)
+        end = "moduli of the periodic lattice" if self.body is None else str(self.body)
         k = ", ".join(f"{each:.6g}" for each in self.constants)
         unit = UNIT[AXES_OF[len(self.tensor)]]
         kappa = f", κ = {self.volume:.6g} {unit}" if self.volume else ""

@@ -42,7 +42,7 @@ MOST_STEPS = 10**9
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
 MAX_FRAMES, MAX_FRAME_POINTS = 100, 20_000
-"""Number of displacements that a result stores, and of points of a network that it stores any of.
+"""Maximum number of stored displacements, and of points of their network.
 
 They need at most 48 MB; an animation of more points shows no springs.
 """

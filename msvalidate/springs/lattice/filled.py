@@ -177,7 +177,7 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLat
     require_type("pattern", pattern, Pattern)
     d = pattern.dim
     if not isinstance(box, Box) or box.dim != d:
-        need = "a plane box" if d == 2 else "a box of three lengths"
+        need = "a plane box, such as Box(4, 1)" if d == 2 else "a box of three lengths"
         raise ProblemError(f"{pattern.name} lattice: a {format_value(box)}; give {need}")
     n = cell_counts("cells", cells, d)
     if not isinstance(cells, tuple | list):

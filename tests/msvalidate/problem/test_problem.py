@@ -39,7 +39,7 @@ def plate(*, supports=(CLAMP,), loads=()):
     (lambda: finite("mass", [1.0, NAN]), "mass: nan at index 1; every value must be finite"),
     (lambda: finite("force", [[0, 1], [np.inf, 0]]), "force: inf at index (1, 0)"),
     # domain
-    (lambda: Box((1.0,)), "give a tuple of 2 or 3 lengths"),
+    (lambda: Box((1.0,)), "give 2 or 3 lengths"),
     (lambda: Box((1.0, 0.0)), "box size along y: 0.0 m; it must be above zero"),
     (lambda: Box((1.0, 1.0, NAN)), "box size along z: nan"),
     (lambda: PLATE.side("front"), "side 'front': a 2D box has left, right, bottom, top"),
@@ -74,7 +74,8 @@ def plate(*, supports=(CLAMP,), loads=()):
     (lambda: Support(Region((0.0, None)), (None, None)), "holds no component; leave it out"),
     (lambda: Support(Region((0.0, None)), (0.0, NAN)), "support on (x = 0): nan"),
     (lambda: Support(Region((0.0, None)), ([1.0, 2.0], 0.0)), "support"),
-    (lambda: plate(supports=CLAMP), "supports"),
+    (lambda: plate(supports="left"), "supports 'left'; give a list of Support"),
+    (lambda: plate(supports=Support("front")), "side 'front': a 2D box has left, right, bottom"),
     (lambda: plate(supports=(CLAMP, Support(Region((3.0, None)), (0.0, None)))),
         "region (x = 3) reaches outside the body, 0 <= x <= 2"),
     (lambda: plate(supports=(CLAMP, Support(Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)))),

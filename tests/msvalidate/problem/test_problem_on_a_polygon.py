@@ -107,7 +107,7 @@ def test_a_support_or_a_traction_inside_the_body_is_refused(domain, part):
     (bar(supports=()).refuse_free_body, "the supports leave the body free: translation along x"),
     (lambda: Support(SLOPE, (0.0,)), "support on ((0, 0) to (1, 1)): 1 components for 2 axes"),
     (lambda: Support(((0, 0), (1, 1)), (0.0, 0.0)), "give a Region, such as box.side('left')"),
-    (lambda: Traction("left", (0.0, 0.0)), "traction: region 'left'; give a Region"),
+    (lambda: bar(loads=Traction("left", (0.0, 0.0))), "a polygon has no names; give a Segment"),
     (lambda: Problem(BAR, Isotropic(1.0, 0.3, "solid"), (CLAMP,)),
         "problem: a 3D material in a 2D domain"),
     (lambda: Problem(BAR.vertices, SHEET, (CLAMP,)), "give a Box or a Polygon"),

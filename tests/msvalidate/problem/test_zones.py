@@ -144,7 +144,7 @@ OTHER = disc_mesh(1)
     (lambda: Zone(HALF, 3.0), "zone (1 <= x <= 2): material: 3.0; give"),
     (lambda: Zone(HALF, SOLID), "a 3D material in 2D"),
     (lambda: sheet(HALF), "problem: zones (Region"),
-    (lambda: Problem(BOX, SOFT, (CLAMP,), zones=[Zone(HALF, HARD)]), "give a tuple of them"),
+    (lambda: Problem(BOX, SOFT, (CLAMP,), zones=[HALF]), "give a list of Zone"),
     (lambda: sheet(Zone(HALF, Isotropic(1.0, 0.3, "plane_strain"))),
         "material in plane_strain, the body in plane_stress; give both one state"),
     (lambda: sheet(Zone(HALF, Isotropic(1.0, 0.3, thickness=2.0))), "2 m thick, the body 1 m"),

@@ -296,7 +296,6 @@ EACH = calibrate_zones(TWO, GRID)
 
 
 @table("make, message", [
-    (lambda: lattice_network(TWO, GRID), "nu = 0.2"),
     (lambda: lattice_network(TWO, GRID, (1.0, 0.5)), "(1.0, 0.5) for 2 materials; give a tup"),
     (lambda: lattice_network(TWO, GRID, EACH[0]), "for 2 materials; give a tuple"),
     (lambda: lattice_network(TWO, GRID, EACH[:1]), "for 2 materials; give a tuple"),

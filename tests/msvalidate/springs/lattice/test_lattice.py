@@ -37,7 +37,7 @@ def test_borders_counts_the_cells_that_hold_both_ends(lattice):
     ("size", "cells", "message"),
     [
         ((1.0, 1.0, 1.0), 2, "square lattice: a box 1 x 1 x 1 m; give a plane box"),
-        ((2.0, 1.0), 2, "2 x 2 cells of 1 m x 0.5 m; choose counts in the ratio 2 : 1"),
+        ((2.0, 1.0), (2, 2), "2 x 2 cells of 1 m x 0.5 m; choose counts in the ratio 2 : 1"),
         ((1.0, 1.0), 0, "cells: 0; give a whole number, 1 or more"),
         ((1.0, 1.0), (2, -1), "cells: -1; give a whole number, 1 or more"),
         ((1.0, 1.0), 2.0, "cells: 2.0; give a whole number"),

@@ -32,7 +32,7 @@ def test_the_seed_decides(kind):
         (("uniform", 2.5, (1.0, 1.0), 0), "number of points: 2.5; give a whole number"),
         (("uniform", 10**8, (1.0, 1.0), 0), "uniform point set: 1e+08 points, and the most is"),
         (("uniform", 3, (1.0, -1.0), 0), "box size along y: -1.0 m; it must be above zero"),
-        (("uniform", 3, (1.0,), 0), "box size: (1.0,); give a tuple of 2 or 3 lengths"),
+        (("uniform", 3, (1.0,), 0), "box size: (1.0,); give 2 or 3 lengths"),
         (("uniform", 3, (1.0, math.nan), 0), "box size along y: nan"),
         (("uniform", 3, (1.0, 1.0), -1), "seed: -1; give a whole number, 0 or more"),
     ],
