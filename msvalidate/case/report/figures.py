@@ -333,7 +333,7 @@ def _draw_edges(
 
 
 def outline_edges(mesh: Discretisation) -> Index:
-    """Return the outline of a 2D mesh, or the sharp edges of a 3D mesh, as pairs (e, 2)."""
+    """Return node pairs (e, 2) of the outline in 2D, of sharp edges in 3D."""
     facets = mesh.surface
     if mesh.dim == 3:
         return sharp_edges(mesh.points, _flat(facets))
