@@ -281,7 +281,7 @@ def choose_integrator(name: str, value: Integrator | str) -> Integrator:
     return choose_entry(name, value, Integrator, INTEGRATORS)
 
 
-def step_factors(scheme: Integrator) -> Factors:
+def step_factors(scheme: Integrator | str) -> Factors:
     """Factors of a scheme's step, for `springs.kernels.Motion.advance`.
 
     Raises `ProblemError` if it does not move with one new velocity.

@@ -24,14 +24,14 @@ def loaded(dim):
 def test_springs_are_drawn_at_rest_and_moved_as_the_title_says(dim, given):
     network = loaded(dim)
     rest = ms.equilibrium(network)
-    (axis,) = ms.plot(network, rest, given).axes
+    (axis,) = ms.plot(network, rest, magnification=given).axes
     title = axis.get_title(loc="left")
     times, most = map(float, re.findall(r"magnified (\S+) times, the largest is (\S+) m", title)[0])
     lengths = np.linalg.norm(rest.displacement, axis=1)
     assert most == pytest.approx(lengths.max(), rel=5e-3)
     assert times == given or 0.04 < times * lengths.max() / 2.0 <= 0.1
     lines = {each.get_label(): each for each in axis.collections}
-    for label, at in (("undeformed", network.points), ("deformed", rest.position)):
+    for label, at in (("undeformed", network.points), ("springs", rest.position)):
         at = network.points + times * (at - network.points)  # noqa: PLW2901
         drawn = lines[label].get_segments() if dim == 2 else lines[label]._segments3d
         expected = at[network.springs][..., [0, 2, 1][:dim] if dim == 3 else [0, 1]]
@@ -42,11 +42,11 @@ def test_springs_are_drawn_at_rest_and_moved_as_the_title_says(dim, given):
 def test_what_fits_no_network_is_refused_in_a_line():
     network = loaded(2)
     (axis,) = ms.plot(network).axes
-    assert {each.get_label() for each in axis.collections}.isdisjoint({"deformed"})
-    for given, said in (
-        ((np.zeros((3, 2)),), r"displacement: shape \(3, 2\); give \(15, 2\)"),
-        ((np.full((15, 2), np.nan),), r"displacement: nan at index \(0, 0\)"),
-        ((np.zeros((15, 2)), 0.0), "magnification: 0.0; it must be above zero"),
+    assert {each.get_label() for each in axis.collections}.isdisjoint({"undeformed"})
+    for displacement, times, said in (
+        (np.zeros((3, 2)), 1.0, r"displacement: shape \(3, 2\); give \(15, 2\)"),
+        (np.full((15, 2), np.nan), 1.0, r"displacement: nan at index \(0, 0\)"),
+        (np.zeros((15, 2)), 0.0, "magnification: 0.0; it must be above zero"),
     ):
         with pytest.raises(ms.ProblemError, match=said):
-            ms.plot(network, *given)
+            ms.plot(network, displacement, magnification=times)

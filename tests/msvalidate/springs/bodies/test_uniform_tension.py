@@ -109,7 +109,7 @@ def test_cubes_are_exact():
 def test_nothing_is_said_of_what_was_not_tried():
     endless = calibrate(2e6, 0.25, patterns.fcc(), "solid", spacing=0.1)
     assert endless.body is None
-    assert "endless" in str(endless)
+    assert "periodic lattice" in str(endless)
     triangles = triangular(zigzag_block(0.37, (2, 2)), 0.185)
     assert calibrate_material(SHEET, triangles).body.verdict == "not known"
     assert "not tried" in str(calibrate_material(SHEET, triangles))

@@ -5,7 +5,7 @@ import pytest
 from msvalidate.studies.stability.matrices import MATRICES
 
 from msvalidate.problem import ProblemError
-from msvalidate.springs.dynamics.integrators import INTEGRATORS, step_factors
+from msvalidate.springs.dynamics.integrators import INTEGRATORS, LEAPFROG, step_factors
 from msvalidate.springs.dynamics.step_limits import one_step_matrix, stability_limit
 
 every_scheme = pytest.mark.parametrize("name", INTEGRATORS)
@@ -82,6 +82,7 @@ def test_limits_of_what_is_none(arguments, error, message):
         stability_limit(INTEGRATORS["leapfrog"], *arguments)
 
 
-def test_a_scheme_is_asked_for_and_not_its_name():
-    with pytest.raises(ProblemError, match="scheme"):
-        step_factors("leapfrog")
+def test_a_scheme_is_chosen_by_its_name():
+    assert step_factors("leapfrog") is LEAPFROG.factors
+    with pytest.raises(ProblemError, match="scheme: 'leap'; did you mean 'leapfrog'"):
+        step_factors("leap")

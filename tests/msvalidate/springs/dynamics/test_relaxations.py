@@ -324,7 +324,7 @@ def test_a_scheme_with_two_velocities_is_refused():
         ({"tolerance": 0.5}, "above 0.01 any start would count as rest"),
         ({"max_steps": 0}, "max_steps: 0; give a whole number, 1 or more"),
         ({"look_every": 0}, "look_every: 0; give a whole number, 1 or more"),
-        ({"method": "fire"}, "method: 'fire'"),
+        ({"method": "fir"}, "method: 'fir'; did you mean 'fire'"),
         ({"frequencies": (2.0, 1.0)}, r"natural frequencies: \(2.0, 1.0\); give the lowest and"),
         ({"frequencies": (0.0, 1.0)}, "natural frequencies: .*above zero"),
         ({"frequencies": (1.0,)}, "natural frequencies: .*above zero"),
