@@ -18,7 +18,7 @@ from msvalidate.problem import Array, Problem
 from msvalidate.problem.records import dataclass
 from msvalidate_check.beside import best_scale, longest
 from msvalidate_check.scales import FITS
-from msvalidate_check.text import FLOOR, number_text, percent
+from msvalidate_check.text import FLOOR, duration, number_text, percent
 from msvalidate_check.verdict import (
     AGREES,
     DIFFERS,
@@ -216,9 +216,15 @@ def _more_accurate_elements(chosen: Choice) -> str:
     if not chosen.times >= BETTER:
         return ""
     why = ", ".join(chosen.reasons)
+    times = [
+        f", and take {duration(elements.seconds)} for {percent(elements.target)} "
+        f"(springs {duration(springs.seconds)})"
+        for springs, elements in zip(chosen.springs, chosen.elements, strict=False)
+        if math.isfinite(springs.seconds + elements.seconds)
+    ]
     return (
         f"at {chosen.unknowns:,} unknowns, elements are {chosen.times:.2g} times more accurate"
-        f"{f' ({why})' if why else ''}"
+        f"{f' ({why})' if why else ''}{''.join(times[:1])}"
     )
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 from msvalidate.bench.judging.columns import column_key, read_columns
 from msvalidate.bench.output.excerpt import Table, table_excerpt
 from msvalidate.bench.output.pictures import Picture, embed_pictures
-from msvalidate.bench.output.screen import FirstScreen, Summary
+from msvalidate.bench.output.screen import FirstScreen, Summary, agreement_badge
 from msvalidate.case.compare.comparison import (
     COARSE,
     OTHER_MATERIAL,
@@ -54,22 +54,29 @@ def first_screen(
     remarks: Sequence[str],
 ) -> FirstScreen:
     """First screen of a case, or of a judged field, from its `verdict.json`."""
-    case = found.case
+    case, status = found.case, verdict["verdict"]
     if isinstance(found, Judged):
         kind, name = "judged field", f"{found.result.name} for {case.name}"
         candidate, rows, cover = "field", found.verdict.differences, "difference"
+        question = f"Does the field of {found.result.name} agree"
+        badge = {"status": status, "badge": f"{candidate} {status}"}
     else:
         kind, name = "case: springs compared with elasticity", case.name
         candidate, rows, cover = "springs", found.rows, "field"
+        spacing = quantity_text(found.springs[0].spacing, "m", case.unit)
+        question = f"Do springs with a spacing of {spacing} agree"
+        words = {"springs agree": [row.word for row in rows]}
+        badge = agreement_badge(status, words, "elasticity", "quantities")
     return FirstScreen(
         f"msvalidate {kind}",
         name,
-        verdict["verdict"],
-        verdict["headline"],
-        verdict["recommendation"],
-        quantity_summary(case, rows, candidate),
-        next((each for each in pictures if each.source and each.file == f"./{cover}.svg"), None),
-        remarks,
+        sentence=verdict["headline"],
+        advice=verdict["recommendation"],
+        summary=quantity_summary(case, rows, candidate),
+        picture=next((p for p in pictures if p.source and p.file == f"./{cover}.svg"), None),
+        remarks=remarks,
+        question=f"{question} with elasticity in this body within {percent(case.band)}?",
+        **badge,
     )
 
 

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.bench.output.body_drawing import SHOWN
+from msvalidate.bench.judging.summary import TOLERANCE
+from msvalidate.bench.output.body_drawing import SHOWN, plot
 from msvalidate.bench.output.figures import draw_solid, solid_axes
-from msvalidate.bench.output.screen import FirstScreen, Summary, render_screen
+from msvalidate.bench.output.screen import MIXED, FirstScreen, Summary, render_screen
 from msvalidate.case.report.figures import Drawn
 from msvalidate.case.report.files import picture_files
 from msvalidate.case.report.page import shown_pictures
 from msvalidate.simulators.bodies.blocks import frozen_case
 from msvalidate.simulators.bodies.bodies import BodyRow
+from msvalidate.simulators.lattice.bodies import LatticeBody
 from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
+from msvalidate.springs.network import spring_network
+from msvalidate_check.text import percent
+from msvalidate_check.verdict import AGREES
 
 PAGE = "check.html"
 LAW = "law at small strain"
@@ -59,6 +65,9 @@ def sheet_files(
     if plots and moved:
         caption = "Bodies are deformed as the simulator has them on its finest mesh, enlarged."
         drawn["bodies"] = (caption, lambda: draw_bodies([*moved.values()], found.asked.nu))
+    if plots and found.lattice is not None and found.lattice.bodies:
+        caption = "The cantilever of springs is deformed as the simulator has it, enlarged."
+        drawn["cantilever"] = (caption, partial(draw_cantilever, found.lattice.bodies[0]))
     content, pictures = picture_files(drawn)
     material = found.asked
     request = {
@@ -70,13 +79,13 @@ def sheet_files(
     screen = FirstScreen(
         f"msvalidate simulator: {sheet.who}",
         name,
-        found.word,
-        f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
-        f"{sheet.next.removesuffix('.')}.",
-        tables[-1] if tables else None,
-        next(iter(shown_pictures(pictures)), None),
-        (*sheet.causes, *(sheet.tables[-1].below if tables else ())),
+        sentence=f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
+        advice=f"{sheet.next[:1].upper()}{sheet.next[1:].removesuffix('.')}.",
+        summary=tables[-1] if tables else None,
+        picture=next(iter(shown_pictures(pictures)), None),
+        remarks=(*sheet.causes, *(sheet.tables[-1].below if tables else ())),
         question=_solids(sheet),
+        **_badge(found),
     )
     page = render_screen(
         "simulator.html",
@@ -88,6 +97,18 @@ def sheet_files(
         origin=origin,
     )
     return content | {PAGE: page.encode()}
+
+
+def _badge(found: Judgement) -> dict[str, str]:
+    """State and words of the badge: the verdict on the law, and the largest error of a body."""
+    errors = [row.error for row in found.bodies]
+    if found.lattice is not None:
+        errors += [body.errors["elasticity"] for body in found.lattice.bodies]
+    worst = max(errors, default=0.0)
+    if found.word != AGREES or worst <= TOLERANCE:
+        return {"status": found.word}
+    words = f"law agrees, coarse body {percent(worst)} from elasticity"
+    return {"status": MIXED, "badge": words}
 
 
 def _solids(sheet: Sheet) -> str:
@@ -105,6 +126,19 @@ def _summary_of(title: str, table: SheetTable) -> Summary:
     shown = [place for place, head in enumerate(table.columns) if head != "case"]
     heads, *rows = ([row[place] for place in shown] for row in (table.columns, *table.rows))
     return Summary(CAPTIONS[title], heads, rows, [False] * len(shown))
+
+
+def draw_cantilever(body: LatticeBody) -> Figure:
+    """Springs of a cantilever at rest and as the simulator moves them, with supports and loads."""
+    request, gravity = body.request, np.asarray(body.request.gravity)
+    network = spring_network(
+        request.mesh.points,
+        body.part.springs,
+        1.0,
+        fixed=request.held,
+        force=request.force + request.mass[:, None] * gravity,
+    )
+    return plot(network, body.move)
 
 
 def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
