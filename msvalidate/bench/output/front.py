@@ -46,8 +46,8 @@ AXIS, TICKS = (1e-4, 1.0), ("0.0001", "0.001", "0.01", "0.1", "1")
 ADVICE = (
     "Use a square lattice with k2 = k1/2 (in 3D a cubic one with 18 neighbours) and give boundary "
     "springs half of the stiffness. Poisson's ratio is then 1/3 in plane stress and 1/4 in plane "
-    "strain and 3D; for another ratio add a volume energy to each cell. Use finite elements if your "
-    "program has no such energy, or if a wall is one or two cells thick."
+    "strain and 3D; for another ratio add a volume energy to each cell. Use finite elements if "
+    "your program has no such energy, or if a wall is one or two cells thick."
 )
 """General recommendation; its exceptions are rows of the chart."""
 

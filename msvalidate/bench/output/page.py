@@ -14,14 +14,13 @@ from dataclasses import dataclass
 from msvalidate.bench.judging.columns import column_key
 from msvalidate.bench.judging.evidence import OPEN, is_missed
 from msvalidate.bench.judging.summary import NAME as SUMMARY
-from msvalidate.bench.judging.summary import summary_row
 from msvalidate.bench.output.excerpt import TABLES_FIRST, Table, format_number, table_excerpt
 from msvalidate.bench.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.bench.output.pictures import Picture, embed_pictures
 from msvalidate.bench.output.rendering import Block, paragraphs_and_lists
 from msvalidate.bench.output.screen import FirstScreen, Summary, agreement_badge, render_screen
 from msvalidate.bench.output.stored import NUMBERS, Stored
-from msvalidate.bench.output.summary import reference_label, summary_sentence, summary_texts
+from msvalidate.bench.output.summary import summary_sentence, summary_texts
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
 
 PICTURES = 1_500_000
@@ -90,7 +89,6 @@ class Section:
     summary: Summary | None
     sentence: str
     advice: str
-    badge: Mapping[str, str]
 
     @property
     def candidate(self) -> str:
@@ -130,15 +128,15 @@ def render_page(studies: Sequence[Stored]) -> str:
     front = None if alone or foreign else first_screen(studies)
     glance = sections[0] if alone else None
     emblem = next((p for s in sections for p in s.pictures if p.file == FIGURE), None)
-    bodies = {"springs agree": [line.verdict for line in front.lines]} if front else {}
+    bodies = [line.verdict for line in front.lines] if front else ()
     screen = FirstScreen(
         EYEBROW,
         HEADING,
-        sentence=front.verdict if front and front.lines else sentence,
-        advice=front.advice if front else "",
+        agreement_badge(status, "springs agree with elasticity", bodies, "bodies"),
+        front.verdict if front and front.lines else sentence,
+        front.advice if front else "",
         picture=emblem,
         remarks=[sentence] * bool(front and front.lines),
-        **agreement_badge(status, bodies, "elasticity", "bodies"),
     )
     if glance:
         screen = _screen_of(glance)
@@ -168,6 +166,8 @@ def render_page(studies: Sequence[Stored]) -> str:
 def _screen_of(study: Section) -> FirstScreen:
     """First screen of the page of one study."""
     verdict, *remarks = [*filter(None, [study.sentence]), *study.findings[:GLANCED], ""]
+    heads, *rows = (study.summary.heads, *study.summary.rows) if study.summary else ([""] * 3,)
+    subject = f"{'candidate agrees' if study.candidate else 'springs agree'} with {heads[2]}"
     claim = next((each for each in study.findings if each.startswith(CLAIM)), "")
     checks = overall_verdict([study])[1]
     if claim:
@@ -176,13 +176,13 @@ def _screen_of(study: Section) -> FirstScreen:
     return FirstScreen(
         " · ".join(filter(None, (EYEBROW, study.origin.get("command", "")))),
         study.title,
-        sentence=verdict if claim else f"{checks} {verdict}",
-        advice=study.advice,
-        summary=study.summary,
-        picture=study.cover,
-        remarks=remarks[:1] if study.summary else remarks[:-1],
-        question=study.question,
-        **study.badge,
+        agreement_badge(study.status, subject, [row[-1] for row in rows], "rows"),
+        verdict if claim else f"{checks} {verdict}",
+        study.advice,
+        study.summary,
+        study.cover,
+        remarks[:1] if study.summary else remarks[:-1],
+        study.question,
     )
 
 
@@ -194,7 +194,7 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
     rows = judgements(study)
     pictures = embed_pictures(study.name, study.pictures, room)
     inside = [each for each in pictures if each.source]
-    summary, sentence, badge = _summary(study)
+    summary, sentence = _summary(study)
     cover = f"{study.name}/{study.cover}.svg"
     return Section(
         name=study.name,
@@ -215,25 +215,18 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
         summary=summary,
         sentence=sentence,
         advice=" ".join(advice[1].split()) if advice else "",
-        badge=badge,
     )
 
 
-def _summary(study: Stored) -> tuple[Summary | None, str, dict[str, str]]:
-    """Table `summary` of a study for its first screen, its verdict as one sentence, and a badge."""
-    table, status = study.tables.get(SUMMARY), study_status(study)
+def _summary(study: Stored) -> tuple[Summary | None, str]:
+    """Table `summary` of a study for its first screen, and its verdict as one sentence."""
+    table = study.tables.get(SUMMARY)
     if table is None or "difference" not in table:
-        return None, "", {"status": status}
-    subject = "candidate agrees" if study.origin.get("candidate") else "springs agree"
-    counted = {subject: [*table["verdict"]]}
-    if "report" in table:
-        pairs = table[["report", "reference"]].astype(float).to_numpy()
-        counted["report's formula"] = [str(summary_row("", *pair)["verdict"]) for pair in pairs]
-    badge = agreement_badge(status, counted, reference_label(study.labels), "rows")
+        return None, ""
     quantity = study.columns.get(column_key(SUMMARY, "springs", study.columns), "")
     caption = f"{quantity[:1].upper()}{quantity[1:] or SUMMARY}."
     made = Summary(caption, *summary_texts(table, study.labels))
-    return made, summary_sentence(table, study.labels), badge
+    return made, summary_sentence(table, study.labels)
 
 
 def study_status(study: Stored) -> str:

@@ -14,7 +14,7 @@ from msvalidate.problem.records import dataclass
 
 _CODE = re.compile(r"``(.+?)``|`([^`]+)`")
 _UNIT = re.compile(
-    r"(?<=\d) (?=(?:%|±|k[12]\b|(?:[kMG]?Pa|[mk]?N|N/m|[cmk]?m|m?J|[mµ]?s|min|h|k?g|kg/m³|GB)(?!\w)))"
+    r"(?<=\d) (?=[%±]|k[12]\b|([kMG]?Pa|k?N|N/m|[cmk]?m|m?J|[mµ]?s|min|k?g|kg/m³|GB)(?!\w))"
     r"|(?<=[±<=+]) (?=[\dk])"
 )
 """Gap between a number and its unit, bound or uncertainty."""

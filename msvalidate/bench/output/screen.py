@@ -21,7 +21,7 @@ from msvalidate.problem.records import dataclass
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
 
 MIXED = "mixed"
-"""Status of a badge whose rows agree in part: neither held nor missed."""
+"""State of a badge whose rows agree in part."""
 BIBLIOGRAPHY = "references.bib"
 """File of all sources; a wheel has it inside the package."""
 FIELDS = ("author", "title", "journal", "booktitle", "publisher", "school", "howpublished", "note")
@@ -49,8 +49,8 @@ class FirstScreen:
     ----------
     eyebrow, heading
         Kind of the page, and its title.
-    status, sentence
-        State that colours the badge, and the verdict as one sentence.
+    badge, sentence
+        State and words of the badge, by default those of the state; the verdict as one sentence.
     advice
         Recommendation; empty if the record does not decide.
     summary, picture
@@ -59,46 +59,31 @@ class FirstScreen:
         Short sentences below the verdict.
     question
         Paragraph that states what is examined; empty if the heading does.
-    badge
-        Words of the badge, with their subject; by default those of the state.
     """
 
     eyebrow: str
     heading: str
-    status: str
+    badge: tuple[str, str]
     sentence: str
     advice: str = ""
     summary: Summary | None = None
     picture: Picture | None = None
     remarks: Sequence[str] = ()
     question: str = ""
-    badge: str = ""
 
 
 def agreement_badge(
-    status: str, counted: Mapping[str, Sequence[str]], reference: str, noun: str
-) -> dict[str, str]:
-    """State and words of a badge that counts the rows that agree with a reference.
+    status: str, subject: str, verdicts: Sequence[str], noun: str
+) -> tuple[str, str]:
+    """State and words of a badge that counts the rows that agree.
 
-    A badge is as good as the worst row below it. A state of failed or unfinished checks stays.
-
-    Parameters
-    ----------
-    counted
-        Subject with its verb, such as "springs agree" -> verdicts of its rows; other subjects are
-        counted after the first.
+    Failed or unfinished checks keep their own state.
     """
-    judged = {
-        subject: [word == AGREES for word in words if word not in {NOT_ASKED, NONE}]
-        for subject, words in counted.items()
-    }
-    if status not in {*HELD, DIFFERS} or not any(judged.values()):
-        return {"status": status}
-    (first, agreeing), *others = judged.items()
-    words = f"{first} with {reference} in {sum(agreeing)} of {len(agreeing)} {noun}"
-    words += "".join(f", {subject} in {sum(rows)}" for subject, rows in others)
-    whole = all(all(rows) for rows in judged.values())
-    return {"status": status if whole or status == DIFFERS else MIXED, "badge": words}
+    agreeing = [word == AGREES for word in verdicts if word not in {NOT_ASKED, NONE}]
+    if status not in {*HELD, DIFFERS} or not agreeing:
+        return status, ""
+    words = f"{subject} in {sum(agreeing)} of {len(agreeing)} {noun}"
+    return status if all(agreeing) or status == DIFFERS else MIXED, words
 
 
 def render_screen(

@@ -57,17 +57,13 @@ def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
         return ""
     size = judged["difference"].astype(float).abs()
     farthest = judged.iloc[int(size.argmax())]
+    reference = labels.get(column_key(NAME, "reference", labels), "the reference")
     agreeing = int((judged["verdict"] == AGREES).sum())
     off = percent(float(size.max()))
     return (
-        f"{agreeing} of {len(judged)} rows agree with {reference_label(labels)} within their tolerance. "
+        f"{agreeing} of {len(judged)} rows agree with {reference} within their tolerance. "
         f"The largest difference is {off} ({farthest['case']})."
     )
-
-
-def reference_label(labels: Mapping[str, str]) -> str:
-    """Name of the reference of a summary, in words."""
-    return labels.get(column_key(NAME, "reference", labels), "the reference")
 
 
 def _text(name: str, value: object) -> str:

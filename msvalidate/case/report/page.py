@@ -54,29 +54,28 @@ def first_screen(
     remarks: Sequence[str],
 ) -> FirstScreen:
     """First screen of a case, or of a judged field, from its `verdict.json`."""
-    case, status = found.case, verdict["verdict"]
+    case, badge = found.case, (verdict["verdict"], f"field {verdict['verdict']}")
     if isinstance(found, Judged):
         kind, name = "judged field", f"{found.result.name} for {case.name}"
+        question = "Does this field agree"
         candidate, rows, cover = "field", found.verdict.differences, "difference"
-        question = f"Does the field of {found.result.name} agree"
-        badge = {"status": status, "badge": f"{candidate} {status}"}
     else:
         kind, name = "case: springs compared with elasticity", case.name
         candidate, rows, cover = "springs", found.rows, "field"
         spacing = quantity_text(found.springs[0].spacing, "m", case.unit)
         question = f"Do springs with a spacing of {spacing} agree"
-        words = {"springs agree": [row.word for row in rows]}
-        badge = agreement_badge(status, words, "elasticity", "quantities")
+        words = [row.word for row in rows]
+        badge = agreement_badge(badge[0], "springs agree with elasticity", words, "quantities")
     return FirstScreen(
         f"msvalidate {kind}",
         name,
-        sentence=verdict["headline"],
-        advice=verdict["recommendation"],
-        summary=quantity_summary(case, rows, candidate),
-        picture=next((p for p in pictures if p.source and p.file == f"./{cover}.svg"), None),
-        remarks=remarks,
-        question=f"{question} with elasticity in this body within {percent(case.band)}?",
-        **badge,
+        badge,
+        verdict["headline"],
+        verdict["recommendation"],
+        quantity_summary(case, rows, candidate),
+        next((each for each in pictures if each.source and each.file == f"./{cover}.svg"), None),
+        remarks,
+        f"{question} with elasticity in this body within {percent(case.band)}?",
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 
 import numpy as np
 from matplotlib.colors import Normalize
@@ -18,10 +17,9 @@ from msvalidate.case.report.files import picture_files
 from msvalidate.case.report.page import shown_pictures
 from msvalidate.simulators.bodies.blocks import frozen_case
 from msvalidate.simulators.bodies.bodies import BodyRow
-from msvalidate.simulators.lattice.bodies import LatticeBody
+from msvalidate.simulators.lattice.bodies import body_network
 from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
-from msvalidate.springs.network import spring_network
 from msvalidate_check.text import percent
 from msvalidate_check.verdict import AGREES
 
@@ -66,8 +64,10 @@ def sheet_files(
         caption = "Bodies are deformed as the simulator has them on its finest mesh, enlarged."
         drawn["bodies"] = (caption, lambda: draw_bodies([*moved.values()], found.asked.nu))
     if plots and found.lattice is not None and found.lattice.bodies:
+        body, springs = found.lattice.bodies[0], found.lattice.right
+        network = body_network(body, springs.constants, springs.weight, body.request.mass)
         caption = "The cantilever of springs is deformed as the simulator has it, enlarged."
-        drawn["cantilever"] = (caption, partial(draw_cantilever, found.lattice.bodies[0]))
+        drawn["cantilever"] = (caption, lambda: plot(network, body.move))
     content, pictures = picture_files(drawn)
     material = found.asked
     request = {
@@ -79,13 +79,13 @@ def sheet_files(
     screen = FirstScreen(
         f"msvalidate simulator: {sheet.who}",
         name,
-        sentence=f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
-        advice=f"{sheet.next[:1].upper()}{sheet.next[1:].removesuffix('.')}.",
-        summary=tables[-1] if tables else None,
-        picture=next(iter(shown_pictures(pictures)), None),
-        remarks=(*sheet.causes, *(sheet.tables[-1].below if tables else ())),
+        _badge(found),
+        f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
+        f"{sheet.next[:1].upper()}{sheet.next[1:].removesuffix('.')}.",
+        tables[-1] if tables else None,
+        next(iter(shown_pictures(pictures)), None),
+        (*sheet.causes, *(sheet.tables[-1].below if tables else ())),
         question=_solids(sheet),
-        **_badge(found),
     )
     page = render_screen(
         "simulator.html",
@@ -99,16 +99,14 @@ def sheet_files(
     return content | {PAGE: page.encode()}
 
 
-def _badge(found: Judgement) -> dict[str, str]:
+def _badge(found: Judgement) -> tuple[str, str]:
     """State and words of the badge: the verdict on the law, and the largest error of a body."""
-    errors = [row.error for row in found.bodies]
-    if found.lattice is not None:
-        errors += [body.errors["elasticity"] for body in found.lattice.bodies]
+    bodies = found.lattice.bodies if found.lattice else ()
+    errors = [row.error for row in found.bodies] + [body.errors["elasticity"] for body in bodies]
     worst = max(errors, default=0.0)
     if found.word != AGREES or worst <= TOLERANCE:
-        return {"status": found.word}
-    words = f"law agrees, coarse body {percent(worst)} from elasticity"
-    return {"status": MIXED, "badge": words}
+        return found.word, ""
+    return MIXED, f"law agrees, coarse body {percent(worst)} from elasticity"
 
 
 def _solids(sheet: Sheet) -> str:
@@ -126,19 +124,6 @@ def _summary_of(title: str, table: SheetTable) -> Summary:
     shown = [place for place, head in enumerate(table.columns) if head != "case"]
     heads, *rows = ([row[place] for place in shown] for row in (table.columns, *table.rows))
     return Summary(CAPTIONS[title], heads, rows, [False] * len(shown))
-
-
-def draw_cantilever(body: LatticeBody) -> Figure:
-    """Springs of a cantilever at rest and as the simulator moves them, with supports and loads."""
-    request, gravity = body.request, np.asarray(body.request.gravity)
-    network = spring_network(
-        request.mesh.points,
-        body.part.springs,
-        1.0,
-        fixed=request.held,
-        force=request.force + request.mass[:, None] * gravity,
-    )
-    return plot(network, body.move)
 
 
 def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
