@@ -33,13 +33,7 @@ SHOWN = ("body", "springs", "verdict", "condition", "study", "table")
 """Columns of the rows that are shown as they are."""
 COLUMNS = {
     *SHOWN,
-    *(
-        "error_coarse",
-        "error_at_20",
-        "across_fine",
-        "error_fine",
-        "uncertainty_fine",
-    ),
+    *("error_coarse", "error_at_20", "across_fine", "error_fine", "uncertainty_fine"),
 }
 AXIS, TICKS = (1e-4, 1.0), ("0.0001", "0.001", "0.01", "0.1", "1")
 """Ends of the chart's logarithmic axis of relative errors, and its ticks."""
@@ -203,11 +197,7 @@ def axis_place(error: str) -> float:
 
 def chart_sentence(lines: Sequence[Line]) -> str:
     """Sentence that counts the bodies inside and outside the band on the fine lattice."""
-    outside = [
-        f"“{line.body}” ({line.fine.partition(' at ')[0]})"
-        for line in lines
-        if line.verdict == DIFFERS
-    ]
+    outside = [f"“{line.body}” ({line.fine} cells)" for line in lines if line.verdict == DIFFERS]
     agree = sum(line.verdict == AGREES for line in lines)
     rest = f" Outside: {', '.join(outside)}." if outside else ""
     return (

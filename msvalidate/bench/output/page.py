@@ -132,7 +132,7 @@ def render_page(studies: Sequence[Stored]) -> str:
     screen = FirstScreen(
         EYEBROW,
         HEADING,
-        agreement_badge(status, "springs agree with elasticity", bodies, "bodies"),
+        agreement_badge(status, bodies, "springs agree with elasticity in {} of {} bodies"),
         front.verdict if front and front.lines else sentence,
         front.advice if front else "",
         picture=emblem,
@@ -166,8 +166,9 @@ def render_page(studies: Sequence[Stored]) -> str:
 def _screen_of(study: Section) -> FirstScreen:
     """First screen of the page of one study."""
     verdict, *remarks = [*filter(None, [study.sentence]), *study.findings[:GLANCED], ""]
-    heads, *rows = (study.summary.heads, *study.summary.rows) if study.summary else ([""] * 3,)
-    subject = f"{'candidate agrees' if study.candidate else 'springs agree'} with {heads[2]}"
+    summary = study.summary or Summary("", [""] * 3, [], [])
+    rows = [row[-1] for row in summary.rows]
+    words = f"springs agree with {summary.heads[2]} in {{}} of {{}} rows"
     claim = next((each for each in study.findings if each.startswith(CLAIM)), "")
     checks = overall_verdict([study])[1]
     if claim:
@@ -176,7 +177,7 @@ def _screen_of(study: Section) -> FirstScreen:
     return FirstScreen(
         " · ".join(filter(None, (EYEBROW, study.origin.get("command", "")))),
         study.title,
-        agreement_badge(study.status, subject, [row[-1] for row in rows], "rows"),
+        agreement_badge(study.status, rows, words),
         verdict if claim else f"{checks} {verdict}",
         study.advice,
         study.summary,

@@ -15,7 +15,7 @@ from msvalidate.problem.records import dataclass
 _CODE = re.compile(r"``(.+?)``|`([^`]+)`")
 _UNIT = re.compile(
     r"(?<=\d) (?=[%±]|k[12]\b|([kMG]?Pa|k?N|N/m|[cmk]?m|m?J|[mµ]?s|min|k?g|kg/m³|GB)(?!\w))"
-    r"|(?<=[±<=+]) (?=[\dk])"
+    r"|(?<=[±<=+]) (?=[\dk])| (?=[=+] )"
 )
 """Gap between a number and its unit, bound or uncertainty."""
 

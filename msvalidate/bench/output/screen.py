@@ -72,18 +72,16 @@ class FirstScreen:
     question: str = ""
 
 
-def agreement_badge(
-    status: str, subject: str, verdicts: Sequence[str], noun: str
-) -> tuple[str, str]:
-    """State and words of a badge that counts the rows that agree.
+def agreement_badge(status: str, verdicts: Sequence[str], words: str) -> tuple[str, str]:
+    """State and words of a badge that counts the rows that agree in place of two braces.
 
     Failed or unfinished checks keep their own state.
     """
     agreeing = [word == AGREES for word in verdicts if word not in {NOT_ASKED, NONE}]
     if status not in {*HELD, DIFFERS} or not agreeing:
         return status, ""
-    words = f"{subject} in {sum(agreeing)} of {len(agreeing)} {noun}"
-    return status if all(agreeing) or status == DIFFERS else MIXED, words
+    state = status if all(agreeing) or status == DIFFERS else MIXED
+    return state, words.format(sum(agreeing), len(agreeing))
 
 
 def render_screen(

@@ -18,7 +18,7 @@ from msvalidate.problem import Array, Problem
 from msvalidate.problem.records import dataclass
 from msvalidate_check.beside import best_scale, longest
 from msvalidate_check.scales import FITS
-from msvalidate_check.text import FLOOR, duration, number_text, percent
+from msvalidate_check.text import FLOOR, number_text, percent
 from msvalidate_check.verdict import (
     AGREES,
     DIFFERS,
@@ -182,7 +182,7 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
     word, band = overall(found.rows), percent(found.case.band)
     if word == AGREES:
         cheaper = _more_accurate_elements(chosen)
-        more = f"; for more accuracy, {cheaper}" if cheaper else ""
+        more = f"; for a program that has both, {cheaper}" if cheaper else ""
         return Recommendation(SPRINGS, f"they agree within the band of {band}{more}")
     if word != DIFFERS:
         return Recommendation(NEITHER, _unresolved_remedy(found, word))
@@ -216,15 +216,9 @@ def _more_accurate_elements(chosen: Choice) -> str:
     if not chosen.times >= BETTER:
         return ""
     why = ", ".join(chosen.reasons)
-    times = [
-        f", and take {duration(elements.seconds)} for {percent(elements.target)} "
-        f"(springs {duration(springs.seconds)})"
-        for springs, elements in zip(chosen.springs, chosen.elements, strict=False)
-        if math.isfinite(springs.seconds + elements.seconds)
-    ]
     return (
         f"at {chosen.unknowns:,} unknowns, elements are {chosen.times:.2g} times more accurate"
-        f"{f' ({why})' if why else ''}{''.join(times[:1])}"
+        f"{f' ({why})' if why else ''}"
     )
 
 

@@ -64,8 +64,8 @@ def first_screen(
         candidate, rows, cover = "springs", found.rows, "field"
         spacing = quantity_text(found.springs[0].spacing, "m", case.unit)
         question = f"Do springs with a spacing of {spacing} agree"
-        words = [row.word for row in rows]
-        badge = agreement_badge(badge[0], "springs agree with elasticity", words, "quantities")
+        words = "springs agree with elasticity in {} of {} quantities"
+        badge = agreement_badge(badge[0], [row.word for row in rows], words)
     return FirstScreen(
         f"msvalidate {kind}",
         name,

@@ -60,15 +60,20 @@ def sheet_files(
     """
     moved = {row.body: row for row in found.bodies if row.move is not None}
     drawn: Drawn = {}
-    if plots and moved:
+    if moved:
         caption = "Bodies are deformed as the simulator has them on its finest mesh, enlarged."
         drawn["bodies"] = (caption, lambda: draw_bodies([*moved.values()], found.asked.nu))
-    if plots and found.lattice is not None and found.lattice.bodies:
+    errors = [row.error for row in found.bodies]
+    if found.lattice is not None and found.lattice.bodies:
         body, springs = found.lattice.bodies[0], found.lattice.right
+        errors += [each.errors["elasticity"] for each in found.lattice.bodies]
         network = body_network(body, springs.constants, springs.weight, body.request.mass)
         caption = "The cantilever of springs is deformed as the simulator has it, enlarged."
         drawn["cantilever"] = (caption, lambda: plot(network, body.move))
-    content, pictures = picture_files(drawn)
+    content, pictures = picture_files(drawn if plots else {})
+    badge, worst = (found.word, ""), max(errors, default=0.0)
+    if found.word == AGREES and worst > TOLERANCE:
+        badge = MIXED, f"law agrees, coarse body {percent(worst)} from elasticity"
     material = found.asked
     request = {
         "material": f"E = {material.E:g} Pa, nu = {material.nu:g}, {material.density:g} kg/m³",
@@ -79,9 +84,9 @@ def sheet_files(
     screen = FirstScreen(
         f"msvalidate simulator: {sheet.who}",
         name,
-        _badge(found),
+        badge,
         f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
-        f"{sheet.next[:1].upper()}{sheet.next[1:].removesuffix('.')}.",
+        f"{sheet.next.removesuffix('.')}.",
         tables[-1] if tables else None,
         next(iter(shown_pictures(pictures)), None),
         (*sheet.causes, *(sheet.tables[-1].below if tables else ())),
@@ -97,16 +102,6 @@ def sheet_files(
         origin=origin,
     )
     return content | {PAGE: page.encode()}
-
-
-def _badge(found: Judgement) -> tuple[str, str]:
-    """State and words of the badge: the verdict on the law, and the largest error of a body."""
-    bodies = found.lattice.bodies if found.lattice else ()
-    errors = [row.error for row in found.bodies] + [body.errors["elasticity"] for body in bodies]
-    worst = max(errors, default=0.0)
-    if found.word != AGREES or worst <= TOLERANCE:
-        return found.word, ""
-    return MIXED, f"law agrees, coarse body {percent(worst)} from elasticity"
 
 
 def _solids(sheet: Sheet) -> str:
@@ -130,9 +125,11 @@ def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
     """Deformed surfaces as the simulator has them, coloured by displacement, over the bodies."""
     figure, axes = solid_axes(len(rows), (4.4, 2.4), rows=len(rows))
     for axis, row in zip(axes, rows, strict=True):
-        x, move = frozen_case(row.case, row.mesh, nu).points, np.asarray(row.move)
+        points = frozen_case(row.case, row.mesh, nu).points
+        # y is drawn upwards, as the loads of these bodies have it
+        x, move = (np.asarray(each)[:, [0, 2, 1]] for each in (points, row.move))
         size = np.linalg.norm(move, axis=1)
         times = SHOWN * float(np.ptp(x, axis=0).max() / (size.max() or 1.0))
         draw_solid(axis, x, x + times * move, size, Normalize(0.0, size.max()))
-        axis.set_title(f"{row.body}, enlarged {times:.3g} times")
+        axis.set(ylabel="z (m)", zlabel="y (m)", title=f"{row.body}, enlarged {times:.3g} times")
     return figure
