@@ -227,7 +227,7 @@ def _summary(study: Stored) -> tuple[Summary | None, str]:
     quantity = study.columns.get(column_key(SUMMARY, "springs", study.columns), "")
     caption = f"{quantity[:1].upper()}{quantity[1:] or SUMMARY}."
     made = Summary(caption, *summary_texts(table, study.labels))
-    return made, summary_sentence(table, study.labels)
+    return made, summary_sentence(table)
 
 
 def study_status(study: Stored) -> str:

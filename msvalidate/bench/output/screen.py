@@ -12,13 +12,12 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from msvalidate.bench.judging.evidence import HELD
-from msvalidate.bench.judging.summary import NONE
+from msvalidate.bench.judging.evidence import HELD, OPEN
 from msvalidate.bench.output.baseline import HOME
 from msvalidate.bench.output.pictures import Picture
 from msvalidate.bench.output.rendering import render_template
 from msvalidate.problem.records import dataclass
-from msvalidate_check.verdict import AGREES, DIFFERS, NOT_ASKED
+from msvalidate_check.verdict import AGREES, DIFFERS
 
 MIXED = "mixed"
 """State of a badge whose rows agree in part."""
@@ -73,11 +72,11 @@ class FirstScreen:
 
 
 def agreement_badge(status: str, verdicts: Sequence[str], words: str) -> tuple[str, str]:
-    """State and words of a badge that counts the rows that agree in place of two braces.
+    """Count the rows that agree in the words of a badge, in place of two braces.
 
     Failed or unfinished checks keep their own state.
     """
-    agreeing = [word == AGREES for word in verdicts if word not in {NOT_ASKED, NONE}]
+    agreeing = [word == AGREES for word in verdicts if word in {AGREES, DIFFERS, *OPEN}]
     if status not in {*HELD, DIFFERS} or not agreeing:
         return status, ""
     state = status if all(agreeing) or status == DIFFERS else MIXED
