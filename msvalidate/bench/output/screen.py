@@ -72,9 +72,10 @@ class FirstScreen:
 
 
 def agreement_badge(status: str, verdicts: Sequence[str], words: str) -> tuple[str, str]:
-    """Count the rows that agree in the words of a badge, in place of two braces.
+    """Insert the number of rows that agree into the words of a badge.
 
-    Failed or unfinished checks keep their own state.
+    The words have a pair of braces for this number and one for that of all rows. Failed or
+    unfinished checks keep their own state.
     """
     agreeing = [word == AGREES for word in verdicts if word in {AGREES, DIFFERS, *OPEN}]
     if status not in {*HELD, DIFFERS} or not agreeing:
