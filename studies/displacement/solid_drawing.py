@@ -46,12 +46,14 @@ def deformed(tables: kit.Tables) -> Figure:
     norm = Normalize(0, 100 * table["difference"].max())
     for axis, (name, factor) in zip(axes, MAGNIFIED.items(), strict=True):
         rows, case = table[table["case"] == name], CASES[name]
-        points, move = (rows[list(names)].to_numpy() for names in (AXES, ("ux", "uy", "uz")))
+        # y is drawn upwards, as the names of sides have it
+        points, move = (rows[list(names)].to_numpy() for names in ("xzy", ("ux", "uz", "uy")))
         moved = points + factor * move
         surface = kit.figures.draw_solid(
             axis, points, moved, 100 * rows["difference"].to_numpy(), norm
         )
         draw_traction(axis, case, points, moved)
+        axis.set(ylabel="z (m)", zlabel="y (m)")
         axis.set_title(f"{name}:\n{case.clamped} held, {case.loaded} loaded, × {factor}")
     scale = figure.colorbar(surface, ax=axes, orientation="horizontal", aspect=50, shrink=0.9)
     scale.set_label("distance of springs from FEM, part of the largest displacement (%)")
@@ -61,9 +63,9 @@ def deformed(tables: kit.Tables) -> Figure:
 
 def draw_traction(axis: Any, case: SolidCase, points: kit.Array, moved: kit.Array) -> None:
     """An arrow in the middle of the loaded side, which ends there where it presses."""
-    along, level = {"top": (1, 1.0), "right": (0, case.length)}[case.loaded]
+    along, level = {"top": (2, 1.0), "right": (0, case.length)}[case.loaded]
     start = moved[np.isclose(points[:, along], level)].mean(axis=0)
-    arrow = ARROW * np.array(case.traction) / np.linalg.norm(case.traction)
+    arrow = ARROW * np.array(case.traction)[[0, 2, 1]] / np.linalg.norm(case.traction)
     pressed = arrow[along] < 0
     kit.body_drawing.draw_solid_load(axis, start - arrow * pressed, arrow)
 

@@ -1,6 +1,8 @@
 """Poisson's ratio of the square lattice
 
 Does the report's lattice, square cells with eight neighbours, have Poisson's ratio k2/(2 k1 + k2)?
+The report's own block has 5 x 5 cells of equal springs. The other blocks give springs on the
+boundary half of the stiffness.
 
 Recommendation: calculate Poisson's ratio of a square lattice from k2/(k1 + k2), choose k2 = k1/2
 for an isotropic material, and give boundary springs half of the stiffness.

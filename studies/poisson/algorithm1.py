@@ -121,7 +121,7 @@ def draw(tables: kit.Tables) -> Figure:
 
 
 def draw_block(tables: kit.Tables) -> Figure:
-    """The report's block in equilibrium: equal springs, k2 = 2 k1, strain 1 %, sliding ends."""
+    """The report's 5 x 5 cells of equal springs with its k2 = 2 k1 at 1 % strain, ends sliding."""
     block_table = tables["block"]
     moved = block_table[["x", "y"]].to_numpy()
     first = moved - block_table[["ux", "uy"]].to_numpy()

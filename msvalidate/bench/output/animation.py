@@ -20,7 +20,7 @@ from msvalidate.bench.output.body_drawing import (
     draw_supports,
     network_drawing,
 )
-from msvalidate.bench.output.figures import COLOURS, UPWARDS, figure_style
+from msvalidate.bench.output.figures import COLOURS, figure_style
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import format_value, positive_number, require_type
 from msvalidate.problem.records import dataclass
@@ -146,8 +146,7 @@ def _render(shown: list[tuple[str, Drawing]], magnification: float) -> list[Imag
         if first.points.shape[1] == 2:
             draw_supports(axis, first.points, first.fixed, 4.0)
         for (title, _), at in zip(shown, moved, strict=True):
-            ends = at[first.lines]
-            lines.set_segments(ends if at.shape[1] == 2 else ends[..., UPWARDS])
+            lines.set_segments(at[first.lines])
             axis.set_title(f"{title}, displacements magnified {magnification:g} times", loc="left")
             canvas.draw()
             image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from msvalidate.bench.output.figures import (
     COLOURS,
-    UPWARDS,
     add_shared_legend,
     figure_style,
     fit_solid_axes,
@@ -28,19 +27,19 @@ from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.checks import finite_coordinates, positive_number
 from msvalidate.springs.network import Network
 
-AT_REST = "#d4d4d4"
-UNDEFORMED = "#949494"
+AT_REST = "#8c8c8c"
 SHOWN = 0.1
 """Size of the largest displacement as drawn, relative to the body."""
 ARROW = 0.12
 """Length of the longest load arrow, relative to the body."""
-MOST_ARROWS = 40
+MOST_ARROWS = 12
+"""Arrows of all loads in a picture."""
 FLAT = 0.3
 """Relative thickness below which a body is seen from its flattest side."""
 FLATTEST = ({"elev": 20, "azim": -20}, {"elev": 20, "azim": -75}, {"elev": 60, "azim": -60})
 """Axis along which a body is shortest, as drawn -> angles (degrees) that it is seen from."""
 WIDE, TALLEST = 6.2, 6.0
-DEFORMED = "#66a9d4"
+DEFORMED = "#3d8fc2"
 ARROW_WIDTH = 0.08
 """Width of an arrow's shaft, relative to the longest arrow."""
 FIXED = {
@@ -119,7 +118,7 @@ def draw_bodies(drawings: Sequence[Drawing], magnification: float | None = None)
         room = 1.3 * ARROW * first.size
         figure, axis = body_axes(np.concatenate([first.points, *places]), room)
         if moved:
-            draw_springs(axis, first.points, first.lines, "undeformed", UNDEFORMED)
+            draw_springs(axis, first.points, first.lines, "undeformed", AT_REST)
         for each, at, colour in zip(drawings, places, cycle(COLOURS)):
             draw_springs(axis, at, each.lines, each.label, colour)
         arrows = places[0][on], first.force[on], ARROW * first.size
@@ -168,10 +167,10 @@ def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
     return figure, axis
 
 
-def loaded_points(force: Array, most: int = MOST_ARROWS) -> Index:
-    """Numbers of points with a force (n, d) in N, evenly spread if they are more than `most`."""
+def loaded_points(force: Array) -> Index:
+    """Numbers of points with a force (n, d) in N, evenly spread, at most `MOST_ARROWS`."""
     (on,) = np.nonzero(np.linalg.norm(force, axis=1) > 1e-12 * np.abs(force).max(initial=0.0))
-    return on[:: max(1, -(-len(on) // most))]
+    return on[:: max(1, -(-len(on) // MOST_ARROWS))]
 
 
 def draw_supports_and_loads(
@@ -186,10 +185,10 @@ def draw_supports_and_loads(
         draw_loads(axis, at, force, length)
         return
     style: dict[str, Any] = {"ms": 2.5, "mfc": "none", "color": "black", "label": "held"}
-    axis.plot(*points[fixed.any(axis=1)][:, UPWARDS].T, "s", **style)
+    axis.plot(*points[fixed.any(axis=1)].T, "s", **style)
     if len(at):
         arrow = length * force / np.linalg.norm(force, axis=1).max()
-        start, along = (at - arrow)[:, UPWARDS].T, arrow[:, UPWARDS].T
+        start, along = (at - arrow).T, arrow.T
         axis.quiver(*start, *along, color=COLOURS[1], lw=1.2, label="load")
 
 
@@ -203,7 +202,7 @@ def draw_springs(axis: Any, at: Array, springs: Index, label: str, colour: str =
     style: dict[str, Any] = {"color": colour, "lw": width, "label": label}
     if dim == 2:
         return axis.add_collection(LineCollection(list(at[springs]), **style))
-    return axis.add_collection3d(Line3DCollection(at[springs][..., UPWARDS], **style))
+    return axis.add_collection3d(Line3DCollection(at[springs], **style))
 
 
 def draw_particles(axis: Axes, at: Array) -> None:
@@ -249,4 +248,4 @@ def draw_loads(
 
 def draw_solid_load(axis: Any, at: Array, arrow: Array) -> None:
     """Arrow (3,) in m that starts at a point (3,) in m, on axes of `figures.solid_axes`."""
-    axis.quiver(*at[UPWARDS], *arrow[UPWARDS], color="black", lw=2, arrow_length_ratio=0.35)
+    axis.quiver(*at, *arrow, color="black", lw=2, arrow_length_ratio=0.35)

@@ -34,8 +34,6 @@ LOGARITHMIC = "log scale"
 """Said in the label of an axis that has one."""
 LONG_LABEL = 22
 """Letters of a label's last line after which more goes on a line of its own."""
-UPWARDS = [0, 2, 1]
-"""Axes in the order in which they are drawn in space, the last upwards."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
@@ -159,7 +157,7 @@ def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> Non
 
 
 def solid_axes(count: int, size: tuple[float, float], rows: int = 1) -> tuple[Figure, list[Any]]:
-    """Figure and its axes in space, in rows, y upwards, each of `size` inches."""
+    """Figure and its axes in space, in rows, z upwards, each of `size` inches."""
     columns = -(-count // rows)
     figure = Figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
     axes = [figure.add_subplot(rows, columns, i + 1, projection="3d") for i in range(count)]
@@ -168,8 +166,8 @@ def solid_axes(count: int, size: tuple[float, float], rows: int = 1) -> tuple[Fi
         axis.view_init(elev=22, azim=-58)
         axis.computed_zorder = False  # what is drawn later stands in front
         axis.set_xlabel("x (m)")
-        axis.set_ylabel("z (m)")
-        axis.set_zlabel("y (m)")
+        axis.set_ylabel("y (m)")
+        axis.set_zlabel("z (m)")
     return figure, axes
 
 
@@ -182,14 +180,14 @@ def draw_solid(axis: Any, points: Array, moved: Array, value: Array, norm: Any) 
     """
     faces = box_faces(points)
     surface = Poly3DCollection(
-        moved[faces][..., UPWARDS], cmap="viridis", norm=norm, edgecolor="white", linewidth=0.25
+        moved[faces], cmap="viridis", norm=norm, edgecolor="white", linewidth=0.25
     )
     surface.set_array(value[faces].mean(axis=1))
     low, high = points.min(axis=0), points.max(axis=0)
     corners = [np.array(corner) for corner in product(*zip(low, high, strict=True))]
-    hidden = np.array([low[0], low[1], high[2]])  # the corner farthest from the viewer
+    hidden = np.array([low[0], high[1], low[2]])  # the corner farthest from the viewer
     ends = [
-        np.array([a, b])[:, UPWARDS]
+        np.array([a, b])
         for a, b in combinations(corners, 2)
         if (a != b).sum() == 1 and (a != hidden).any() and (b != hidden).any()
     ]
@@ -207,7 +205,7 @@ def fit_solid_axes(axis: Any, points: Array, room: float = 0.0) -> Array:
 
     Returned are the lengths (3,) along the axes as drawn, over the longest.
     """
-    low, high = points.min(axis=0)[UPWARDS] - room, points.max(axis=0)[UPWARDS] + room
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axis.set_box_aspect(high - low, zoom=0.9)  # leaves room for labels
     parts = (high - low) / (high - low).max()

@@ -33,21 +33,15 @@ SHOWN = ("body", "springs", "verdict", "condition", "study", "table")
 """Columns of the rows that are shown as they are."""
 COLUMNS = {
     *SHOWN,
-    *(
-        "error_coarse",
-        "error_at_20",
-        "across_fine",
-        "error_fine",
-        "uncertainty_fine",
-    ),
+    *("error_coarse", "error_at_20", "across_fine", "error_fine", "uncertainty_fine"),
 }
 AXIS, TICKS = (1e-4, 1.0), ("0.0001", "0.001", "0.01", "0.1", "1")
 """Ends of the chart's logarithmic axis of relative errors, and its ticks."""
 ADVICE = (
     "Use a square lattice with k2 = k1/2 (in 3D a cubic one with 18 neighbours) and give boundary "
     "springs half of the stiffness. Poisson's ratio is then 1/3 in plane stress and 1/4 in plane "
-    "strain and 3D; for another ratio add a volume energy to each cell. Use finite elements if a "
-    "wall is one or two cells thick, or if another ratio is needed without a volume energy."
+    "strain and 3D; for another ratio add a volume energy to each cell. Use finite elements if "
+    "your program has no such energy, or if a wall is one or two cells thick."
 )
 """General recommendation; its exceptions are rows of the chart."""
 
@@ -203,9 +197,9 @@ def axis_place(error: str) -> float:
 
 def chart_sentence(lines: Sequence[Line]) -> str:
     """Sentence that counts the bodies inside and outside the band on the fine lattice."""
-    outside = [line.body for line in lines if line.verdict == DIFFERS]
+    outside = [f"“{line.body}” ({line.fine} cells)" for line in lines if line.verdict == DIFFERS]
     agree = sum(line.verdict == AGREES for line in lines)
-    rest = f" Outside: “{'”, “'.join(outside)}”." if outside else ""
+    rest = f" Outside: {', '.join(outside)}." if outside else ""
     return (
         f"On the fine lattice, {agree} of {len(lines)} bodies are within {percent(str(TOLERANCE))} "
         f"of elasticity.{rest}"

@@ -18,7 +18,7 @@ from msvalidate.bench.output.excerpt import TABLES_FIRST, Table, format_number, 
 from msvalidate.bench.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.bench.output.pictures import Picture, embed_pictures
 from msvalidate.bench.output.rendering import Block, paragraphs_and_lists
-from msvalidate.bench.output.screen import FirstScreen, Summary, render_screen
+from msvalidate.bench.output.screen import FirstScreen, Summary, agreement_badge, render_screen
 from msvalidate.bench.output.stored import NUMBERS, Stored
 from msvalidate.bench.output.summary import summary_sentence, summary_texts
 from msvalidate_check.verdict import AGREES, DIFFERS, NOT_RESOLVED
@@ -128,10 +128,11 @@ def render_page(studies: Sequence[Stored]) -> str:
     front = None if alone or foreign else first_screen(studies)
     glance = sections[0] if alone else None
     emblem = next((p for s in sections for p in s.pictures if p.file == FIGURE), None)
+    bodies = [line.verdict for line in front.lines] if front else ()
     screen = FirstScreen(
         EYEBROW,
         HEADING,
-        status,
+        agreement_badge(status, bodies, "springs agree with elasticity in {} of {} bodies"),
         front.verdict if front and front.lines else sentence,
         front.advice if front else "",
         picture=emblem,
@@ -165,6 +166,9 @@ def render_page(studies: Sequence[Stored]) -> str:
 def _screen_of(study: Section) -> FirstScreen:
     """First screen of the page of one study."""
     verdict, *remarks = [*filter(None, [study.sentence]), *study.findings[:GLANCED], ""]
+    summary = study.summary or Summary("", [""] * 3, [], [])
+    rows = [row[-1] for row in summary.rows]
+    words = f"springs agree with {summary.heads[2]} in {{}} of {{}} rows"
     claim = next((each for each in study.findings if each.startswith(CLAIM)), "")
     checks = overall_verdict([study])[1]
     if claim:
@@ -173,7 +177,7 @@ def _screen_of(study: Section) -> FirstScreen:
     return FirstScreen(
         " · ".join(filter(None, (EYEBROW, study.origin.get("command", "")))),
         study.title,
-        study.status,
+        agreement_badge(study.status, rows, words),
         verdict if claim else f"{checks} {verdict}",
         study.advice,
         study.summary,
@@ -223,7 +227,7 @@ def _summary(study: Stored) -> tuple[Summary | None, str]:
     quantity = study.columns.get(column_key(SUMMARY, "springs", study.columns), "")
     caption = f"{quantity[:1].upper()}{quantity[1:] or SUMMARY}."
     made = Summary(caption, *summary_texts(table, study.labels))
-    return made, summary_sentence(table, study.labels)
+    return made, summary_sentence(table)
 
 
 def study_status(study: Stored) -> str:

@@ -13,6 +13,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from msvalidate.problem.records import dataclass
 
 _CODE = re.compile(r"``(.+?)``|`([^`]+)`")
+_UNIT = re.compile(
+    r"(?<=\d) (?=[%±]|k[12]\b|([kMG]?Pa|k?N|N/m|[cmk]?m|m?J|[mµ]?s|min|k?g|kg/m³|GB)(?!\w))"
+    r"|(?<=[±<=+]) (?=[\dk])| (?=[=+] )"
+)
+"""Gap between a number and its unit, bound or uncertainty."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +37,16 @@ def render_template(name: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        finalize=_keep_units,
     )
     environment.filters["pieces"] = split_at_backticks
     return environment.get_template(name).render(**values)
+
+
+def _keep_units(value: Any) -> Any:
+    """Text whose numbers stay in one line with their units; markup is left as it is."""
+    plain = type(value) is str and not value.startswith("data:")
+    return _UNIT.sub("\N{NO-BREAK SPACE}", value) if plain else value
 
 
 def paragraphs_and_lists(text: str) -> tuple[Block, ...]:

@@ -12,11 +12,15 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
+from msvalidate.bench.judging.evidence import HELD, OPEN
 from msvalidate.bench.output.baseline import HOME
 from msvalidate.bench.output.pictures import Picture
 from msvalidate.bench.output.rendering import render_template
 from msvalidate.problem.records import dataclass
+from msvalidate_check.verdict import AGREES, DIFFERS
 
+MIXED = "mixed"
+"""State of a badge whose rows agree in part."""
 BIBLIOGRAPHY = "references.bib"
 """File of all sources; a wheel has it inside the package."""
 FIELDS = ("author", "title", "journal", "booktitle", "publisher", "school", "howpublished", "note")
@@ -44,8 +48,8 @@ class FirstScreen:
     ----------
     eyebrow, heading
         Kind of the page, and its title.
-    status, sentence
-        Word of the badge, and the verdict as one sentence.
+    badge, sentence
+        State and words of the badge, by default those of the state; the verdict as one sentence.
     advice
         Recommendation; empty if the record does not decide.
     summary, picture
@@ -58,13 +62,26 @@ class FirstScreen:
 
     eyebrow: str
     heading: str
-    status: str
+    badge: tuple[str, str]
     sentence: str
     advice: str = ""
     summary: Summary | None = None
     picture: Picture | None = None
     remarks: Sequence[str] = ()
     question: str = ""
+
+
+def agreement_badge(status: str, verdicts: Sequence[str], words: str) -> tuple[str, str]:
+    """Insert the number of rows that agree into the words of a badge.
+
+    The words have a pair of braces for this number and one for that of all rows. Failed or
+    unfinished checks keep their own state.
+    """
+    agreeing = [word == AGREES for word in verdicts if word in {AGREES, DIFFERS, *OPEN}]
+    if status not in {*HELD, DIFFERS} or not agreeing:
+        return status, ""
+    state = status if all(agreeing) or status == DIFFERS else MIXED
+    return state, words.format(sum(agreeing), len(agreeing))
 
 
 def render_screen(

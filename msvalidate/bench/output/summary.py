@@ -10,7 +10,6 @@ from msvalidate.bench.judging.columns import column_key
 from msvalidate.bench.judging.evidence import Evidence
 from msvalidate.bench.judging.summary import NAME, RELATIVE
 from msvalidate_check.text import align_table, number_text, percent
-from msvalidate_check.verdict import AGREES
 
 
 def summary_texts(
@@ -42,28 +41,14 @@ def summary_lines(table: pd.DataFrame, evidence: Evidence) -> list[str]:
     ]
 
 
-def summary_sentence(table: pd.DataFrame, labels: Mapping[str, str]) -> str:
-    """Sentence with the number of rows that agree, and the largest difference.
-
-    It is empty without a verdict.
-
-    Parameters
-    ----------
-    table, labels
-        As for `summary_texts`.
-    """
+def summary_sentence(table: pd.DataFrame) -> str:
+    """Sentence with the largest difference of a summary; empty without a verdict."""
     judged = table[table["difference"].map(is_number)]
     if judged.empty:
         return ""
     size = judged["difference"].astype(float).abs()
-    farthest = judged.iloc[int(size.argmax())]
-    reference = labels.get(column_key(NAME, "reference", labels), "the reference")
-    agreeing = int((judged["verdict"] == AGREES).sum())
-    off = percent(float(size.max()))
-    return (
-        f"{agreeing} of {len(judged)} rows agree with {reference} within their tolerance. "
-        f"The largest difference is {off} ({farthest['case']})."
-    )
+    case = judged["case"].iloc[int(size.argmax())]
+    return f"The largest difference is {percent(float(size.max()))} ({case})."
 
 
 def _text(name: str, value: object) -> str:

@@ -22,7 +22,7 @@ from msvalidate.bench.output.body_drawing import (
     body_axes,
     draw_supports_and_loads,
 )
-from msvalidate.bench.output.figures import COLOURS, UPWARDS, add_shared_legend, new_figure
+from msvalidate.bench.output.figures import COLOURS, add_shared_legend, new_figure
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.file.fracture import draw_breaks
 from msvalidate.case.file.units import user_unit
@@ -50,8 +50,6 @@ SHARP = math.cos(0.5)
 """Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
 less."""
 EDGE = "#666666"
-MAX_ARROWS = 12
-"""Arrows of all loads in a picture."""
 
 
 def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> Drawn:
@@ -127,14 +125,9 @@ def draw_matching(found: Judged) -> Figure:
     for at, mark, colour, label, ms in groups:
         if len(at):
             style: dict[str, Any] = {"color": colour, "ms": ms, "label": label, "mfc": "none"}
-            axis.plot(*_upright(at), mark, rasterized=len(at) > MOST_ARROWS, **style)
+            axis.plot(*at.T, mark, rasterized=len(at) > MOST_ARROWS, **style)
     _legend_below(axis, x, 3)
     return figure
-
-
-def _upright(places: Array) -> Array:
-    """Coordinates (d, n) of places (n, d) as they are drawn, in space the second upwards."""
-    return places.T[UPWARDS] if places.shape[1] == 3 else places.T
 
 
 def _legend_below(axis: Axes, points: Array, columns: int) -> None:
@@ -183,7 +176,7 @@ def _draw_materials(axis: Axes, problem: Problem, body: Discretisation, at: Arra
         if body.dim == 2:
             axis.add_collection(PolyCollection(list(places), **style, zorder=0))
         else:
-            axis.add_collection3d(Poly3DCollection(places[..., UPWARDS], **style))  # type: ignore[attr-defined]
+            axis.add_collection3d(Poly3DCollection(places, **style))  # type: ignore[attr-defined]
         axis.plot([], [], "s", color=colour, alpha=0.35, label=f"region {zone}")
 
 
@@ -201,7 +194,7 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
         elif isinstance(load, Traction):
             at = x[load.region.select(x, problem.domain.tolerance)]
         at = _spread(at, 1.1 * ARROW * float(np.ptp(x, axis=0).max()))
-        at = at[: max(1, MAX_ARROWS // len(problem.loads))]
+        at = at[: max(1, MOST_ARROWS // len(problem.loads))]
         (name,) = (each for each in ("traction", "force", "acceleration") if hasattr(load, each))
         both = np.hstack([at, vectors_at(name, getattr(load, name), at)])
         groups.setdefault(type(load), []).append(both)
@@ -240,8 +233,8 @@ def draw_fields(found: Comparison) -> Figure:
         style |= {"color": COLOURS[0], "lw": min(0.8, 35 * found.springs[0].spacing / size)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
-        axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
-        shown = moved[_flat(solution.body.surface)][..., UPWARDS]
+        axis.plot(*springs.T, ".", ms=1.5, color=COLOURS[0], **style)
+        shown = moved[_flat(solution.body.surface)]
         axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
     _draw_edges(axis, moved, solution, COLOURS[1], elements)
     _draw_edges(axis, x, solution, EDGE, "undeformed", "--")
@@ -269,7 +262,7 @@ def draw_difference(points: Array, relative: Array, reference: Reference) -> Fig
     figure, axis = body_axes(np.concatenate([x, points]), 0.03 * size)
     _draw_edges(axis, x, solution, EDGE, "body")
     order = np.argsort(relative, kind="stable")
-    at, size = _upright(points[order]), float(np.clip(6000 / len(points), 2.0, 36.0))
+    at, size = points[order].T, float(np.clip(6000 / len(points), 2.0, 36.0))
     style: dict[str, Any] = {"cmap": "viridis", "vmin": 0.0, "rasterized": True}
     dots = axis.scatter(*at, c=100 * relative[order], s=size, **style)
     pad = 0.1 if x.shape[1] == 3 else 0.02
@@ -329,7 +322,7 @@ def _draw_edges(
         return
     for number, edge in enumerate(edges):
         own = label if not number else None
-        axis.plot(*_upright(places[edge]), style, color=colour, lw=0.9, label=own)
+        axis.plot(*places[edge].T, style, color=colour, lw=0.9, label=own)
 
 
 def outline_edges(mesh: Discretisation) -> Index:

@@ -182,7 +182,7 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
     word, band = overall(found.rows), percent(found.case.band)
     if word == AGREES:
         cheaper = _more_accurate_elements(chosen)
-        more = f"; for more accuracy, {cheaper}" if cheaper else ""
+        more = f"; for a program that has both, {cheaper}" if cheaper else ""
         return Recommendation(SPRINGS, f"they agree within the band of {band}{more}")
     if word != DIFFERS:
         return Recommendation(NEITHER, _unresolved_remedy(found, word))

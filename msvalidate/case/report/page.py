@@ -13,7 +13,7 @@ import pandas as pd
 from msvalidate.bench.judging.columns import column_key, read_columns
 from msvalidate.bench.output.excerpt import Table, table_excerpt
 from msvalidate.bench.output.pictures import Picture, embed_pictures
-from msvalidate.bench.output.screen import FirstScreen, Summary
+from msvalidate.bench.output.screen import FirstScreen, Summary, agreement_badge
 from msvalidate.case.compare.comparison import (
     COARSE,
     OTHER_MATERIAL,
@@ -54,22 +54,28 @@ def first_screen(
     remarks: Sequence[str],
 ) -> FirstScreen:
     """First screen of a case, or of a judged field, from its `verdict.json`."""
-    case = found.case
+    case, badge = found.case, (verdict["verdict"], f"field {verdict['verdict']}")
     if isinstance(found, Judged):
         kind, name = "judged field", f"{found.result.name} for {case.name}"
+        question = "Does this field agree"
         candidate, rows, cover = "field", found.verdict.differences, "difference"
     else:
         kind, name = "case: springs compared with elasticity", case.name
         candidate, rows, cover = "springs", found.rows, "field"
+        spacing = quantity_text(found.springs[0].spacing, "m", case.unit)
+        question = f"Do springs with a spacing of {spacing} agree"
+        words = "springs agree with elasticity in {} of {} quantities"
+        badge = agreement_badge(badge[0], [row.word for row in rows], words)
     return FirstScreen(
         f"msvalidate {kind}",
         name,
-        verdict["verdict"],
+        badge,
         verdict["headline"],
         verdict["recommendation"],
         quantity_summary(case, rows, candidate),
         next((each for each in pictures if each.source and each.file == f"./{cover}.svg"), None),
         remarks,
+        f"{question} with elasticity in this body within {percent(case.band)}?",
     )
 
 

@@ -51,7 +51,7 @@ from msvalidate.springs.constants.stiffness import (
     isotropic_moduli,
     isotropic_tensor,
 )
-from msvalidate.springs.network import spring_network
+from msvalidate.springs.network import Network, spring_network
 from msvalidate_check.beside import Driven, Mistake, best_scale
 from msvalidate_check.causes import Cause
 from reference_fem.body import solve_problem
@@ -198,10 +198,10 @@ def _difference(move: Array, other: Array) -> float:
     return max_length(move - other) / max_length(other)
 
 
-def network_displacement(body: LatticeBody, constants: Array, weight: float, mass: Array) -> Array:
-    """Displacement (n, d) in m of our network of springs under a body's loads."""
+def body_network(body: LatticeBody, constants: Array, weight: float, mass: Array) -> Network:
+    """Network of springs with constants by kind and a boundary weight, under a body's loads."""
     request, part = body.request, body.part
-    network = spring_network(
+    return spring_network(
         part.mesh.points,
         part.springs,
         part.stiffness(constants, weight),
@@ -209,6 +209,11 @@ def network_displacement(body: LatticeBody, constants: Array, weight: float, mas
         fixed=request.held,
         force=request.force + np.outer(mass, request.gravity),
     )
+
+
+def network_displacement(body: LatticeBody, constants: Array, weight: float, mass: Array) -> Array:
+    """Displacement (n, d) in m of our network of springs under a body's loads."""
+    network = body_network(body, constants, weight, mass)
     factor = factorise_network(network)
     if factor is None:
         raise SolverError("cantilever: the springs measured are not stable")

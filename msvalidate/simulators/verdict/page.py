@@ -8,16 +8,19 @@ import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.bench.output.body_drawing import SHOWN
+from msvalidate.bench.judging.summary import TOLERANCE
+from msvalidate.bench.output.body_drawing import SHOWN, draw_bodies, network_drawing
 from msvalidate.bench.output.figures import draw_solid, solid_axes
-from msvalidate.bench.output.screen import FirstScreen, Summary, render_screen
+from msvalidate.bench.output.screen import MIXED, FirstScreen, Summary, render_screen
 from msvalidate.case.report.figures import Drawn
 from msvalidate.case.report.files import picture_files
 from msvalidate.case.report.page import shown_pictures
 from msvalidate.simulators.bodies.blocks import frozen_case
 from msvalidate.simulators.bodies.bodies import BodyRow
+from msvalidate.simulators.lattice.bodies import body_network
 from msvalidate.simulators.verdict.judgement import Judgement
 from msvalidate.simulators.verdict.sheet import Sheet, SheetTable
+from msvalidate_check.text import percent
 
 PAGE = "check.html"
 LAW = "law at small strain"
@@ -56,10 +59,20 @@ def sheet_files(
     """
     moved = {row.body: row for row in found.bodies if row.move is not None}
     drawn: Drawn = {}
-    if plots and moved:
+    if moved:
         caption = "Bodies are deformed as the simulator has them on its finest mesh, enlarged."
         drawn["bodies"] = (caption, lambda: draw_bodies([*moved.values()], found.asked.nu))
-    content, pictures = picture_files(drawn)
+    errors = [row.error for row in found.bodies]
+    if found.lattice is not None and found.lattice.bodies:
+        body, springs = found.lattice.bodies[0], found.lattice.right
+        errors += [each.errors["elasticity"] for each in found.lattice.bodies]
+        network = body_network(body, springs.constants, springs.weight, body.request.mass)
+        caption = "The cantilever of springs is deformed as the simulator has it, enlarged."
+        drawn["cantilever"] = (caption, lambda: draw_bodies([network_drawing(network, body.move)]))
+    content, pictures = picture_files(drawn if plots else {})
+    badge, worst = (found.word, ""), max(errors, default=0.0)
+    if worst > TOLERANCE:
+        badge = MIXED, f"law {found.word}, coarse body {percent(worst)} from elasticity"
     material = found.asked
     request = {
         "material": f"E = {material.E:g} Pa, nu = {material.nu:g}, {material.density:g} kg/m³",
@@ -70,7 +83,7 @@ def sheet_files(
     screen = FirstScreen(
         f"msvalidate simulator: {sheet.who}",
         name,
-        found.word,
+        badge,
         f"{sheet.word[:1].upper()}{sheet.word[1:]}.",
         f"{sheet.next.removesuffix('.')}.",
         tables[-1] if tables else None,
@@ -111,9 +124,11 @@ def draw_bodies(rows: list[BodyRow], nu: float) -> Figure:
     """Deformed surfaces as the simulator has them, coloured by displacement, over the bodies."""
     figure, axes = solid_axes(len(rows), (4.4, 2.4), rows=len(rows))
     for axis, row in zip(axes, rows, strict=True):
-        x, move = frozen_case(row.case, row.mesh, nu).points, np.asarray(row.move)
+        points = frozen_case(row.case, row.mesh, nu).points
+        # y is drawn upwards, as the loads of these bodies have it
+        x, move = (np.asarray(each)[:, [0, 2, 1]] for each in (points, row.move))
         size = np.linalg.norm(move, axis=1)
         times = SHOWN * float(np.ptp(x, axis=0).max() / (size.max() or 1.0))
         draw_solid(axis, x, x + times * move, size, Normalize(0.0, size.max()))
-        axis.set_title(f"{row.body}, enlarged {times:.3g} times")
+        axis.set(ylabel="z (m)", zlabel="y (m)", title=f"{row.body}, enlarged {times:.3g} times")
     return figure

@@ -4,8 +4,10 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import msvalidate as ms
+from msvalidate.bench.output import body_drawing
 
 
 def loaded(dim):
@@ -34,9 +36,17 @@ def test_springs_are_drawn_at_rest_and_moved_as_the_title_says(dim, given):
     for label, at in (("undeformed", network.points), ("springs", rest.position)):
         at = network.points + times * (at - network.points)  # noqa: PLW2901
         drawn = lines[label].get_segments() if dim == 2 else lines[label]._segments3d
-        expected = at[network.springs][..., [0, 2, 1][:dim] if dim == 3 else [0, 1]]
-        assert np.allclose(np.array(drawn), expected)
+        assert np.allclose(np.array(drawn), at[network.springs]), "z is drawn upwards"
     assert {"held", "load"} <= set(axis.get_legend_handles_labels()[1])
+
+
+def test_lines_of_bodies_stand_out_and_arrows_are_few():
+    """Contrast of 3 to 1 or more with white, as WCAG 2 asks of graphics."""
+    for colour in (body_drawing.AT_REST, body_drawing.DEFORMED):
+        c = np.array(to_rgb(colour))
+        linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+        assert 1.05 / (linear @ [0.2126, 0.7152, 0.0722] + 0.05) >= 3
+    assert 4 < len(body_drawing.loaded_points(np.ones((101, 2)))) <= 12
 
 
 def test_what_fits_no_network_is_refused_in_a_line():

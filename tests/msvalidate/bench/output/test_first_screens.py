@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 
 from msvalidate.bench.judging.columns import read_columns
@@ -20,6 +21,7 @@ from msvalidate.simulators.verdict.page import PAGE, sheet_files
 from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate.studies import poisson
 from reference_fem import box_discretisation, solve_problem
+from tests.msvalidate.bench.output.test_page import judged as passed
 from tests.msvalidate.bench.output.test_page_in_a_browser import (  # noqa: F401  `browser` is a fixture
     CONTRAST,
     WIDTHS,
@@ -27,8 +29,9 @@ from tests.msvalidate.bench.output.test_page_in_a_browser import (  # noqa: F401
     open_page,
     pytestmark,
 )
+from tests.msvalidate.simulators import test_lattice as lattices
 
-KINDS = ("study", "all", "case", "judged field", "simulator")
+KINDS = ("study", "all", "case", "judged field", "simulator", "lattice")
 PICTURE = (
     b'<svg xmlns="http://www.w3.org/2000/svg" width="400pt" height="300pt" viewBox="0 0 400 300">'
     b'<rect width="400" height="300" fill="#56B4E9"/></svg>'
@@ -46,7 +49,7 @@ def study(name, tables):
         columns={key: str(words) for key, words in columns.items()},
         labels=labels,
         origin={"command": "python -m msvalidate.study poisson"},
-        verdict=stored.nothing_judged(),
+        verdict=pd.DataFrame([passed()]),
         tables={"summary": tables["summary"].astype(str)},
         pictures={"emblem": ("The body is drawn at rest and deformed.", PICTURE)},
     )
@@ -77,12 +80,14 @@ def pages(tmp_path_factory, small_tables):
     solid = Isotropic(1e7, 0.3, "solid")
     judged = judge_simulator(asked, solid, parts=("bodies",), meshes=("tet4",))
     sheet = sheet_of(judged, asked, ("bodies",))
+    lattice, _, of_lattice = lattices.judged(lattices.example())
     made = {
         "study": page.render_page(ours[:1]).encode(),
         "all": page.render_page(ours).encode(),
         "case": case_files(case)[-1]["case.html"],
         "judged field": judged_files(replace(case, accuracy=1e-3), softer(case))[1]["case.html"],
         "simulator": sheet_files("toy", judged, sheet, {}, {})[PAGE],
+        "lattice": sheet_files("toy", lattice, of_lattice, {}, {})[PAGE],
     }
     folder, found = tmp_path_factory.mktemp("pages"), {}
     for kind, html in made.items():
@@ -94,6 +99,7 @@ def pages(tmp_path_factory, small_tables):
 
 BROKEN = """
 const wide = innerWidth > 600, broken = [], e = document.documentElement;
+const first = document.querySelector("header");
 const rect = x => x ? x.getBoundingClientRect() : {top: 1e9, bottom: 1e9, width: 0, height: 0};
 const one = s => document.querySelector(s), all = s => [...document.querySelectorAll(s)];
 const need = (holds, words) => { if (!holds) broken.push(words); };
@@ -109,6 +115,18 @@ need(rect(one(".advice")).bottom <= innerHeight, "no recommendation on the first
 const table = one(".glance table") || one(".chart");
 need(wide ? rect(table).top < innerHeight - 200 : rect(table).top < innerHeight + 200,
      `the summary is not on the first screen: ${rect(table).top}`);
+need(!one("header .overall .badge.pass") || !one("header .badge.fail, header .missed, header .off"),
+     "the badge hides a difference");
+const texts = `${one(".question")?.textContent}${one("h1").textContent}`;
+need(/[?]/.test(texts), "no question");
+need(rect(one(".question") ?? one("h1")).bottom <= innerHeight, "the question is cut");
+const key = [...all("header .more")].find(x => x.textContent.startsWith("○"));
+if (one(".chart") && wide)
+  need(Math.max(rect(key).bottom, rect(one(".off")).bottom) <= innerHeight,
+       "the key or the row that fails is below the first screen");
+need(!/[0-9] (?:%|m?m|[kMG]?Pa)(?![a-z])/.test(first.textContent), "a number and its unit break");
+for (const box of all(".stack"))
+  need(box.scrollWidth <= box.clientWidth + 1, `not stacked: ${box.getAttribute("aria-label")}`);
 if (one(".glance table")) need(!wide || rect(table).bottom <= innerHeight, "the summary is cut");
 for (const box of all(".box"))
   if (wide && box.offsetParent && !box.closest("details"))
@@ -118,8 +136,7 @@ for (const caption of all("figcaption")) {
   const words = caption.firstChild.textContent.trim();
   need(caption.offsetHeight > 0 && /\\w+ \\w+ .*[.]$/.test(words), `no sentence: ${words}`);
 }
-const first = one("header").innerText;
-need(!/\\de-\\d+ %/.test(first), "a number is below its uncertainty");
+need(!/\\de-\\d+\\s%/.test(first.innerText), "a number is below its uncertainty");
 const entries = all("#sources dt").map(x => x.textContent);
 for (const [, key] of document.body.innerText.matchAll(/\\[([A-Z][a-z]\\w*\\d{4})\\]/g))
   need(entries.includes(key), `no entry of ${key}`);
@@ -155,15 +172,20 @@ def test_pages_state_what_was_compared(browser, pages):  # noqa: F811
     for kind in ("case", "judged field", "study"):
         open_page(browser, pages[kind], 1280)
         texts[kind] = browser.execute_script("return document.querySelector('header').innerText")
-    badge, _, rest = texts["case"].partition("\n")[2].partition("\n")[2].partition(" ")
-    assert (badge == "agrees") == ("Use springs" in rest)
-    assert "displacement (mm)" in rest
-    assert "mean stress (MPa)" in rest
+        texts[kind] = texts[kind].replace("\N{NO-BREAK SPACE}", " ")
+    counted = re.search(r"springs agree with elasticity in (\d) of (\d) quantities", texts["case"])
+    assert (counted[1] == counted[2]) == ("Use springs" in texts["case"])
+    assert "displacement (mm)" in texts["case"]
+    assert "mean stress (MPa)" in texts["case"]
+    badge = "springs agree with reference in 7 of 9 rows"
+    assert badge in texts["study"]
+    assert "report's own block has 5 x 5 cells of equal springs" in texts["study"]
     # 1 % is planted in a field whose own accuracy is 1e-3 of it.
     sentence = r"The field is uniformly (1|0\.9[5-9]|1\.0\d?) % too soft\."
     assert re.search(sentence, texts["judged field"])
     assert "modulus E 0.99" in texts["judged field"]
     assert re.search(r" The formula fails\.\s+Recommendation", texts["study"])
+    assert "Does this field agree with elasticity" in texts["judged field"]
     open_page(browser, pages["study"], 1280)
     sources = browser.execute_script("return document.querySelector('#sources').innerText")
     assert "Hansen1996" in sources
@@ -179,7 +201,15 @@ def test_a_page_that_breaks_the_contract_is_noticed(browser, pages):  # noqa: F8
         "document.querySelector('nav.contents').style.position = 'static'": "out of view",
         "document.querySelector('figcaption').style.display = 'none'": "no sentence",
         "document.querySelector('#sources').remove()": "no entry of Hansen1996",
+        "document.querySelector('.overall .badge').className = 'badge pass'": "badge hides",
+        "document.querySelector('.question').textContent = 'Ratio.'": "no question",
+        "document.querySelector('.advice').textContent = 'Expect 5 % here.'": "its unit break",
+        "document.querySelector('.stack').style.width = '9rem'": "not stacked",
     }.items():
         open_page(browser, pages["study"], 1280)
         browser.execute_script(change)
         assert words in " ".join(browser.execute_script(BROKEN)), words
+    chart = "document.querySelector('.chart')"
+    open_page(browser, pages["all"], 1280)
+    browser.execute_script(f"{chart}.append({chart}.children[1])")
+    assert "the row that fails is below" in " ".join(browser.execute_script(BROKEN))

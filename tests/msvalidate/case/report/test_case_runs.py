@@ -387,7 +387,7 @@ def test_an_even_pressure_is_drawn_by_arrows_of_one_length():
     size = np.linalg.norm(arrow, axis=1).round(12)
     assert sorted(set(size)) == [0.5, 1.0]
     assert (at[size == 0.5][:, 0] == 2.0).all()
-    assert 4 < len(at) <= figures.MAX_ARROWS
+    assert 4 < len(at) <= figures.MOST_ARROWS
 
 
 def test_folders_of_others_are_left(tmp_path):
