@@ -95,7 +95,7 @@ def network_drawing(network: Network, displacement: Any = None) -> Drawing:
     return Drawing("springs", *lines, displacement, network.fixed, network.force)
 
 
-def draw_bodies(drawings: Sequence[Drawing], magnification: float | None = None) -> Figure:
+def overlay_drawings(drawings: Sequence[Drawing], magnification: float | None = None) -> Figure:
     """Draw bodies in their reference and deformed positions in one pair of axes.
 
     Supports and loads are those of the first. The default magnification is 1, 2 or 5 times a power

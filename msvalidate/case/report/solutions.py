@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.bench.output.body_drawing import Drawing, draw_bodies, network_drawing
+from msvalidate.bench.output.body_drawing import Drawing, network_drawing, overlay_drawings
 from msvalidate.case.compare.quantities import compare_quantities, difference_row
 from msvalidate.case.compare.validity import Limitation, limit_rows, limitations
 from msvalidate.case.file.case import BAND, Case
@@ -51,7 +51,7 @@ class Result:
 
     def plot(self, magnification: float | None = None) -> Figure:
         """Plot the deformed body, as the function `plot` does."""
-        return draw_bodies(self.drawings, magnification)
+        return overlay_drawings(self.drawings, magnification)
 
     @property
     def drawings(self) -> list[Drawing]:
@@ -412,7 +412,7 @@ def plot(*results: Any, magnification: float | None = None) -> Figure:
         raise ProblemError("plot: nothing to plot; give a problem, a network or a solution")
     if len({each.points.shape[1] for each in drawings}) > 1:
         raise ProblemError("plot: bodies in 2D and in 3D; plot them one by one")
-    return draw_bodies(drawings, magnification)
+    return overlay_drawings(drawings, magnification)
 
 
 def _drawings_of(result: Any) -> list[Drawing]:

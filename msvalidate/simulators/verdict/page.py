@@ -9,7 +9,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from msvalidate.bench.judging.summary import TOLERANCE
-from msvalidate.bench.output.body_drawing import SHOWN, draw_bodies, network_drawing
+from msvalidate.bench.output.body_drawing import SHOWN, network_drawing, overlay_drawings
 from msvalidate.bench.output.figures import draw_solid, solid_axes
 from msvalidate.bench.output.screen import MIXED, FirstScreen, Summary, render_screen
 from msvalidate.case.report.figures import Drawn
@@ -68,7 +68,10 @@ def sheet_files(
         errors += [each.errors["elasticity"] for each in found.lattice.bodies]
         network = body_network(body, springs.constants, springs.weight, body.request.mass)
         caption = "The cantilever of springs is deformed as the simulator has it, enlarged."
-        drawn["cantilever"] = (caption, lambda: draw_bodies([network_drawing(network, body.move)]))
+        drawn["cantilever"] = (
+            caption,
+            lambda: overlay_drawings([network_drawing(network, body.move)]),
+        )
     content, pictures = picture_files(drawn if plots else {})
     badge, worst = (found.word, ""), max(errors, default=0.0)
     if worst > TOLERANCE:
