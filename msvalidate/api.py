@@ -10,8 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from msvalidate.case.file.case import ACCURACY, Case, spacing_of
-from msvalidate.case.report.solutions import ElementSolution, SpringSolution
-from msvalidate.case.springs.large import converge_case
+from msvalidate.case.report.solutions import ElementSolution, SpringSolution, solve_elements
 from msvalidate.case.springs.lattice_springs import make_network, solve_network
 from msvalidate.problem import (
     Domain,
@@ -25,7 +24,6 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.records import replace
 from msvalidate.springs.network import Network
-from reference_fem.first_mesh import first_mesh
 
 Geometry = Literal["linear", "nonlinear"]
 
@@ -195,4 +193,4 @@ def reference(
     True
     """
     case = Case(problem, accuracy=rtol, geometry=geometry, quantities=("displacement",))
-    return ElementSolution(converge_case(case, first_mesh(problem).points), geometry)
+    return solve_elements(case)

@@ -334,7 +334,7 @@ MAIN = ("msvalidate.__main__", "msvalidate.study")
 """Programs: what they define would exist twice, so they are imported by nobody."""
 
 
-BOTH_SIDES = {"reference_fem", "studies", "case", "simulators", "msvalidate.api"}
+BOTH_SIDES = {"reference_fem", "studies", "case", "simulators"}
 """Folders that may know the reference."""
 
 

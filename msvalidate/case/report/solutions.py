@@ -17,7 +17,7 @@ from msvalidate.case.file.case import BAND, Case
 from msvalidate.case.file.schema import QUANTITIES
 from msvalidate.case.report.figures import outline_edges
 from msvalidate.case.report.page import quantity_summary
-from msvalidate.case.springs.large import BY_NAME, answer_in_full, change_in_full
+from msvalidate.case.springs.large import BY_NAME, answer_in_full, change_in_full, converge_case
 from msvalidate.case.springs.lattice_springs import SpringAnswer
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Problem, ProblemError, SolverError, prescribed_displacements
@@ -237,6 +237,14 @@ class ElementSolution(Result):
             rows.append(("strain energy", self.energy, "J"))
         rows.append(("error of displacements, relative", self.error, ""))
         return pd.DataFrame(rows, columns=list(HEADS))
+
+
+def solve_elements(case: Case) -> ElementSolution:
+    """Solve a case by elements, at the nodes of the coarsest mesh.
+
+    Raises what `converge_case` raises.
+    """
+    return ElementSolution(converge_case(case, first_mesh(case.problem).points), case.geometry)
 
 
 LAW = "st-venant-kirchhoff"

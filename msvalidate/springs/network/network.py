@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,6 @@ from msvalidate.problem.checks import (
     require_type,
 )
 from msvalidate.problem.records import dataclass, replace
-from msvalidate.springs.lattice import Lattice
 from msvalidate.springs.network.blocks import Blocks, blocks_of
 from msvalidate.springs.network.checks import (
     broadcast_values,
@@ -37,6 +36,9 @@ from msvalidate.springs.network.laws.law import Coefficients, SpringLaw
 from msvalidate.springs.network.laws.linear import LINEAR
 from msvalidate.springs.network.laws.volumes import Volumes
 from msvalidate.springs.network.layout import Layout, make_layout
+
+if TYPE_CHECKING:
+    from msvalidate.springs.lattice import Lattice
 
 P = ParamSpec("P")
 T = TypeVar("T")
