@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, ParamSpec, TypeVar
+from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,9 +37,6 @@ from msvalidate.springs.network.laws.linear import LINEAR
 from msvalidate.springs.network.laws.volumes import Volumes
 from msvalidate.springs.network.layout import Layout, make_layout
 
-if TYPE_CHECKING:
-    from msvalidate.springs.lattice import Lattice
-
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -61,13 +58,13 @@ class Body(NamedTuple):
     problem
         Boundary value problem.
     lattice
-        Lattice of the points and springs.
+        `springs.lattice.Lattice` of the points and springs.
     constants
         Spring constants per kind, or calibrations; with zones one entry per material.
     """
 
     problem: Problem
-    lattice: Lattice
+    lattice: Any
     constants: Any
 
 
