@@ -22,7 +22,6 @@ from msvalidate.bench.output.figures import (
     new_figure,
     solid_axes,
 )
-from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Index, Mask
 from msvalidate.problem.checks import finite_coordinates, positive_number
 from msvalidate.springs.network import Network
@@ -105,13 +104,13 @@ def overlay_drawings(drawings: Sequence[Drawing], magnification: float | None = 
     Raises `ProblemError` if the magnification is not positive.
     """
     first = drawings[0]
-    moved = [each for each in drawings if each.displacement is not None]
+    moved = any(each.displacement is not None for each in drawings)
     times = common_magnification(drawings) if magnification is None else magnification
     positive_number("magnification", times)
     places = [_moved(each, times) for each in drawings]
     title = "reference positions"
     if moved:
-        most = max(max_length(each.displacement) for each in moved)  # type: ignore[arg-type]
+        most = _largest_displacement(drawings)
         title = f"displacements magnified {times:g} times, the largest is {most:.3g} m"
     on = loaded_points(first.force)
     with figure_style():
@@ -137,8 +136,13 @@ def _moved(drawing: Drawing, magnification: float) -> Array:
 
 def common_magnification(drawings: Sequence[Drawing]) -> float:
     """Return the magnification at which all of some bodies are drawn."""
-    most = [max_length(u) for each in drawings if (u := each.displacement) is not None]
-    return _magnification(SHOWN * drawings[0].size, max(most, default=0.0))
+    return _magnification(SHOWN * drawings[0].size, _largest_displacement(drawings))
+
+
+def _largest_displacement(drawings: Sequence[Drawing]) -> float:
+    """Largest displacement (m) of some bodies."""
+    moved = [u for each in drawings if (u := each.displacement) is not None]
+    return max((float(np.linalg.norm(u, axis=1).max()) for u in moved), default=0.0)
 
 
 def _magnification(shown: float, most: float) -> float:
