@@ -90,8 +90,8 @@ class Combination:
             at: Any = given
             try:
                 for step in path:
-                    at = at[int(step) - 1] if isinstance(at, list) else at.setdefault(step, {})
-                at[int(last) - 1 if isinstance(at, list) else last] = value
+                    at = at[_place(at, step)] if isinstance(at, list) else at.setdefault(step, {})
+                at[_place(at, last) if isinstance(at, list) else last] = value
             except (IndexError, ValueError, AttributeError, TypeError) as error:
                 raise ProblemError(
                     f"--set {name}: no such place in {self.file.name}; give a key as "
@@ -122,6 +122,11 @@ class Combination:
                 digest.update(str(error).encode())  # a refused row, until the file is there
         digest.update(json.dumps([self.label or self.file.name, self.values], default=str).encode())
         return digest.hexdigest()[:32]
+
+
+def _place(items: list[Any], number: str) -> int:
+    """Index of an item by its number from 1; raises ValueError if there is none."""
+    return range(1, len(items) + 1).index(int(number))
 
 
 @cache
