@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from msvalidate.case.advise.identify import identified_lines, identify_lattice
-from msvalidate.case.advise.identify_files import identify_files
+from msvalidate.case.advise.identify_files import _own_axes, identify_files
 from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.program import main
 from msvalidate.problem import Box, Isotropic, Problem, Support
@@ -269,6 +269,167 @@ def test_moduli_by_name_step_and_direction(capsys):
     assert main(["advise", "--identify", "--cubic", "231GPa", "135GPa", "116GPa"]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "E = 2.19461e+11 Pa, nu = -0.0540477 along (1, -1, 0) to 0.616002 along (0, 0, 1)" in out
+
+
+def chain_files(folder, points=8, **columns):
+    """Equal springs and points along (0.6, 0, 0.8)."""
+    pairs = np.column_stack([np.arange(points - 1), np.arange(1, points)])
+    x = np.outer(SPACING * np.arange(points), [0.6, 0.0, 0.8])
+    return written(folder, x, pairs, np.full(points - 1, 5.0), **columns)
+
+
+def test_the_highest_frequency_of_a_chain(tmp_path):
+    """2 sqrt(k/m) cos(pi/2n) for n free points; the axis of the chain is the first axis."""
+    found = identify_files(chain_files(tmp_path, mass=np.full(8, 0.2)))
+    assert found.omega == pytest.approx(2 * np.sqrt(25.0) * np.cos(np.pi / 16), rel=1e-9)
+    assert found.whose == "this body, nothing held"
+    np.testing.assert_allclose(found.network.points[:, 0], SPACING * np.arange(8), atol=1e-12)
+    bare = identify_files(chain_files(tmp_path))
+    assert np.isnan(bare.omega)
+    assert bare.network.mass.tolist() == [1.0] * 8
+
+
+def test_supports_and_forces_of_a_table_are_those_of_the_network(tmp_path):
+    body, k = piece("square", 3)
+    files = written(tmp_path, body.points, body.springs, k)
+    points = pd.read_csv(files.with_name("points.csv"))
+    values = np.random.default_rng(0).normal(size=(3, len(points), 2))
+    values[0] = values[0] > 0
+    values[1] *= values[0]
+    for prefix, columns in zip(("held_", "move_", "force_"), values, strict=True):
+        points[[f"{prefix}x", f"{prefix}y"]] = columns
+    points.drop(columns="force_y").to_csv(files.with_name("points.csv"), index=False)
+    network = identify_files(files).network
+    np.testing.assert_array_equal(network.fixed, values[0] == 1)
+    np.testing.assert_allclose(network.displacement, values[1])
+    assert not network.force.any()  # of one axis alone: not the table of a network
+    points.to_csv(files.with_name("points.csv"), index=False)
+    np.testing.assert_allclose(identify_files(files).network.force, values[2])
+
+
+@pytest.mark.parametrize(("name", "thickness"), [("triangular", 0.2), ("cubic18", None)])
+def test_masses_of_a_density(name, thickness, tmp_path):
+    """Of a piece, the mass of its volume; of a sample, Gershgorin's bound on each point's row."""
+    body, k = piece(name, 4)
+    per_volume = 3.0 * (thickness or 1.0)
+    found = identify_files(written(tmp_path, body.points, body.springs, k), None, 3.0, thickness)
+    volume = np.prod(np.ptp(body.points, axis=0))
+    assert found.network.mass.sum() == pytest.approx(per_volume * volume, rel=0.02)
+    assert found.whose == "this body, nothing held, 3 kg/m³"
+    pattern = LATTICES[name]()
+    sample = repeat_cell(pattern, 3)
+    k = sample.stiffness(constants_of(pattern))
+    edges = tuple(SPACING * edge for edge in sample.size)
+    files = written(tmp_path, SPACING * sample.points, sample.springs, k)
+    found = identify_files(files, edges, 3.0, thickness)
+    row = np.bincount(sample.springs.ravel(), np.repeat(k, 2)).max()
+    mass = per_volume * np.prod(edges) / len(sample.points)
+    assert found.omega == pytest.approx(np.sqrt(2 * row / mass), rel=1e-9)
+    assert found.whose == "any wave at most, 3 kg/m³"
+    assert found.what == f"springs.csv: a periodic sample of {len(sample.points)} points"
+    springs = pd.read_csv(files).assign(image_x=sample.image[:, 0], image_y=sample.image[:, 1])
+    if pattern.dim == 3:
+        springs["image_z"] = sample.image[:, 2]
+    springs.to_csv(files, index=False)
+    np.testing.assert_allclose(identify_files(files, edges).tensor, found.tensor, rtol=1e-9)
+    (tmp_path / "cells.csv").touch()
+    with refused("cells.csv: a periodic sample is of springs alone"):
+        identify_files(files, edges)
+
+
+@pytest.mark.parametrize(("off", "axes"), [(0.5e-4, 1), (2e-4, 3)])
+def test_points_are_on_a_line_within_a_part_of_its_length(off, axes):
+    direction = np.array([0.6, 0.0, 0.8])
+    x = np.array([7.0, 8.0, 9.0]) + np.outer([0.0, 3.0, 1.0, -2.0], direction)
+    x[2, 1] += 3 * off
+    own = _own_axes(x)
+    assert own.shape == (4, axes)
+    if axes == 1:
+        np.testing.assert_allclose(own[:, 0], [0, 3, 1, -2], atol=1e-9)
+    flat = np.array([[0.0, 0, 2], [1, 0, 2], [0, 1, 2]])
+    np.testing.assert_array_equal(_own_axes(flat), flat[:, :2])
+    np.testing.assert_array_equal(_own_axes(np.ones((2, 3))), np.ones((2, 2)))
+
+
+def test_edges_of_a_sample_exceed_its_span(tmp_path):
+    sample = repeat_cell(LATTICES["square"](), 3)
+    files = written(tmp_path, sample.points, sample.springs, sample.stiffness((2.0, 1.0)))
+    with refused("--period: 2.0001 m where points span 2 m"):
+        identify_files(files, (3.0, 2.0001))
+    assert identify_files(files, (3.0, 2.0003)).solid
+    springs = pd.DataFrame({"i": [5], "j": [5], "stiffness": [1.0]})
+    pd.concat([pd.read_csv(files), springs]).to_csv(files, index=False)
+    with refused("springs.csv: a spring to its own image; count in image_x, image_y"):
+        identify_files(files, (3.0, 3.0))
+    with refused(f"springs.csv: row {len(sample.springs) + 1} joins a point to itself"):
+        identify_files(files)
+
+
+def test_cells_are_of_one_material_inside(tmp_path):
+    body, k = piece("square", 4)
+    cells = fill_cells(body)
+    files = written(tmp_path, body.points, body.springs, k)
+    table = pd.DataFrame({f"p{i}": corner + 5 for i, corner in enumerate(cells.T)})
+    inside = np.abs(body.points[cells] - 2 * SPACING).max(axis=(1, 2)) < 1.5 * SPACING
+    bare = identify_files(files).tensor
+    for change, one in ((0.5e-9, True), (2e-9, False)):
+        kappa = np.where(inside, 50.0, 70.0)
+        kappa[np.flatnonzero(inside)[0]] *= 1 + change
+        table.assign(kappa=kappa).to_csv(tmp_path / "cells.csv", index=False)
+        if one:
+            found = identify_files(files)
+            np.testing.assert_allclose(found.tensor - bare, 50 * PLANE, atol=1e-6)
+            np.testing.assert_array_equal(found.network.volumes.stiffness, kappa)
+        else:
+            with refused("cells.csv: kappa is not one number inside"):
+                identify_files(files)
+
+
+PLANE = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]])
+
+
+def fill_cells(body):
+    """Corners of the squares of a grid of points, in the order round each."""
+    number = {tuple(place): k for k, place in enumerate(np.rint(body.points / SPACING).tolist())}
+    steps = ((0, 0), (1, 0), (1, 1), (0, 1))
+    rows = [[number.get((x + i, y + j)) for i, j in steps] for x, y in number]
+    return np.array([row for row in rows if None not in row])
+
+
+def test_springs_without_force_are_left_out_of_bounds(tmp_path):
+    body, k = piece("square", 8)
+    x = body.points + 0.1 * SPACING * np.random.default_rng(1).normal(size=body.points.shape)
+    x = np.append(x, [[-3.0, 0.0]], axis=0)  # held by one spring, which no force can be in
+    springs = np.append(body.springs, [[0, len(x) - 1]], axis=0)
+    found = identify_files(written(tmp_path, x, springs, np.append(k, 2.0)))
+    text = f"springs.csv: nothing repeats between {len(x)} points, of which 1 without a force"
+    assert found.what == f"{text} in any spring are left out"
+    soft = np.append(k, 1e-30)
+    same = identify_files(written(tmp_path, x, springs, soft))
+    np.testing.assert_allclose(same.tensor, found.tensor, rtol=1e-9)
+    (tmp_path / "cells.csv").touch()
+    with refused("cells.csv: bounds are of springs alone"):
+        identify_files(tmp_path / "springs.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "springs.csv: No such file or directory; give a table with columns i, j, stiffness"),
+        ("i,j,k\n1,2,3\n", "springs.csv: no stiffness; give a table"),
+        ("i,j,stiffness\n", "springs.csv: no rows; give a table"),
+        ("", "springs.csv: No columns to parse from file; give"),
+        ("i,j,stiffness\n5,6,1\n5,4,1\n", "springs.csv: j = 4 in row 2 is no point of points.csv"),
+        ("i,j,stiffness\n7,6,1\n5,4,1\n", "springs.csv: i = 7 in row 1 is no point of points.csv"),
+        ("i, j, stiffness\n5, 6, 1\n", "give a larger piece"),
+    ],
+)
+def test_tables_that_are_no_network(tmp_path, text, message):
+    (tmp_path / "points.csv").write_text("id,x,y\n5,0,0\n6,1,1\n8,2,0\n", encoding="utf-8")
+    if text is not None:
+        (tmp_path / "springs.csv").write_text(text, encoding="utf-8")
+    with refused(message):
+        identify_files(tmp_path / "springs.csv")
 
 
 def test_the_command_identifies(tmp_path, capsys):

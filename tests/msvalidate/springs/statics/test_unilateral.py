@@ -119,6 +119,14 @@ def test_it_takes_more_steps_than_a_tenth_of_what_counts_as_closed(monkeypatch):
     assert len(compliance.forces) == 2
 
 
+@pytest.mark.parametrize("far", [1e3, -1e3])
+def test_a_light_force_far_away_is_known_to_the_rounding_of_the_gaps(far):
+    contact = Compliance(np.eye(3) + 1).contact([far, far, far + 1e-9], (1e-6,))
+    force, deeper = contact.solve(0.0)
+    assert force.sum() == pytest.approx(1e-6, rel=1e-9)
+    assert deeper[0] == pytest.approx(far, abs=1e-5)
+
+
 def test_what_has_no_answer_is_refused():
     with pytest.raises(SolverError, match="nothing bears it; reduce the force"):
         Compliance(np.eye(3)).contact([0.0, 0.0, 0.0], (0.0,)).solve(0.0)
