@@ -74,8 +74,11 @@ def test_a_lattice_is_known_in_each_way(name, tmp_path):
         assert (found.stable == "stable") == (name not in {"square4", "cubic6"})
 
 
-def test_a_hole_and_a_turn_change_nothing_inside(tmp_path):
+def test_a_hole_a_turn_and_stiffer_sides_change_nothing_inside(tmp_path):
     body, stiffness = piece("triangular", 8)
+    ends = body.points[body.springs]
+    sides = ((ends == ends.min(axis=(0, 1))) | (ends == ends.max(axis=(0, 1)))).any(axis=(1, 2))
+    stiffness = stiffness * np.where(sides, 2.0, 1.0)
     away = np.linalg.norm(body.points - body.points.mean(axis=0), axis=1) > 2 * SPACING
     number = np.cumsum(away) - 1
     stay = away[body.springs].all(axis=1)
@@ -299,6 +302,7 @@ def test_supports_and_forces_of_a_table_are_those_of_the_network(tmp_path):
     points[["held_x", "held_y", "move_x", "move_y", "force_x"]] = np.c_[fixed, fixed, force[:, :1]]
     points.to_csv(tmp_path / "points.csv", index=False)
     network = identify_files(files).network
+    np.testing.assert_allclose(network.points, body.points)
     np.testing.assert_array_equal(network.fixed, fixed > 0)
     np.testing.assert_allclose(network.displacement, fixed)
     assert not network.force.any()  # of one axis alone: not the table of a network
