@@ -44,6 +44,10 @@ PACKAGES = ("msvalidate", "reference_fem", "msvalidate_check")
 COMPUTING = (*LIBRARIES, "cvxopt", "gmsh", "llvmlite", "meshio", "msgspec", "pyamg", "shapely")
 """Distributions whose versions a row depends on."""
 SOLVED, REFUSED, FAILED, LATE, DIED = "solved", "refused", "failed", "too long", "died"
+CHANGED = (
+    "the case, mesh or program differs from that of the sweep's start; sweep again, on a cluster "
+    "with workers that were started since"
+)
 ROWS = "rows"
 """Folder of the files of rows."""
 BARE = re.compile(r"((?:^|[,\[\s])[+-]?)\.(?=\d)")
@@ -218,7 +222,7 @@ def solve(request: Combination, key: str) -> Row:
         with np.errstate(over="ignore", invalid="ignore"):
             case = build_case(source)
             if request.key != key:
-                return Row(DIED, message="case, mesh or program changed since the sweep began")
+                return Row(DIED, message=CHANGED)
             result = compare_case(case)
         first = result.rows[0]
         values = {"difference": first.error, "uncertainty": first.uncertainty}

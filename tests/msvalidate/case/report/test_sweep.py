@@ -277,7 +277,7 @@ def test_one_that_changes_while_it_is_swept_is_no_row_of_the_old_file(beam):
     case = sweep.Combination(beam, (), "beam.toml")
     row = sweep.solve(case, "of another file")
     assert row.outcome == sweep.DIED
-    assert "changed since the sweep began" in row.message
+    assert "differs from that of the sweep's start; sweep again, on a cluster with" in row.message
 
 
 @pytest.mark.parametrize("worst", ["solved", "refused", "failed", "too long", "died"])
