@@ -220,7 +220,7 @@ def test_memory_limits_meshes_in_space(monkeypatch):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_an_even_strain_has_closed_forms(dim):
-    """All sides follow u = A x; values do not change from mesh to mesh: two are enough."""
+    """All sides follow u = A x; two meshes with equal values are enough."""
     A = 1e-3 * np.array([[3.0, 1.0, -2.0], [2.0, -4.0, 5.0], [1.0, 3.0, 2.0]])[:dim, :dim]
     box = Box((2.0, 1.0) if dim == 2 else (1.0, 1.0, 1.0))
     law = LAW if dim == 2 else Isotropic(1e5, 0.3, "solid")
@@ -246,7 +246,7 @@ def test_an_even_strain_has_closed_forms(dim):
 
 
 def scripted(values):
-    """A reference whose values on each mesh are given, of meshes of 5, 10 and 20 points."""
+    """A reference with prescribed values on meshes of 5, 10 and 20 points."""
     solutions = [
         SimpleNamespace(stress=lambda _, v=v: v, body=SimpleNamespace(points=range(5 * 2**n)))
         for n, v in enumerate(np.array(values))
@@ -295,7 +295,7 @@ def test_mixed_elements_are_for_nearly_incompressible_solids(laws, expected):
     ],
 )  # fmt: skip
 def test_numbers_of_meshes(monkeypatch, options, meshes):
-    """Of 343 nodes, then at most 2744; two are enough if a third has more than there may be."""
+    """The first mesh has 343 nodes, a second at most 2744."""
     monkeypatch.setattr(converged, "MOST_MIXED", 2743)
     nodes = 2743 if options == {"solver": "superlu"} else 2744
     monkeypatch.setattr(converged, "MOST_NODES", {2: 9, 3: nodes})
@@ -374,9 +374,9 @@ def test_solvers_of_finer_meshes(monkeypatch, changes, factor):
     case = {"coarser": 1, "finer": 2 * np.eye(2), "solver": "auto", "dim": 3, "nodes": 20_001}
     case = SimpleNamespace(**case | {"fast": False} | changes)
     body = SimpleNamespace(dim=case.dim, points=range(case.nodes))
-    monkeypatch.setattr(converged, "make_solver", lambda *given: given)
+    monkeypatch.setattr(converged, "make_solver", lambda *arguments: arguments)
     monkeypatch.setattr(converged, "favours_factor", lambda _: case.fast)
-    monkeypatch.setattr(converged, "Nested", lambda *given: given[-1].tolist())
+    monkeypatch.setattr(converged, "Nested", lambda *arguments: arguments[-1].tolist())
     found = [SimpleNamespace(displacement=np.full(2, n)) for n in (5.0, 6.0, 7.0)]
     law = materials_of(PULLED, first_mesh(PULLED))
     result = converged._make_ready(case.solver, found, case.coarser, case.finer, body, law, 2)

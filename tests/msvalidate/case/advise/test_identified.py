@@ -27,7 +27,7 @@ from tests.table import refused
 
 
 @pytest.mark.parametrize(
-    ("given", "expected"),
+    ("arguments", "expected"),
     [
         ((3, None, None), (1000.0, "1000 kg/m³ (default)")),
         ((2, 7.5, 0.2), (1.5, "7.5 kg/m³")),
@@ -39,12 +39,12 @@ from tests.table import refused
         ((2, 7.5, None), "--density: a plane lattice's mass takes its --thickness"),
     ],
 )
-def test_mass_of_a_volume_in_each_dimension(given, expected):
+def test_mass_of_a_volume_in_each_dimension(arguments, expected):
     if isinstance(expected, tuple):
-        assert mass_density(*given) == expected
+        assert mass_density(*arguments) == expected
     else:
         with refused(expected):
-            mass_density(*given)
+            mass_density(*arguments)
 
 
 @pytest.mark.parametrize("name", ["triangular", "fcc"])
@@ -172,7 +172,7 @@ def test_entries_and_ratios_of_rounding_are_zero(nu, text):
 
 
 def test_table_of_a_cubic_solid():
-    """[Nye1957]: 1/E = S11 - 2 (S11 - S12 - S44/2) (l²m² + m²n² + n²l²)."""
+    # [Nye1957]: 1/E = S11 - 2 (S11 - S12 - S44/2) (l²m² + m²n² + n²l²).
     found = identify_cubic(5.0, 1.0, 3.0)  # S11, S12, S44 = 6/28, -1/28, 1/3
     ratios = "nu = -0.0344828 along (1, -1, 0) to 0.206897 along (0, 0, 1)"
     assert moduli_rows(found) == [

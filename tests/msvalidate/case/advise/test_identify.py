@@ -292,7 +292,7 @@ def test_the_highest_frequency_of_a_chain(tmp_path):
 
 
 def test_tolerances_are_relative_to_the_springs(tmp_path):
-    """Of a lattice a million times as small, the same tensor; lengths are off by 0.1 %."""
+    """A lattice of micrometres has the same tensor."""
     body, k = piece("triangular", 4)
     length = 1e-6 * np.linalg.norm(body.vectors, axis=1)
     found = identify_files(written(tmp_path, 1e-6 * body.points, body.springs, k))
@@ -321,7 +321,7 @@ def test_supports_and_forces_of_a_table_are_those_of_the_network(tmp_path):
 
 @pytest.mark.parametrize(("name", "thickness"), [("triangular", 0.2), ("cubic18", None)])
 def test_masses_of_a_density(name, thickness, tmp_path):
-    """Of a piece, the mass of its volume; of a sample, Gershgorin's bound on each point's row."""
+    """Mass of the volume of a piece; Gershgorin's bound for a periodic sample."""
     body, k = piece(name, 4)
     density = 3.0 * (thickness or 1.0)
     found = identify_files(written(tmp_path, body.points, body.springs, k), None, 3.0, thickness)

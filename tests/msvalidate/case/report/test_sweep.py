@@ -216,7 +216,7 @@ def test_a_row_is_of_the_first_quantity_and_the_first_limitation(beam, monkeypat
     limitations = [SimpleNamespace(sentence=text) for text in ("first\n one", "second")]
     result = SimpleNamespace(rows=rows, limitations=limitations)
     monkeypatch.setattr(sweep, "compare_case", lambda _: result)
-    monkeypatch.setattr(sweep, "overall", lambda given: "agrees" if given is rows else "")
+    monkeypatch.setattr(sweep, "overall", lambda values: "agrees" if values is rows else "")
     monkeypatch.setattr(sweep, "time", SimpleNamespace(monotonic=iter([5.0, 7.12345]).__next__))
     case = sweep.Combination(beam, (), "beam.toml")
     row = sweep.Row("solved", "agrees", 0.5, 0.05, "first one", 2.123)

@@ -47,7 +47,7 @@ def test_forces_meet_the_conditions_of_contact(softness, deep, pressed, warm):
 
 @pytest.mark.parametrize(("press", "steps"), [(np.nan, 4), (50.0, 7)])
 def test_conjugate_gradients_take_as_many_steps_as_there_are_compliances(press, steps):
-    """Of points that all touch; a constant more depth turns 8 directions into 7 between them."""
+    """All points touch; a prescribed force replaces the 8 directions by 7 between them."""
     axes = np.linalg.qr(np.random.default_rng(4).normal(size=(8, 8)))[0]
     matrix = axes * np.repeat([1.0, 1.1, 1.25, 1.4], 2) @ axes.T
     body, forces = contact(1e-5 * matrix, -1e-5 * matrix @ np.linspace(3, 7, 8), (press,))
@@ -59,7 +59,7 @@ def test_conjugate_gradients_take_as_many_steps_as_there_are_compliances(press, 
 
 
 def test_steps_by_hand():
-    """The force on the first point draws the second onto the obstacle; the third stays away."""
+    """The force on the first point draws the second onto the obstacle."""
     matrix = np.array([[1.0, -0.5, 0.0], [-0.5, 2.0, 0.0], [0.0, 0.0, 1.0]])
     body, forces = contact(matrix, [-1.0, 0.1, 9.0])
     np.testing.assert_allclose(body.solve(0.0)[0], [1.95 / 1.75, 0.4 / 1.75, 0])
