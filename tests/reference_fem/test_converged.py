@@ -275,12 +275,15 @@ def test_values_of_each_mesh(monkeypatch):
 @pytest.mark.parametrize(
     ("laws", "expected"),
     [
-        ([(0.45, "plane_strain")], True), ([(0.449, "solid")], False),
-        ([(0.49, "plane_stress")], False), ([(0.49, "solid"), (0.0, "solid")], False),
-        ([(0.3, "solid"), (0.5, "solid")], True), ([(0.5, "solid"), (-0.1, "solid")], False),
+        ([(0.45, "plane_strain")], True),
+        ([(0.449, "solid")], False),
+        ([(0.49, "plane_stress")], False),
+        ([(0.49, "solid"), (0.0, "solid")], False),
+        ([(0.3, "solid"), (0.5, "solid")], True),
+        ([(0.5, "solid"), (-0.1, "solid")], False),
         ([(0.01, "solid"), (0.46, "solid")], True),
     ],
-)  # fmt: skip
+)
 def test_mixed_elements_are_for_nearly_incompressible_solids(laws, expected):
     materials = [Isotropic(1e5, *law) for law in laws]
     assert is_nearly_incompressible(SimpleNamespace(materials=materials)) == expected
@@ -289,11 +292,15 @@ def test_mixed_elements_are_for_nearly_incompressible_solids(laws, expected):
 @pytest.mark.parametrize(
     ("options", "meshes"),
     [
-        ({"accuracy": 0.5}, 2), ({"accuracy": 0.5, "solver": "superlu"}, 2),
-        ({"accuracy": 0.5, "most_nodes": 2744}, 2), ({"most_nodes": 2743}, 1),
-        ({"most_nodes": 1}, 1), ({"mixed": True}, 1), ({"solver": "superlu"}, 1),
+        ({"accuracy": 0.5}, 2),
+        ({"accuracy": 0.5, "solver": "superlu"}, 2),
+        ({"accuracy": 0.5, "most_nodes": 2744}, 2),
+        ({"most_nodes": 2743}, 1),
+        ({"most_nodes": 1}, 1),
+        ({"mixed": True}, 1),
+        ({"solver": "superlu"}, 1),
     ],
-)  # fmt: skip
+)
 def test_numbers_of_meshes(monkeypatch, options, meshes):
     """The first mesh has 343 nodes, a second at most 2744."""
     monkeypatch.setattr(converged, "MOST_MIXED", 2743)
@@ -365,11 +372,16 @@ def test_a_factor_replaces_multigrid_that_fails(monkeypatch, dim, solver, nodes,
 @pytest.mark.parametrize(
     ("changes", "factor"),
     [
-        ({}, False), ({"coarser": None}, True), ({"finer": None}, True), ({"solver": "amg"}, True),
-        ({"dim": 2}, True), ({"fast": True}, False), ({"nodes": 9}, False),
+        ({}, False),
+        ({"coarser": None}, True),
+        ({"finer": None}, True),
+        ({"solver": "amg"}, True),
+        ({"dim": 2}, True),
+        ({"fast": True}, False),
+        ({"nodes": 9}, False),
         ({"nodes": 20_000, "fast": True}, True),
     ],
-)  # fmt: skip
+)
 def test_solvers_of_finer_meshes(monkeypatch, changes, factor):
     case = {"coarser": 1, "finer": 2 * np.eye(2), "solver": "auto", "dim": 3, "nodes": 20_001}
     case = SimpleNamespace(**case | {"fast": False} | changes)
