@@ -318,57 +318,6 @@ def test_other_options_are_refused(options):
         converge(**{"problem": PULLED, "points": TIP} | options)
 
 
-def test_a_finer_mesh_that_fails_ends_it_where_meshes_are_large(monkeypatch):
-    solve, calls = converged._solve, []
-
-    def once(*arguments):
-        calls.append(arguments)
-        if len(calls) % 2 == 0:
-            raise SolverError("too long")
-        return solve(*arguments)
-
-    monkeypatch.setattr(converged, "_solve", once)
-    monkeypatch.setattr(converged, "MOST_NODES", {2: 9, 3: 2196})
-    found = converge(PULLED, TIP, 1e-9)
-    assert (len(found.solutions), found.following) == (1, None)
-    monkeypatch.setattr(converged, "MOST_NODES", {2: 9, 3: 2197})
-    with pytest.raises(SolverError, match="too long"):
-        converge(PULLED, TIP, 1e-9)
-    clamp = (Support(Region((None, 0.0)), (0.0, 0.0)),)
-    plane = Problem(L_SHAPE, LAW, clamp, (BodyForce((0.0, 1.0)),))
-    with pytest.raises(SolverError, match="too long"):
-        converge(plane, TIP[:, :2], 1e-9, most_nodes=10**6)
-
-
-@pytest.mark.parametrize(
-    ("dim", "solver", "nodes", "again"),
-    [
-        (3, "auto", 60, True),
-        (3, "auto", 61, False),
-        (3, "superlu", 9, False),
-        (2, "auto", 9, False),
-    ],
-)
-def test_a_factor_replaces_multigrid_that_fails(monkeypatch, dim, solver, nodes, again):
-    calls = []
-
-    def solve_by(problem, _, make):
-        calls.append(make)
-        if len(calls) == 1:
-            raise SolverError("no")
-        return problem, make
-
-    monkeypatch.setattr(converged, "solve_by", solve_by)
-    monkeypatch.setattr(converged, "MOST_NODES", {2: 0, 3: 60})
-    body = SimpleNamespace(dim=dim, points=range(nodes))
-    if again:
-        result, make = converged._solve("problem", body, "first", solver)
-        assert (result, calls[0], make.keywords) == ("problem", "first", {"choice": solver})
-    else:
-        with pytest.raises(SolverError, match="no"):
-            converged._solve("problem", body, "first", solver)
-
-
 @pytest.mark.parametrize(
     ("changes", "factor"),
     [

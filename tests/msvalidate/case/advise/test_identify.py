@@ -281,16 +281,6 @@ def test_moduli_by_name_step_and_direction(capsys):
     assert "E = 2.19461e+11 Pa, nu = -0.0540477 along (1, -1, 0) to 0.616002 along (0, 0, 1)" in out
 
 
-def test_the_highest_frequency_of_a_chain(tmp_path):
-    """2 sqrt(k/m) cos(pi/2n) for n free points."""
-    pairs, x = np.column_stack([np.arange(7), np.arange(1, 8)]), np.outer(range(8), [0.6, 0, 0.8])
-    for mass, omega in ((0.2, 10 * np.cos(np.pi / 16)), (None, np.nan)):
-        more = {"mass": mass} if mass else {}
-        found = identify_files(written(tmp_path, x, pairs, 5.0, **more))
-        assert found.omega == pytest.approx(omega, rel=1e-9, nan_ok=True)
-        assert found.network.mass.tolist() == [mass or 1.0] * 8
-
-
 def test_tolerances_are_relative_to_the_springs(tmp_path):
     """A lattice of micrometres has the same tensor."""
     body, k = piece("triangular", 4)
@@ -300,23 +290,6 @@ def test_tolerances_are_relative_to_the_springs(tmp_path):
     files = written(tmp_path, 1e-6 * body.points, body.springs, k, rest_length=1.001 * length)
     with refused("m is not the distance"):
         identify_files(files)
-
-
-def test_supports_and_forces_of_a_table_are_those_of_the_network(tmp_path):
-    body, k = piece("square", 3)
-    files = written(tmp_path, body.points, body.springs, k)
-    points = pd.read_csv(tmp_path / "points.csv")
-    fixed, force = np.random.default_rng(0).normal(size=(2, len(points), 2))
-    fixed = np.maximum(fixed, 0)
-    points[["held_x", "held_y", "move_x", "move_y", "force_x"]] = np.c_[fixed, fixed, force[:, :1]]
-    points.to_csv(tmp_path / "points.csv", index=False)
-    network = identify_files(files).network
-    np.testing.assert_allclose(network.points, body.points)
-    np.testing.assert_array_equal(network.fixed, fixed > 0)
-    np.testing.assert_allclose(network.displacement, fixed)
-    assert not network.force.any()  # of one axis alone: not the table of a network
-    points.assign(force_y=force[:, 1]).to_csv(tmp_path / "points.csv", index=False)
-    np.testing.assert_allclose(identify_files(files).network.force, force)
 
 
 @pytest.mark.parametrize(("name", "thickness"), [("triangular", 0.2), ("cubic18", None)])
@@ -364,38 +337,6 @@ def test_edges_of_a_sample_exceed_its_span(tmp_path):
         identify_files(files, (3.0, 3.0))
     with refused(f"springs.csv: row {len(pairs)} joins a point to itself"):
         identify_files(files)
-
-
-def test_points_without_force_are_left_out_of_bounds(tmp_path):
-    body, k = piece("square", 8)
-    x = body.points + 0.1 * SPACING * np.random.default_rng(1).normal(size=body.points.shape)
-    x = np.append(x, [[-3.0, 0.0]], axis=0)  # held by one spring, or by one of no stiffness
-    springs = np.append(body.springs, [[0, len(x) - 1]], axis=0)
-    for stiffness in (2.0, 1e-30):
-        found = identify_files(written(tmp_path, x, springs, np.append(k, stiffness)))
-        text = f"springs.csv: nothing repeats between {len(x)} points, of which 1 without a force"
-        assert found.what == f"{text} in any spring are left out"
-    (tmp_path / "cells.csv").touch()
-    with refused("cells.csv: bounds are of springs alone"):
-        identify_files(tmp_path / "springs.csv")
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("i,j,k\n1,2,3\n", "springs.csv: no stiffness; give a table"),
-        ("i,j,stiffness\n", "springs.csv: no rows; give a table"),
-        ("", "springs.csv: No columns to parse from file; give"),
-        ("i,j,stiffness\n5,6,1\n5,4,1\n", "springs.csv: j = 4 in row 2 is no point of points.csv"),
-        ("i,j,stiffness\n7,6,1\n5,4,1\n", "springs.csv: i = 7 in row 1 is no point of points.csv"),
-        ("i, j, stiffness\n5, 6, 1\n", "give a larger piece"),
-    ],
-)
-def test_tables_that_are_no_network(tmp_path, text, message):
-    (tmp_path / "points.csv").write_text("id,x,y\n5,0,0\n6,1,1\n8,2,0\n", encoding="utf-8")
-    (tmp_path / "springs.csv").write_text(text, encoding="utf-8")
-    with refused(message):
-        identify_files(tmp_path / "springs.csv")
 
 
 def test_the_command_identifies(tmp_path, capsys):

@@ -18,7 +18,7 @@ import pytest
 from msvalidate.case.report import sweep
 from msvalidate.cli import cases
 from msvalidate.cli.program import main
-from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem import ProblemError
 
 ROOT = Path(__file__).resolve().parents[4]
 BEAM = (
@@ -195,22 +195,6 @@ def test_values_are_set_in_tables_and_in_lists_from_1():
             sweep.Combination(Path("c.toml"), ((name, 1),)).change(content)
 
 
-def test_combinations_are_counted_and_each_file_is_looked_at(beam, tmp_path):
-    many = {"springs.cells": list(range(1000)), "material.nu": list(range(50))}
-    more = tmp_path / "more.toml"
-    more.write_text(BEAM + '[[load]]\non = "top"\ntraction = [0, 1]\n', encoding="utf-8")
-    result = sweep.combinations([more, beam], many)
-    assert len(result) == 100_000
-    assert [each.label for each in result[49_999:50_001]] == ["more.toml", "beam.toml"]
-    assert result[-2].values == (("springs.cells", 999), ("material.nu", 48))
-    with pytest.raises(ProblemError, match="more than 100000 combinations"):
-        sweep.combinations([beam], {"springs.cells": list(range(100_001))})
-    with pytest.raises(ProblemError, match=r"load\.2\.traction: no such place in beam"):
-        sweep.combinations([more, beam], {"load.2.traction": [[0.0, 1.0]]})
-    with pytest.raises(ProblemError, match=r"absent\.toml"):
-        sweep.combinations([tmp_path / "absent.toml"], {"springs.cells": [2]})
-
-
 def test_a_row_is_of_the_first_quantity_and_the_first_limitation(beam, monkeypatch):
     rows = [SimpleNamespace(error=part, uncertainty=part / 10) for part in (0.5, 0.3, 0.1)]
     limitations = [SimpleNamespace(sentence=text) for text in ("first\n one", "second")]
@@ -221,24 +205,6 @@ def test_a_row_is_of_the_first_quantity_and_the_first_limitation(beam, monkeypat
     case = sweep.Combination(beam, (), "beam.toml")
     row = sweep.Row("solved", "agrees", 0.5, 0.05, "first one", 2.123)
     assert sweep.solve(case, case.key) == row
-
-
-@pytest.mark.parametrize(
-    ("error", "outcome", "message"),
-    [
-        (ProblemError("one\n two"), "refused", "one two"),
-        (SolverError("three"), "failed", "three"),
-        (KeyError("four"), "died", "KeyError: 'four'"),
-    ],
-)
-def test_errors_are_rows(beam, monkeypatch, error, outcome, message):
-    def fail(_):
-        raise error
-
-    monkeypatch.setattr(sweep, "compare_case", fail)
-    case = sweep.Combination(beam, (), "beam.toml")
-    row = sweep.solve(case, case.key)
-    assert (row.outcome, row.message, row.difference) == (outcome, message, None)
 
 
 def test_the_picture_has_a_line_for_each_other_value():
