@@ -63,6 +63,8 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
     "equilibrium": (["msvalidate/springs/statics/equilibrium.py"],
         _files("equilibrium*", "unstable", "path", "refinement"), 25),
+    "unilateral": (["msvalidate/springs/statics/unilateral.py"],
+        _files("unilateral", "contact"), 25),
     "linear_algebra": (["msvalidate/linear_algebra/*.py", "reference_fem/systems/direct.py"],
         [*_files("factor", "order", "multigrid", "inverse"), f"{F}/systems"], 60),
     "checker": (["checker/msvalidate_check/*.py"], ["tests/checker",

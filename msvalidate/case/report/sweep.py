@@ -44,6 +44,10 @@ PACKAGES = ("msvalidate", "reference_fem", "msvalidate_check")
 COMPUTING = (*LIBRARIES, "cvxopt", "gmsh", "llvmlite", "meshio", "msgspec", "pyamg", "shapely")
 """Distributions whose versions a row depends on."""
 SOLVED, REFUSED, FAILED, LATE, DIED = "solved", "refused", "failed", "too long", "died"
+CHANGED = (
+    "the case, mesh or program differs from that of the sweep's start; sweep again, on a cluster "
+    "with workers that were started since"
+)
 ROWS = "rows"
 """Folder of the files of rows."""
 BARE = re.compile(r"((?:^|[,\[\s])[+-]?)\.(?=\d)")
@@ -90,8 +94,8 @@ class Combination:
             at: Any = given
             try:
                 for step in path:
-                    at = at[int(step) - 1] if isinstance(at, list) else at.setdefault(step, {})
-                at[int(last) - 1 if isinstance(at, list) else last] = value
+                    at = at[_place(at, step)] if isinstance(at, list) else at.setdefault(step, {})
+                at[_place(at, last) if isinstance(at, list) else last] = value
             except (IndexError, ValueError, AttributeError, TypeError) as error:
                 raise ProblemError(
                     f"--set {name}: no such place in {self.file.name}; give a key as "
@@ -122,6 +126,11 @@ class Combination:
                 digest.update(str(error).encode())  # a refused row, until the file is there
         digest.update(json.dumps([self.label or self.file.name, self.values], default=str).encode())
         return digest.hexdigest()[:32]
+
+
+def _place(items: list[Any], number: str) -> int:
+    """Index of an item by its number from 1; raises ValueError if there is none."""
+    return range(1, len(items) + 1).index(int(number))
 
 
 @cache
@@ -213,7 +222,7 @@ def solve(request: Combination, key: str) -> Row:
         with np.errstate(over="ignore", invalid="ignore"):
             case = build_case(source)
             if request.key != key:
-                return Row(DIED, message="case, mesh or program changed since the sweep began")
+                return Row(DIED, message=CHANGED)
             result = compare_case(case)
         first = result.rows[0]
         values = {"difference": first.error, "uncertainty": first.uncertainty}

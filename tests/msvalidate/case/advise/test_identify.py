@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from msvalidate.case.advise.identify import identified_lines, identify_lattice
-from msvalidate.case.advise.identify_files import identify_files
+from msvalidate.case.advise.identify_files import _own_axes, identify_files
 from msvalidate.case.judge.mistakes import mistake_lines
 from msvalidate.cli.program import main
 from msvalidate.problem import Box, Isotropic, Problem, Support
@@ -74,8 +74,11 @@ def test_a_lattice_is_known_in_each_way(name, tmp_path):
         assert (found.stable == "stable") == (name not in {"square4", "cubic6"})
 
 
-def test_a_hole_and_a_turn_change_nothing_inside(tmp_path):
+def test_a_hole_a_turn_and_stiffer_sides_change_nothing_inside(tmp_path):
     body, stiffness = piece("triangular", 8)
+    ends = body.points[body.springs]
+    sides = ((ends == ends.min(axis=(0, 1))) | (ends == ends.max(axis=(0, 1)))).any(axis=(1, 2))
+    stiffness = stiffness * np.where(sides, 2.0, 1.0)
     away = np.linalg.norm(body.points - body.points.mean(axis=0), axis=1) > 2 * SPACING
     number = np.cumsum(away) - 1
     stay = away[body.springs].all(axis=1)
@@ -95,9 +98,11 @@ def test_a_body_of_a_material_is_that_material(name, tmp_path):
     box = Box(tuple(4 * SPACING * edge for edge in pattern.size))
     problem = Problem(box, material, (Support(box.side("left"), (0.0,) * d),))
     network = lattice_network(problem, fill(pattern, box, 4), calibration)
-    corners = network.volumes.cells + 5
-    cells = {f"p{i}": corner for i, corner in enumerate(corners.T)}
-    pd.DataFrame(cells | {"kappa": calibration.volume}).to_csv(tmp_path / "cells.csv", index=False)
+    corners = network.volumes.cells
+    cells = pd.DataFrame({f"p{i}": corner + 5 for i, corner in enumerate(corners.T)})
+    kappa = np.full(len(corners), calibration.volume)
+    kappa[(network.points[corners, 0] == 0).any(axis=1)] *= 3  # which counts inside alone
+    cells.assign(kappa=kappa).to_csv(tmp_path / "cells.csv", index=False)
     springs = written(
         tmp_path,
         network.points,
@@ -106,10 +111,17 @@ def test_a_body_of_a_material_is_that_material(name, tmp_path):
         mass=network.mass,
         rest_length=network.rest_length,
     )
-    text = " ".join(" ".join(identified_lines(identify_files(springs), 0.2)).split())
+    found = identify_files(springs)
+    np.testing.assert_array_equal(found.network.volumes.stiffness, kappa)
+    text = " ".join(" ".join(identified_lines(found, 0.2)).split())
     where = "plane stress" if d == 2 else "isotropic"
     assert f"{where} E = {E:.6g} Pa, nu = 0.4" in text.replace("2800000000 ", "2.8e+09 ")
     assert "of this body, nothing held" in text
+    middle = network.points[corners].mean(axis=1) - np.array(box.size) / 2
+    kappa[np.linalg.norm(middle, axis=1).argmin()] *= 1 + 2e-9
+    cells.assign(kappa=kappa).to_csv(tmp_path / "cells.csv", index=False)
+    with refused("kappa is not one number inside"):
+        identify_files(springs)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -207,8 +219,6 @@ def test_known_mistakes_are_listed_in_each_state():
 def test_how_stable_it_is():
     sides = identify_lattice("fcc", (1.0, 0.25), 1.0, volume=-1.0, density=1.0)  # nu = 0
     assert sides.stable.startswith("endless stable, a body not: FCC lattice: a free block")
-    held = identify_lattice("triangular", (1.0,), 1.0, volume=-0.75)  # -5/3 μ, μ = √3/4
-    assert held.stable.startswith("unstable: short waves ask for κ above -0.7216")
 
 
 def test_other_classes_are_refused(tmp_path):
@@ -269,6 +279,64 @@ def test_moduli_by_name_step_and_direction(capsys):
     assert main(["advise", "--identify", "--cubic", "231GPa", "135GPa", "116GPa"]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "E = 2.19461e+11 Pa, nu = -0.0540477 along (1, -1, 0) to 0.616002 along (0, 0, 1)" in out
+
+
+def test_tolerances_are_relative_to_the_springs(tmp_path):
+    """A lattice of micrometres has the same tensor."""
+    body, k = piece("triangular", 4)
+    length = 1e-6 * np.linalg.norm(body.vectors, axis=1)
+    found = identify_files(written(tmp_path, 1e-6 * body.points, body.springs, k))
+    np.testing.assert_allclose(found.tensor, closed_tensor(LATTICES["triangular"]()), atol=1e-9)
+    files = written(tmp_path, 1e-6 * body.points, body.springs, k, rest_length=1.001 * length)
+    with refused("m is not the distance"):
+        identify_files(files)
+
+
+@pytest.mark.parametrize(("name", "thickness"), [("triangular", 0.2), ("cubic18", None)])
+def test_masses_of_a_density(name, thickness, tmp_path):
+    """Mass of the volume of a piece; Gershgorin's bound for a periodic sample."""
+    body, k = piece(name, 4)
+    density = 3.0 * (thickness or 1.0)
+    found = identify_files(written(tmp_path, body.points, body.springs, k), None, 3.0, thickness)
+    mass = density * np.prod(np.ptp(body.points, axis=0))
+    assert found.network.mass.sum() == pytest.approx(mass, rel=0.02)
+    assert found.whose == "this body, nothing held, 3 kg/m³"
+    sample = repeat_cell(LATTICES[name](), 3)
+    k, edges = sample.stiffness(constants_of(LATTICES[name]())), SPACING * np.array(sample.size)
+    files = written(tmp_path, SPACING * sample.points, sample.springs, k)
+    found = identify_files(files, tuple(edges), 3.0, thickness)
+    row = np.bincount(sample.springs.ravel(), np.repeat(k, 2)).max()
+    mass = density * np.prod(edges) / len(sample.points)
+    assert found.omega == pytest.approx(np.sqrt(2 * row / mass), rel=1e-9)
+    (tmp_path / "cells.csv").touch()
+    with refused("cells.csv: a periodic sample is of springs alone"):
+        identify_files(files, tuple(edges))
+
+
+@pytest.mark.parametrize(("off", "axes"), [(0.5e-4, 1), (2e-4, 3)])
+def test_points_are_on_a_line_within_a_part_of_its_length(off, axes):
+    x = np.array([7.0, 8.0, 9.0]) + np.outer([0.0, 3.0, 1.0, -2.0], [0.6, 0.0, 0.8])
+    x[2, 1] += 3 * off
+    own = _own_axes(x)
+    assert own.shape == (4, axes)
+    if axes == 1:
+        np.testing.assert_allclose(own[:, 0], [0, 3, 1, -2], atol=1e-9)
+    flat = np.array([[0.0, 0, 2], [1, 0, 2], [0, 1, 2]])
+    np.testing.assert_array_equal(_own_axes(flat), flat[:, :2])
+
+
+def test_edges_of_a_sample_exceed_its_span(tmp_path):
+    sample = repeat_cell(LATTICES["square"](), 3)
+    files = written(tmp_path, sample.points, sample.springs, sample.stiffness((2.0, 1.0)))
+    with refused("--period: 2.0001 m where points span 2 m"):
+        identify_files(files, (3.0, 2.0001))
+    assert identify_files(files, (3.0, 2.0003)).solid
+    pairs = np.append(sample.springs, [[0, 0]], axis=0)
+    files = written(tmp_path, sample.points, pairs, 1.0)
+    with refused("springs.csv: a spring to its own image; count in image_x, image_y"):
+        identify_files(files, (3.0, 3.0))
+    with refused(f"springs.csv: row {len(pairs)} joins a point to itself"):
+        identify_files(files)
 
 
 def test_the_command_identifies(tmp_path, capsys):

@@ -10,7 +10,9 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 
 from msvalidate.case.report import sweep
@@ -158,15 +160,90 @@ def test_a_changed_byte_of_any_file_that_a_run_opens_changes_the_key(tmp_path, m
             monkeypatch.setattr(sweep, "version", lambda name: f"9 of {name}")
         sweep.program_stamp.cache_clear()
         keys.add(case.key)
+    copies.insert(0, copies.pop(0).rename(tmp_path / "renamed.py"))
     sweep.program_stamp.cache_clear()
-    assert len(keys) == 5
+    keys.add(case.key)
+    sweep.program_stamp.cache_clear()
+    assert len(keys) == 6
+    assert {len(key) for key in keys} == {32}
+
+
+def test_keys_follow_values_labels_and_meshes_that_are_set_or_missing(tmp_path):
+    (tmp_path / "case.toml").write_text(MESHED, encoding="utf-8")
+
+    def key(values=(), label=""):
+        return sweep.Combination(tmp_path / "case.toml", values, label).key
+
+    assert key(label="case.toml") == key()
+    other, keys = (("body.mesh", "other.msh"),), {key(), key(label="b"), key((("a.b", 1),))}
+    keys |= {key((("a.b", 2),)), key(other)}
+    (tmp_path / "part.msh").mkdir()  # another reason of refusal
+    keys.add(key())
+    for content in (MESH, MESH + " "):
+        (tmp_path / "other.msh").write_text(content, encoding="utf-8")
+        keys.add(key(other))
+    assert len(keys) == 8
+
+
+def test_values_are_set_in_tables_and_in_lists_from_1():
+    content = {"load": [{"at": [1, 2, 3]}, {"at": [4, 5, 6]}]}
+    values = (("load.2.at.1", 7), ("load.1.at.3", 8), ("a.b.c", 9))
+    sweep.Combination(Path("c.toml"), values).change(content)
+    assert content == {"load": [{"at": [1, 2, 8]}, {"at": [7, 5, 6]}], "a": {"b": {"c": 9}}}
+    for name in ("load.0.at", "load.3.at", "load.1.at.0", "load.1.at.4", "load.x", "a.b.c.d"):
+        with pytest.raises(ProblemError, match=f"--set {name}: no such place in c.toml"):
+            sweep.Combination(Path("c.toml"), ((name, 1),)).change(content)
+
+
+def test_a_row_is_of_the_first_quantity_and_the_first_limitation(beam, monkeypatch):
+    rows = [SimpleNamespace(error=part, uncertainty=part / 10) for part in (0.5, 0.3, 0.1)]
+    limitations = [SimpleNamespace(sentence=text) for text in ("first\n one", "second")]
+    result = SimpleNamespace(rows=rows, limitations=limitations)
+    monkeypatch.setattr(sweep, "compare_case", lambda _: result)
+    monkeypatch.setattr(sweep, "overall", lambda values: "agrees" if values is rows else "")
+    monkeypatch.setattr(sweep, "time", SimpleNamespace(monotonic=iter([5.0, 7.12345]).__next__))
+    case = sweep.Combination(beam, (), "beam.toml")
+    row = sweep.Row("solved", "agrees", 0.5, 0.05, "first one", 2.123)
+    assert sweep.solve(case, case.key) == row
+
+
+def test_the_picture_has_a_line_for_each_other_value():
+    """Along the first key of numbers; values that all rows share are in no label."""
+    rows = [
+        {"file": "a", "word": word, "cells": cells, "k": number, "nu": 0.3}
+        | {"outcome": "failed" if number == 9 else "solved", "difference": number / cells}
+        for cells in (2, 4)
+        for number in range(10, 0, -1)
+        for word in "xy"[: 1 + (number == 10)]
+    ]
+    names = ("word", "cells", "k", "nu")
+    figure = sweep.draw_sweep(pd.DataFrame(rows), names)
+    (axis,) = figure.axes
+    labels = ["word x, k 10", "word y, k 10", *(f"word x, k {k}" for k in (8, 7, 6, 5, 4, 3))]
+    assert [line.get_label() for line in axis.lines] == labels
+    for line, number in zip(axis.lines, (10, 10, 8, 7, 6, 5, 4, 3), strict=True):
+        assert line.get_xydata().tolist() == [[2, 50 * number], [4, 25 * number]]
+    assert (axis.get_xlabel(), axis.get_yscale()) == ("cells", "log")
+    assert [text.get_text() for text in figure.legends[0].texts] == labels
+    # Without a key of numbers, along the rows; without other values, without a legend.
+    table = pd.DataFrame(rows[:1] * 3).assign(cells=["a", "b", "b"])
+    figure = sweep.draw_sweep(table.assign(cells="a"), ("cells",))
+    (axis,) = figure.axes
+    assert axis.lines[0].get_xdata().tolist() == [1, 2, 3]
+    assert (axis.get_xlabel(), figure.legends) == ("combination", [])
+    assert [
+        len(line.get_xdata()) for line in sweep.draw_sweep(table, ("cells",)).axes[0].lines
+    ] == [
+        1,
+        2,
+    ]
 
 
 def test_one_that_changes_while_it_is_swept_is_no_row_of_the_old_file(beam):
     case = sweep.Combination(beam, (), "beam.toml")
     row = sweep.solve(case, "of another file")
     assert row.outcome == sweep.DIED
-    assert "changed since the sweep began" in row.message
+    assert "differs from that of the sweep's start; sweep again, on a cluster with" in row.message
 
 
 @pytest.mark.parametrize("worst", ["solved", "refused", "failed", "too long", "died"])
