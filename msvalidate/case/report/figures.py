@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import LightSource
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -28,6 +29,7 @@ from msvalidate.case.file.fracture import draw_breaks
 from msvalidate.case.file.units import user_unit
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.problem import (
+    AXES,
     SHAPES,
     Array,
     Index,
@@ -50,6 +52,7 @@ SHARP = math.cos(0.5)
 """Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
 less."""
 EDGE = "#666666"
+LIGHT = LightSource(azdeg=225, altdeg=45)
 MAX_ARROWS = 12
 """Arrows of all loads in a picture."""
 
@@ -241,7 +244,7 @@ def draw_fields(found: Comparison) -> Figure:
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
         axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
-        shown = moved[_flat(solution.body.surface)][..., UPWARDS]
+        shown = moved[flat_facets(solution.body.surface)][..., UPWARDS]
         axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
     _draw_edges(axis, moved, solution, COLOURS[1], elements)
     _draw_edges(axis, x, solution, EDGE, "undeformed", "--")
@@ -329,21 +332,37 @@ def _draw_edges(
         drawn: dict[str, Any] = {"linewidths": 1.1, "linestyles": style, "label": label}
         axis.add_collection(LineCollection(list(places[ends]), colors=colour, **drawn))
         return
-    for number, edge in enumerate(sharp_edges(body.points, _flat(facets))):
+    for number, edge in enumerate(sharp_edges(body.points, flat_facets(facets))):
         own = label if not number else None
         axis.plot(*_upright(places[edge]), style, color=colour, lw=0.9, label=own)
 
 
-def _flat(facets: Index) -> Index:
-    """Corners (f, 3 or 4) of facets in space."""
+def flat_facets(facets: Index) -> Index:
+    """Corners (f, 3 or 4) of facets in 3D."""
     return facets[:, : 3 if facets.shape[1] in (3, 6) else 4]
+
+
+def unit_normals(places: Array) -> Array:
+    """Outward unit normals (f, 3) of flat facets (f, 3 or 4, 3)."""
+    normal = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def draw_surface(axis: Any, places: Array, colours: Any, **style: Any) -> None:
+    """Shaded surface of flat facets (f, k, 3), whose axes are drawn in this order."""
+    style |= {"shade": True, "lightsource": LIGHT, "linewidths": 0.3, "rasterized": True}
+    axis.add_collection3d(Poly3DCollection(places, facecolors=colours, edgecolors=colours, **style))
+
+
+def name_solid_axes(axis: Any) -> None:
+    """Label 3D axes in their natural order, with z upwards."""
+    for scale, name in zip((axis.xaxis, axis.yaxis, axis.zaxis), AXES, strict=True):
+        scale.set_label_text(f"{name} (m)")
 
 
 def sharp_edges(points: Array, facets: Index) -> Index:
     """Edges (e, 2) between facets (f, 3 or 4) that meet at a `SHARP` angle or more."""
-    x = points[facets]
-    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = unit_normals(points[facets])
     pairs = np.sort(np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(facets)), facets.shape[1])
     order = np.lexsort(pairs.T[::-1])

@@ -8,6 +8,7 @@ no mesh, the last line on stderr is the reason and the exit code is 1, or 2 with
 from __future__ import annotations
 
 import math
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,14 @@ A body with so many equal facets along its diagonal would have 1e7 of them."""
 ANGLE = math.radians(40)
 """Between triangles of an .stl file, from which on they belong to different faces."""
 NO_GMSH = 2
+UNITS = {
+    r"'INCH'": "INCH",
+    r"'FOOT'": "FT",
+    r"SI_UNIT\s*\(\s*\.MILLI\.\s*,\s*\.METRE": "MM",
+    r"SI_UNIT\s*\(\s*\.CENTI\.\s*,\s*\.METRE": "CM",
+    r"SI_UNIT\s*\(\s*\$\s*,\s*\.METRE": "M",
+}
+"""Patterns of units in .step files -> names of OpenCASCADE. Inches are defined by another unit."""
 
 
 def main(file: Path, mesh: str, size: float) -> None:
@@ -56,6 +65,7 @@ def _mesh(gmsh: Any, file: Path, size: float) -> None:
         model.geo.addVolume([loop])
         model.geo.synchronize()
     else:
+        gmsh.option.setString("Geometry.OCCTargetUnit", _length_unit(file))
         model.occ.importShapes(str(file))
         model.occ.synchronize()
     dim = 3 if model.getEntities(3) else 2
@@ -80,6 +90,13 @@ def _mesh(gmsh: Any, file: Path, size: float) -> None:
     gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)
     model.mesh.generate(dim)
     model.mesh.setOrder(1 if faceted else 2)
+
+
+def _length_unit(file: Path) -> str:
+    """Unit of length of a .step file: its own numbers are stored, not those in mm."""
+    text = file.read_text(encoding="utf-8", errors="replace")
+    units = (name for pattern, name in UNITS.items() if re.search(pattern, text))
+    return next(units, "")
 
 
 def _refuse_stray_vertices(model: Any) -> None:
