@@ -78,7 +78,7 @@ def _radius(points: Array) -> float:
     """
     x = points - points.mean(axis=0)
     squared = (x**2).sum(axis=1)
-    *centre, rest = np.linalg.lstsq(np.column_stack([2 * x, np.ones(len(x))]), squared)[0]
+    *centre, _ = np.linalg.lstsq(np.column_stack([2 * x, np.ones(len(x))]), squared)[0]
     distance = np.linalg.norm(x - centre, axis=1)
     room = ROUND * np.sqrt(np.linalg.eigvalsh(x.T @ x / len(x))[0])
     return float(distance.mean()) if distance.std() < room else 0.0

@@ -13,10 +13,13 @@ from msvalidate.case.file.units import LENGTH as UNITS
 from msvalidate.problem import (
     AXES,
     SIDES,
+    Boundary,
+    CellSet,
     Domain,
     Mesh,
     Part,
     Polygon,
+    Problem,
     ProblemError,
     Region,
     Segment,
@@ -143,6 +146,21 @@ def named_part(source: Source, path: Keys, given: Support | Load | Contact, doma
     if given.on is not None:
         return _side(source, (*path, "on"), given.on, domain)
     return region_by_coordinates(source, (*path, "at"), given.at or Place(), domain)
+
+
+def mesh_names(problem: Problem) -> dict[str, str]:
+    """Names in the mesh file of the sides and cells of supports, loads and regions, by number."""
+    parts = {
+        "support": [each.region for each in problem.supports],
+        "load": [getattr(each, "region", None) for each in problem.loads],
+        "region": [each.region for each in problem.zones],
+    }
+    return {
+        f"{word} {number}": part.name
+        for word, regions in parts.items()
+        for number, part in enumerate(regions, 1)
+        if isinstance(part, Boundary | CellSet)
+    }
 
 
 def node_region(source: Source, path: Keys, number: int, domain: Domain) -> Region:

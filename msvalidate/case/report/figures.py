@@ -26,14 +26,17 @@ from msvalidate.bench.output.body_drawing import (
 from msvalidate.bench.output.figures import COLOURS, UPWARDS, add_shared_legend, new_figure
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.file.fracture import draw_breaks
+from msvalidate.case.file.places import mesh_names
 from msvalidate.case.file.units import user_unit
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.problem import (
     AXES,
     SHAPES,
     Array,
+    Domain,
     Index,
     Mask,
+    Mesh,
     PointForce,
     Problem,
     Traction,
@@ -52,7 +55,15 @@ SHARP = math.cos(0.5)
 """Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
 less."""
 EDGE = "#666666"
-LIGHT = LightSource(azdeg=225, altdeg=45)
+SURFACE = "#dedede"
+TURNED = 115
+"""Azimuth (degrees) of light, clockwise from y, plus that of the viewer, counter-clockwise from x.
+
+The light comes from 25 degrees to the left of the viewer."""
+FRONT = 1e-3
+"""Smallest cosine of facets that face the viewer; distance between layers, relative to the body."""
+MAX_NAMES = 3
+"""Names of sides in a label of a picture."""
 MAX_ARROWS = 12
 """Arrows of all loads in a picture."""
 
@@ -113,13 +124,15 @@ def _difference_figures(
 def draw_matching(found: Judged) -> Figure:
     """Compared points, and those outside, doubled or missing, over the body's outline."""
     solution, matched = found.reference.solutions[0], found.matched
-    x = solution.body.points
+    order = _drawing_order(found.case.problem.domain)
+    body = solution.body
+    x = body.points[:, order]
     size = float(np.ptp(x, axis=0).max())
     near = matched.outside
     if len(near):  # far ones would leave the body a dot
-        low, high = x.min(axis=0) - size, x.max(axis=0) + size
+        low, high = body.points.min(axis=0) - size, body.points.max(axis=0) + size
         near = near[((near > low) & (near < high)).all(axis=1)]
-    figure, axis = body_axes(np.concatenate([x, near]), 0.05 * size)
+    figure, axis = _axes(order, np.concatenate([x, near[:, order]]), 0.05 * size)
     _draw_edges(axis, x, solution, EDGE, "body")
     groups = [
         (matched.places, ".", COLOURS[0], "compared", 2.5),
@@ -130,7 +143,7 @@ def draw_matching(found: Judged) -> Figure:
     for at, mark, colour, label, ms in groups:
         if len(at):
             style: dict[str, Any] = {"color": colour, "ms": ms, "label": label, "mfc": "none"}
-            axis.plot(*_upright(at), mark, rasterized=len(at) > MOST_ARROWS, **style)
+            axis.plot(*_upright(at[:, order]), mark, rasterized=len(at) > MOST_ARROWS, **style)
     _legend_below(axis, x, 3)
     return figure
 
@@ -187,7 +200,9 @@ def _draw_materials(axis: Axes, problem: Problem, body: Discretisation, at: Arra
             axis.add_collection(PolyCollection(list(places), **style, zorder=0))
         else:
             axis.add_collection3d(Poly3DCollection(places[..., UPWARDS], **style))  # type: ignore[attr-defined]
-        axis.plot([], [], "s", color=colour, alpha=0.35, label=f"region {zone}")
+        name = mesh_names(problem).get(f"region {zone}")
+        label = f"region {zone}: {name}" if name else f"region {zone}"
+        axis.plot([], [], "s", color=colour, alpha=0.35, label=label)
 
 
 def _arrows(found: Comparison) -> tuple[Array, Array]:
@@ -229,31 +244,64 @@ def draw_fields(found: Comparison) -> Figure:
     solution = _drawn(found.reference)
     rest = found.springs[0].rest.displacement
     lattice = found.springs[0].lattice
-    x = solution.body.points
+    order = _drawing_order(found.case.problem.domain)
+    x = solution.body.points[:, order]
     size = float(np.ptp(x, axis=0).max())
     most = max(found.size, float(np.abs(rest).max())) or 1.0
     times = SHOWN * size / most
-    moved = x + times * solution.displacement
-    springs = lattice.points + times * rest
-    figure, axis = body_axes(np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
-    _draw_materials(axis, found.case.problem, solution.body, moved)
+    moved = x + times * solution.displacement[:, order]
+    springs = (lattice.points + times * rest)[:, order]
+    figure, axis = _axes(order, np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
     elements = "elements" if found.reference.large is None else "elements, to first order"
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
+    shown = None
+    if x.shape[1] == 3:
+        facets = flat_facets(solution.body.surface)
+        shown = moved[facets if order is UPWARDS else facets[:, ::-1]][..., UPWARDS]
+        draw_surface(axis, shown, SURFACE)
+    _draw_materials(axis, found.case.problem, solution.body, moved)
+    _draw_edges(axis, x, solution, EDGE, "undeformed", "--", shown)
+    _draw_edges(axis, moved, solution, COLOURS[1], elements, "-", shown)
     if x.shape[1] == 2:
         style |= {"color": COLOURS[0], "lw": min(0.8, 35 * found.springs[0].spacing / size)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
         axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
-        shown = moved[flat_facets(solution.body.surface)][..., UPWARDS]
-        axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
-    _draw_edges(axis, moved, solution, COLOURS[1], elements)
-    _draw_edges(axis, x, solution, EDGE, "undeformed", "--")
     at, arrow = _arrows(found)
-    loads = at + times * found.reference.finest.at(at), arrow, ARROW * size
+    at = at + times * found.reference.finest.at(at)
+    loads = at[:, order], arrow[:, order], ARROW * size
     draw_supports_and_loads(axis, springs, found.springs[0].network.fixed, *loads)
+    _name_parts(axis, found.case.problem)
     axis.set_title(f"displacements {number_text(times, 3)} times as large", loc="left")
     _legend_below(axis, x, 3)
     return figure
+
+
+def _name_parts(axis: Axes, problem: Problem) -> None:
+    """Add the mesh's own names of sides to the labels of supports and loads."""
+    names = mesh_names(problem).items()
+    for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+        kind = {"held": "support", "load": "load"}.get(label, label)
+        own = dict.fromkeys(name for part, name in names if part.startswith(f"{kind} "))
+        if own:
+            more = ", …" if len(own) > MAX_NAMES else ""
+            handle.set_label(f"{label}: {', '.join([*own][:MAX_NAMES])}{more}")
+
+
+def _drawing_order(domain: Domain) -> Any:
+    """Order of coordinates in which `body_axes` draws z upwards in bodies from files.
+
+    Their drawings have it so. Boxes, whose side "top" is that of the largest y, keep y upwards.
+    """
+    return UPWARDS if isinstance(domain, Mesh) and domain.dim == 3 else slice(None)
+
+
+def _axes(order: Any, points: Array, room: float) -> tuple[Figure, Any]:
+    """Figure and axes for points (n, d) in m, in a drawing order."""
+    figure, axis = body_axes(points, room)
+    if order is UPWARDS:
+        name_solid_axes(axis)
+    return figure, axis
 
 
 def _drawn(reference: Reference) -> Solution:
@@ -267,9 +315,10 @@ def _drawn(reference: Reference) -> Solution:
 def draw_difference(points: Array, relative: Array, reference: Reference) -> Figure:
     """Difference (p,) at points (p, d) in m, on one colour scale, over the body's outline."""
     solution = _drawn(reference)
-    x = solution.body.points
+    order = _drawing_order(reference.problem.domain)
+    x, points = solution.body.points[:, order], points[:, order]
     size = float(np.ptp(x, axis=0).max())
-    figure, axis = body_axes(np.concatenate([x, points]), 0.03 * size)
+    figure, axis = _axes(order, np.concatenate([x, points]), 0.03 * size)
     _draw_edges(axis, x, solution, EDGE, "body")
     order = np.argsort(relative, kind="stable")
     at, size = _upright(points[order]), float(np.clip(6000 / len(points), 2.0, 36.0))
@@ -322,9 +371,18 @@ def draw_budget(budget: pd.DataFrame, band: float) -> Figure:
 
 
 def _draw_edges(
-    axis: Axes, places: Array, solution: Solution, colour: str, label: str, style: str = "-"
+    axis: Any,
+    places: Array,
+    solution: Solution,
+    colour: str,
+    label: str,
+    style: str = "-",
+    surface: Array | None = None,
 ) -> None:
-    """Outline of a body in the plane, sharp edges and rims in space, its nodes at places (n, d)."""
+    """Outline of a 2D body, or sharp edges of a 3D body, with its nodes at places (n, d).
+
+    Edges behind the facets (f, k, 3) of a drawn surface are left out.
+    """
     body = solution.body
     facets = body.surface
     if body.dim == 2:
@@ -332,7 +390,11 @@ def _draw_edges(
         drawn: dict[str, Any] = {"linewidths": 1.1, "linestyles": style, "label": label}
         axis.add_collection(LineCollection(list(places[ends]), colors=colour, **drawn))
         return
-    for number, edge in enumerate(sharp_edges(body.points, flat_facets(facets))):
+    edges = sharp_edges(body.points, flat_facets(facets))
+    if surface is not None:
+        middles, view = places[edges].mean(axis=1), view_directions(axis.elev, axis.azim)
+        edges = edges[~hidden(middles[:, UPWARDS], surface, view)]
+    for number, edge in enumerate(edges):
         own = label if not number else None
         axis.plot(*_upright(places[edge]), style, color=colour, lw=0.9, label=own)
 
@@ -350,8 +412,36 @@ def unit_normals(places: Array) -> Array:
 
 def draw_surface(axis: Any, places: Array, colours: Any, **style: Any) -> None:
     """Shaded surface of flat facets (f, k, 3), whose axes are drawn in this order."""
-    style |= {"shade": True, "lightsource": LIGHT, "linewidths": 0.3, "rasterized": True}
+    light = LightSource(azdeg=TURNED - axis.azim, altdeg=np.copysign(45, axis.elev))
+    style |= {"shade": True, "lightsource": light, "linewidths": 0.3, "rasterized": True}
     axis.add_collection3d(Poly3DCollection(places, facecolors=colours, edgecolors=colours, **style))
+
+
+def view_directions(elevation: float, azimuth: float) -> Array:
+    """Rows (3, 3): directions to the right, upwards and towards the viewer, as unit vectors."""
+    e, a = np.radians([elevation, azimuth])
+    viewer = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return np.stack([right, np.cross(viewer, right), viewer])
+
+
+def hidden(points: Array, surface: Array, view: Array) -> Mask:
+    """Mask (n,) of points (n, 3) behind facets (s, k, 3) of a surface, as seen in a view.
+
+    A facet that faces the viewer covers a point if the point is to the left of all its edges. It
+    hides the point if the line towards the viewer meets its plane in front of the point.
+    """
+    normals = unit_normals(surface)
+    front = normals @ view[2] > FRONT
+    corners, n = surface[front] @ view[:2].T, normals[front]
+    edge = np.roll(corners, -1, axis=1) - corners
+    off = (points @ view[:2].T)[:, None, None] - corners
+    covers = (edge[..., 0] * off[..., 1] > edge[..., 1] * off[..., 0]).all(axis=2)
+    ahead = np.einsum("psd,sd->ps", surface[front].mean(axis=1) - points[:, None], n) / (
+        n @ view[2]
+    )
+    room = FRONT * float(np.ptp(surface, axis=(0, 1)).max())
+    return np.asarray((covers & (ahead > room)).any(axis=1))
 
 
 def name_solid_axes(axis: Any) -> None:

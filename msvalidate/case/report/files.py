@@ -21,10 +21,21 @@ from msvalidate.bench.output.vtu import vtu_bytes
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.figures import show_in_units
-from msvalidate.problem import SHAPES, Array, ProblemError, materials_of_cells
+from msvalidate.problem import (
+    AXES,
+    SHAPES,
+    VOIGT,
+    Array,
+    Isotropic,
+    Problem,
+    ProblemError,
+    materials_at,
+    materials_of_cells,
+)
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.progress import report_step
 from msvalidate_check import exchange
+from reference_fem.body import Solution
 
 MARK = "case.json"
 """The file that tells a folder of results of a case from other people's."""
@@ -109,19 +120,39 @@ def picture_files(
 
 
 def field_files(found: Comparison) -> dict[str, bytes]:
-    """elements.vtu, and compared.vtu: displacements at the compared points, and difference."""
-    solution = found.reference.finest
+    """elements.vtu with displacement and stress; compared.vtu with the compared points."""
+    solution, problem = found.reference.finest, found.case.problem
     body = solution.body
     places = body.points[body.cells]
     first_order = "" if found.reference.large is None else "_to_first_order"
     elements = vtu_bytes(
         body.points,
         {body.element.shape: body.cells},
-        {f"displacement_elements{first_order}": solution.displacement},
-        {"material": materials_of_cells(found.case.problem, places, SHAPES[body.element.shape])},
+        {f"displacement_elements{first_order}": solution.displacement}
+        | {f"{name}{first_order}": each for name, each in stress_fields(solution, problem).items()},
+        {"material": materials_of_cells(problem, places, SHAPES[body.element.shape])},
     )
     compared = compared_file(found.points, "springs", found.displacement, found)
     return {"elements.vtu": elements, "compared.vtu": compared}
+
+
+def stress_fields(solution: Solution, problem: Problem) -> dict[str, Array]:
+    """Components of stress and von Mises stress (n,) in Pa at the nodes of a solution.
+
+    Where cells meet, each is the mean over them. Plane strain has σzz = nu·(σxx + σyy).
+    """
+    points, dim = solution.body.points, solution.body.dim
+    tensor = np.zeros((len(points), 3, 3))
+    for (a, b), each in zip(VOIGT[dim], solution.stress(points).T, strict=True):
+        tensor[:, a, b] = tensor[:, b, a] = each
+    laws = [each for each in problem.materials if isinstance(each, Isotropic)]
+    if laws and laws[0].state == "plane_strain":
+        nu = np.array([each.nu for each in laws])[materials_at(problem, points)]
+        tensor[:, 2, 2] = nu * (tensor[:, 0, 0] + tensor[:, 1, 1])
+    pairs = VOIGT[3] if dim == 3 else (*VOIGT[2], (2, 2))
+    fields = {f"stress_{AXES[a]}{AXES[b]}": tensor[:, a, b] for a, b in pairs}
+    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    return fields | {"von_mises": np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))}
 
 
 def compared_file(

@@ -23,6 +23,7 @@ from msvalidate.case.compare.quantities import POINT_STRESS, STRESS_BAND
 from msvalidate.case.compare.validity import geometric_limitations
 from msvalidate.case.file.case import Case, spacing_of
 from msvalidate.case.file.fracture import break_sentence
+from msvalidate.case.file.places import mesh_names
 from msvalidate.case.file.units import quantity_text, user_unit
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.headline import part_text, springs_sentence
@@ -249,7 +250,9 @@ def _body_sentences(reference: Reference) -> str:
     on = [zone.region.select(middles, problem.domain.tolerance) for zone in problem.zones]
     for (i, one), (j, other) in combinations(enumerate(on, 1), 2):
         if (one & other).any():
-            said += f" Region {j} overlaps region {i}: the later one counts there."
+            names = mesh_names(problem)
+            own = (f"{n} ({names[key]})" if (key := f"region {n}") in names else n for n in (j, i))
+            said += " Region {} overlaps region {}: the later one counts there.".format(*own)
     return said
 
 
@@ -360,6 +363,8 @@ def facts(found: Comparison | Judged) -> dict[str, str]:
     """Facts of a request that its file may leave to defaults."""
     case, problem = found.case, found.case.problem
     about = {"result": found.result.name} if isinstance(found, Judged) else {}
+    names = "; ".join(f"{part}: {name}" for part, name in mesh_names(problem).items())
+    about |= {"names in the mesh": names} if names else {}
     return about | {
         "body": str(problem.domain),
         "material (SI units)": str(problem.material),

@@ -12,21 +12,22 @@ from scipy.spatial import KDTree
 from msvalidate.bench.output.body_drawing import body_axes
 from msvalidate.bench.output.figures import COLOURS, UPWARDS, fit_solid_axes, solid_axes
 from msvalidate.case.report.figures import (
+    FRONT,
     draw_surface,
     flat_facets,
+    hidden,
     name_solid_axes,
     show_in_units,
     unit_normals,
+    view_directions,
 )
-from msvalidate.problem import Array, Mask, Mesh
+from msvalidate.problem import Array, Mesh
 from msvalidate.problem.shapes import facet_middles
 
 VIEWS = ((24, -58), (-24, 122))
 """Elevation and azimuth (degrees) of two opposite views, which show all sides of a convex body."""
 AT_ONCE = 40
 """Facets whose visibility is tested at once."""
-FRONT = 1e-3
-"""Smallest cosine of facets that face the viewer; distance between layers, relative to the body."""
 UNNAMED = "#dddddd"
 LABEL: dict[str, Any] = {
     "ha": "center",
@@ -68,34 +69,27 @@ def _plane(mesh: Mesh) -> Figure:
 def _solid(mesh: Mesh) -> Figure:
     x, surface = mesh.points, flat_facets(mesh.surface)
     rows = {tuple(sorted(row)): i for i, row in enumerate(surface.tolist())}
-    colours, own = np.full(len(surface), UNNAMED, dtype="<U7"), {}
+    colours, own = [UNNAMED] * len(surface), dict[str, list[int]]()
     for number, (name, facets) in enumerate(mesh.boundaries.items()):
-        own[name] = [rows[tuple(sorted(row))] for row in flat_facets(facets).tolist()]
-        colours[own[name]] = _colour(number)
+        own[name] = [rows[tuple(sorted(each))] for each in flat_facets(facets).tolist()]
+        for row in own[name]:
+            colours[row] = _colour(number)
     figure, axes = solid_axes(len(VIEWS), (4.8, 4.6))
-    towards = [_towards(*view) for view in VIEWS]
+    towards = [view_directions(*view) for view in VIEWS]
     for axis, (elevation, azimuth) in zip(axes, VIEWS, strict=True):
         fit_solid_axes(axis, x[:, UPWARDS])
         name_solid_axes(axis)
         axis.view_init(elev=elevation, azim=azimuth)
-        draw_surface(axis, x[surface], colours.tolist())
-    for name, facets in own.items():
-        places, text = x[surface[facets]], name.removeprefix("face ")
-        others = np.delete(surface, facets, axis=0)
-        rim = x[np.intersect1d(surface[facets], others)]
+        draw_surface(axis, x[surface], colours)
+    for name, numbers in own.items():
+        places, text = x[surface[numbers]], name.removeprefix("face ")
+        others = np.delete(surface, numbers, axis=0)
+        rim = x[np.intersect1d(surface[numbers], others)]
         seen = [_label_place(places, rim, x[surface], view) for view in towards]
         view = int(np.argmax([score for score, _ in seen]))
         score, at = seen[view]
         axes[view].text(*at, text if score > 0 else f"({text})", **LABEL)
     return figure
-
-
-def _towards(elevation: float, azimuth: float) -> Array:
-    """Rows (3, 3): directions to the right, upwards and towards the viewer, as unit vectors."""
-    e, a = np.radians([elevation, azimuth])
-    viewer = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
-    return np.stack([right, np.cross(viewer, right), viewer])
 
 
 def _label_place(places: Array, rim: Array, surface: Array, view: Array) -> tuple[float, Array]:
@@ -110,24 +104,7 @@ def _label_place(places: Array, rim: Array, surface: Array, view: Array) -> tupl
     front = front[np.argsort(-off[front], kind="stable")]
     for start in range(0, len(front), AT_ONCE):
         near = front[start : start + AT_ONCE]
-        seen = near[~_hidden(middles[near], surface, view)]
+        seen = near[~hidden(middles[near], surface, view)]
         if len(seen):
             return float(facing[seen[0]]), middles[seen[0]]
     return 0.0, middles[(middles @ view[2]).argmax()]
-
-
-def _hidden(points: Array, surface: Array, view: Array) -> Mask:
-    """Mask (n,) of points (n, 3) behind facets (s, k, 3) of a surface, as seen in a view.
-
-    A facet that faces the viewer covers a point if the point is to the left of all its edges. It
-    hides the point if the line towards the viewer meets its plane in front of the point.
-    """
-    normals = unit_normals(surface)
-    front = normals @ view[2] > FRONT
-    corners, n = surface[front] @ view[:2].T, normals[front]
-    edge = np.roll(corners, -1, axis=1) - corners
-    off = (points @ view[:2].T)[:, None, None] - corners
-    covers = (edge[..., 0] * off[..., 1] > edge[..., 1] * off[..., 0]).all(axis=2)
-    ahead = np.einsum("psd,sd->ps", surface[front].mean(axis=1) - points[:, None], n) / (n @ view[2])
-    room = FRONT * float(np.ptp(surface, axis=(0, 1)).max())
-    return np.asarray((covers & (ahead > room)).any(axis=1))
