@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from typing import Any
 
 import numpy as np
 
@@ -150,7 +151,7 @@ def named_part(source: Source, path: Keys, given: Support | Load | Contact, doma
 
 def mesh_names(problem: Problem) -> dict[str, str]:
     """Names in the mesh file of the sides and cells of supports, loads and regions, by number."""
-    parts = {
+    parts: dict[str, list[Any]] = {
         "support": [each.region for each in problem.supports],
         "load": [getattr(each, "region", None) for each in problem.loads],
         "region": [each.region for each in problem.zones],

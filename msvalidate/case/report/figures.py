@@ -202,7 +202,7 @@ def _draw_materials(axis: Axes, problem: Problem, body: Discretisation, at: Arra
             axis.add_collection3d(Poly3DCollection(places[..., UPWARDS], **style))  # type: ignore[attr-defined]
         name = mesh_names(problem).get(f"region {zone}")
         label = f"region {zone}: {name}" if name else f"region {zone}"
-        axis.plot([], [], "s", color=colour, alpha=0.35, label=label)
+        axis.plot([], [], "s", color=colour, alpha=0.35, label=_plain(label))
 
 
 def _arrows(found: Comparison) -> tuple[Array, Array]:
@@ -285,7 +285,12 @@ def _name_parts(axis: Axes, problem: Problem) -> None:
         own = dict.fromkeys(name for part, name in names if part.startswith(f"{kind} "))
         if own:
             more = ", …" if len(own) > MAX_NAMES else ""
-            handle.set_label(f"{label}: {', '.join([*own][:MAX_NAMES])}{more}")
+            handle.set_label(_plain(f"{label}: {', '.join([*own][:MAX_NAMES])}{more}"))
+
+
+def _plain(label: str) -> str:
+    """Label without mathematics: a file's name may hold any sign."""
+    return label.replace("$", r"\$")
 
 
 def _drawing_order(domain: Domain) -> Any:

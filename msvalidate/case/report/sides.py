@@ -34,6 +34,7 @@ LABEL: dict[str, Any] = {
     "va": "center",
     "fontsize": 8,
     "zorder": 9,
+    "parse_math": False,
     "bbox": {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "black", "lw": 0.5},
 }
 
