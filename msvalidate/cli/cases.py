@@ -147,13 +147,13 @@ def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Iterator[
         try:
             yield
         except CaseError as error:
-            if error.mesh is not None and getattr(args, "plots", True):
+            if error.mesh is not None and error.mesh.dim == 3:
                 path = folder.with_name(f"{folder.name}-sides.png")
+                draw = partial(draw_sides, error.mesh, error.length)
+                drawn = draw_files("sides", f"Sides of the body of {file.name}", draw)
                 with contextlib.suppress(OSError):
-                    draw = partial(draw_sides, error.mesh, error.length)
-                    drawn = draw_files("sides", f"Sides of the body of {file.name}", draw)
                     exchange.replace_file(path, partial(bytes, drawn["sides.png"]))
-                    error.add_note(f"  picture: {path}")
+                    error.add_note(f"picture: {path}")
             raise
 
 

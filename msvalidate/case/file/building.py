@@ -18,7 +18,6 @@ from msvalidate.case.file.places import (
     node_region,
     region_by_coordinates,
     side_error,
-    side_example,
     unit_in_metres,
 )
 from msvalidate.case.file.reading import Keys, Source, read_source
@@ -120,8 +119,7 @@ def build_case(source: Source) -> Case:
         "support": [_support(source, i, each, domain) for i, each in enumerate(data.support)],
     }
     if not data.support:
-        said = f"none; add [[support]] and {side_example(domain)}"
-        raise side_error(source, ("support",), said, domain)
+        raise side_error(source, ("support",), "none; add [[support]] with a side", domain)
     parts["load"] = [(_load(source, i, each, domain),) for i, each in enumerate(data.load)]
     parts["contact"] = [(_contact(source, i, c, domain),) for i, c in enumerate(data.contact)]
     return _case(source, _problem(source, domain, material, parts), unit)

@@ -27,8 +27,6 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import format_value, positive_number
 
-MAX_LINES = 40
-"""Maximum number of sides of a mesh that an error lists."""
 EDGE = "edge "
 """Prefix of the names of polygon sides.
 
@@ -77,39 +75,28 @@ def _side(source: Source, path: Keys, name: str, domain: Domain) -> Part:
         known = [each for each, (axis, _) in SIDES.items() if axis < domain.dim]
         if name in known:
             return _end_of_span(name, domain)
-        ends = list(known)
+        ends = ", ".join(known)
         if isinstance(domain, Mesh):
             known = [*domain.boundaries, *known]
         elif isinstance(domain, Polygon):
             known += [f"{EDGE}{i + 1}" for i in range(min(len(domain.vertices), 8))]
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {near[0]}? " if near else ""
-        said = f"{format_value(name)}: {hint}"
+        said = f"{format_value(name)}: {hint}the body has {', '.join(known)}"
         if isinstance(domain, Mesh) and domain.boundaries:
-            said += f"no such side; {side_example(domain)}, or at its ends {', '.join(ends)}"
-            raise side_error(source, path, said, domain)
-        raise ProblemError(f"{said}the body has {', '.join(known)}")
-
-
-def side_example(domain: Domain) -> str:
-    """Example of a key that names a side of a body."""
-    if isinstance(domain, Mesh) and domain.boundaries:
-        return f'name one of the body, for example on = "{next(iter(domain.boundaries))}"'
-    return 'name a side, for example on = "left"'
+            said = f"{format_value(name)}: {hint}no such side; name another, or an end: {ends}"
+        raise side_error(source, path, said, domain)
 
 
 def side_error(source: Source, path: Keys, said: str, domain: Domain) -> CaseError:
-    """Error whose notes describe the named sides of a mesh, one line each."""
-    error = source.error(path, said)
+    """Error with an example of a side, whose note describes the named sides of a mesh."""
+    mesh = isinstance(domain, Mesh) and list(domain.boundaries)
+    side = mesh[0] if mesh else "left"
+    error = source.error(path, f'{said}; for example on = "{side}"')
     if isinstance(domain, Mesh) and domain.boundaries:
         unit = source.data.body.unit
         error.mesh, error.length = domain, unit if isinstance(unit, str) else "m"
-        lines = face_lines(domain, error.length)
-        more = len(lines) - MAX_LINES
-        for line in lines[:MAX_LINES]:
-            error.add_note(f"  {line}")
-        if more > 0:
-            error.add_note(f"  and {more} more")
+        error.add_note("\n".join(face_lines(domain, error.length)))
     return error
 
 

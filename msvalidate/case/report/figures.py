@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -60,10 +61,8 @@ TURNED = 115
 """Azimuth (degrees) of light, clockwise from y, plus that of the viewer, counter-clockwise from x.
 
 The light comes from 25 degrees to the left of the viewer."""
-FRONT = 1e-3
-"""Smallest cosine of facets that face the viewer; distance between layers, relative to the body."""
-MAX_NAMES = 3
-"""Names of sides in a label of a picture."""
+LABEL = 40
+"""Maximum number of letters of a label with names."""
 MAX_ARROWS = 12
 """Arrows of all loads in a picture."""
 
@@ -200,9 +199,7 @@ def _draw_materials(axis: Axes, problem: Problem, body: Discretisation, at: Arra
             axis.add_collection(PolyCollection(list(places), **style, zorder=0))
         else:
             axis.add_collection3d(Poly3DCollection(places[..., UPWARDS], **style))  # type: ignore[attr-defined]
-        name = mesh_names(problem).get(f"region {zone}")
-        label = f"region {zone}: {name}" if name else f"region {zone}"
-        axis.plot([], [], "s", color=colour, alpha=0.35, label=_plain(label))
+        axis.plot([], [], "s", color=colour, alpha=0.35, label=f"region {zone}")
 
 
 def _arrows(found: Comparison) -> tuple[Array, Array]:
@@ -278,19 +275,12 @@ def draw_fields(found: Comparison) -> Figure:
 
 
 def _name_parts(axis: Axes, problem: Problem) -> None:
-    """Add the mesh's own names of sides to the labels of supports and loads."""
-    names = mesh_names(problem).items()
+    """Add the mesh's own names to the labels of supports, loads and regions."""
     for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
-        kind = {"held": "support", "load": "load"}.get(label, label)
-        own = dict.fromkeys(name for part, name in names if part.startswith(f"{kind} "))
-        if own:
-            more = ", …" if len(own) > MAX_NAMES else ""
-            handle.set_label(_plain(f"{label}: {', '.join([*own][:MAX_NAMES])}{more}"))
-
-
-def _plain(label: str) -> str:
-    """Label without mathematics: a file's name may hold any sign."""
-    return label.replace("$", r"\$")
+        part = {"held": "support", "load": "load"}.get(label, label)
+        names = [name for each, name in mesh_names(problem).items() if part in each]
+        text = ": ".join([label, *[", ".join(dict.fromkeys(names))][: len(names)]])
+        handle.set_label(textwrap.shorten(text, LABEL, placeholder=" …").replace("$", r"\$"))
 
 
 def _drawing_order(domain: Domain) -> Any:
@@ -397,8 +387,7 @@ def _draw_edges(
         return
     edges = sharp_edges(body.points, flat_facets(facets))
     if surface is not None:
-        middles, view = places[edges].mean(axis=1), view_directions(axis.elev, axis.azim)
-        edges = edges[~hidden(middles[:, UPWARDS], surface, view)]
+        edges = edges[~hidden(axis, places[edges].mean(axis=1)[:, UPWARDS], surface)]
     for number, edge in enumerate(edges):
         own = label if not number else None
         axis.plot(*_upright(places[edge]), style, color=colour, lw=0.9, label=own)
@@ -409,12 +398,6 @@ def flat_facets(facets: Index) -> Index:
     return facets[:, : 3 if facets.shape[1] in (3, 6) else 4]
 
 
-def unit_normals(places: Array) -> Array:
-    """Outward unit normals (f, 3) of flat facets (f, 3 or 4, 3)."""
-    normal = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
-
-
 def draw_surface(axis: Any, places: Array, colours: Any, **style: Any) -> None:
     """Shaded surface of flat facets (f, k, 3), whose axes are drawn in this order."""
     light = LightSource(azdeg=TURNED - axis.azim, altdeg=np.copysign(45, axis.elev))
@@ -422,31 +405,17 @@ def draw_surface(axis: Any, places: Array, colours: Any, **style: Any) -> None:
     axis.add_collection3d(Poly3DCollection(places, facecolors=colours, edgecolors=colours, **style))
 
 
-def view_directions(elevation: float, azimuth: float) -> Array:
-    """Rows (3, 3): directions to the right, upwards and towards the viewer, as unit vectors."""
-    e, a = np.radians([elevation, azimuth])
-    viewer = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
-    return np.stack([right, np.cross(viewer, right), viewer])
+def hidden(axis: Any, points: Array, surface: Array) -> Mask:
+    """Mask (n,) of points (n, 3) behind facets (s, k, 3) of a closed surface, as drawn on axes.
 
-
-def hidden(points: Array, surface: Array, view: Array) -> Mask:
-    """Mask (n,) of points (n, 3) behind facets (s, k, 3) of a surface, as seen in a view.
-
-    A facet that faces the viewer covers a point if the point is to the left of all its edges. It
-    hides the point if the line towards the viewer meets its plane in front of the point.
+    A facet that faces the viewer covers a point to the left of all its edges, and hides it if all
+    its corners are nearer to the viewer.
     """
-    normals = unit_normals(surface)
-    front = normals @ view[2] > FRONT
-    corners, n = surface[front] @ view[:2].T, normals[front]
-    edge = np.roll(corners, -1, axis=1) - corners
-    off = (points @ view[:2].T)[:, None, None] - corners
+    turn = axis.get_proj()[:3, :3].T
+    corners = surface @ turn
+    edge, off = np.roll(corners, -1, axis=1) - corners, (points @ turn)[:, None, None] - corners
     covers = (edge[..., 0] * off[..., 1] > edge[..., 1] * off[..., 0]).all(axis=2)
-    ahead = np.einsum("psd,sd->ps", surface[front].mean(axis=1) - points[:, None], n) / (
-        n @ view[2]
-    )
-    room = FRONT * float(np.ptp(surface, axis=(0, 1)).max())
-    return np.asarray((covers & (ahead > room)).any(axis=1))
+    return np.asarray((covers & (off[..., 2] > 0).all(axis=2)).any(axis=1))
 
 
 def name_solid_axes(axis: Any) -> None:
@@ -457,7 +426,9 @@ def name_solid_axes(axis: Any) -> None:
 
 def sharp_edges(points: Array, facets: Index) -> Index:
     """Edges (e, 2) between facets (f, 3 or 4) that meet at a `SHARP` angle or more."""
-    normal = unit_normals(points[facets])
+    x = points[facets]
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     pairs = np.sort(np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(facets)), facets.shape[1])
     order = np.lexsort(pairs.T[::-1])

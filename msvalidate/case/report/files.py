@@ -125,11 +125,11 @@ def field_files(found: Comparison) -> dict[str, bytes]:
     body = solution.body
     places = body.points[body.cells]
     first_order = "" if found.reference.large is None else "_to_first_order"
+    fields = {"displacement_elements": solution.displacement, **stress_fields(solution, problem)}
     elements = vtu_bytes(
         body.points,
         {body.element.shape: body.cells},
-        {f"displacement_elements{first_order}": solution.displacement}
-        | {f"{name}{first_order}": each for name, each in stress_fields(solution, problem).items()},
+        {f"{name}{first_order}": each for name, each in fields.items()},
         {"material": materials_of_cells(problem, places, SHAPES[body.element.shape])},
     )
     compared = compared_file(found.points, "springs", found.displacement, found)
@@ -142,17 +142,17 @@ def stress_fields(solution: Solution, problem: Problem) -> dict[str, Array]:
     Where cells meet, each is the mean over them. Plane strain has σzz = nu·(σxx + σyy).
     """
     points, dim = solution.body.points, solution.body.dim
-    tensor = np.zeros((len(points), 3, 3))
-    for (a, b), each in zip(VOIGT[dim], solution.stress(points).T, strict=True):
-        tensor[:, a, b] = tensor[:, b, a] = each
-    laws = [each for each in problem.materials if isinstance(each, Isotropic)]
-    if laws and laws[0].state == "plane_strain":
-        nu = np.array([each.nu for each in laws])[materials_at(problem, points)]
-        tensor[:, 2, 2] = nu * (tensor[:, 0, 0] + tensor[:, 1, 1])
-    pairs = VOIGT[3] if dim == 3 else (*VOIGT[2], (2, 2))
-    fields = {f"stress_{AXES[a]}{AXES[b]}": tensor[:, a, b] for a, b in pairs}
-    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    return fields | {"von_mises": np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))}
+    names = [f"stress_{AXES[a]}{AXES[b]}" for a, b in VOIGT[dim]]
+    fields = dict(zip(names, solution.stress(points).T, strict=True))
+    squares = sum(fields[name] ** 2 for name in names[dim:])
+    if dim == 2:
+        laws = [each for each in problem.materials if isinstance(each, Isotropic)]
+        nu = np.array([each.nu * (each.state == "plane_strain") for each in laws])
+        sides = fields["stress_xx"] + fields["stress_yy"]
+        fields["stress_zz"] = nu[materials_at(problem, points)] * sides
+    x, y, z = (fields[f"stress_{axis}{axis}"] for axis in AXES)
+    mises = np.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2 + 3 * squares)
+    return fields | {"von_mises": mises}
 
 
 def compared_file(

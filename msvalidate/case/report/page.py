@@ -250,9 +250,7 @@ def _body_sentences(reference: Reference) -> str:
     on = [zone.region.select(middles, problem.domain.tolerance) for zone in problem.zones]
     for (i, one), (j, other) in combinations(enumerate(on, 1), 2):
         if (one & other).any():
-            names = mesh_names(problem)
-            own = (f"{n} ({names[key]})" if (key := f"region {n}") in names else n for n in (j, i))
-            said += " Region {} overlaps region {}: the later one counts there.".format(*own)
+            said += f" Region {j} overlaps region {i}: the later one counts there."
     return said
 
 

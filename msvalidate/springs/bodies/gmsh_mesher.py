@@ -27,13 +27,13 @@ ANGLE = math.radians(40)
 """Between triangles of an .stl file, from which on they belong to different faces."""
 NO_GMSH = 2
 UNITS = {
-    r"'INCH'": "INCH",
-    r"'FOOT'": "FT",
-    r"SI_UNIT\s*\(\s*\.MILLI\.\s*,\s*\.METRE": "MM",
-    r"SI_UNIT\s*\(\s*\.CENTI\.\s*,\s*\.METRE": "CM",
-    r"SI_UNIT\s*\(\s*\$\s*,\s*\.METRE": "M",
+    "INCH": "'INCH'",
+    "FT": "'FOOT'",
+    "CM": r"\.CENTI\.,\.METRE",
+    "M": r"LENGTH_UNIT\(\)[^;]*SI_UNIT\(\$,\.METRE",
+    "MM": "",
 }
-"""Patterns of units in .step files -> names of OpenCASCADE. Inches are defined by another unit."""
+"""OpenCASCADE's names of units -> patterns in .step files without blanks."""
 
 
 def main(file: Path, mesh: str, size: float) -> None:
@@ -93,10 +93,9 @@ def _mesh(gmsh: Any, file: Path, size: float) -> None:
 
 
 def _length_unit(file: Path) -> str:
-    """Unit of length of a .step file: its own numbers are stored, not those in mm."""
-    text = file.read_text(encoding="utf-8", errors="replace")
-    units = (name for pattern, name in UNITS.items() if re.search(pattern, text))
-    return next(units, "")
+    """Unit of a .step file: coordinates are its own numbers, which would become millimetres."""
+    text = "".join(file.read_text(encoding="utf-8", errors="replace").split())
+    return next(unit for unit, pattern in UNITS.items() if re.search(pattern, text))
 
 
 def _refuse_stray_vertices(model: Any) -> None:
