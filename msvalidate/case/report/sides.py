@@ -56,7 +56,7 @@ def draw_sides(mesh: Mesh, length: str) -> Figure:
         others = x[np.delete(surface, numbers, axis=0)].reshape(-1, 3)
         middles = x[surface[numbers]].mean(axis=1)
         off = KDTree(others).query(middles)[0] if len(others) else middles[:, 2]
-        best = middles[np.argsort(-off)[:: 1 + len(off) // CANDIDATES]]
+        best = middles[np.argsort(-off, kind="stable")[:: 1 + len(off) // CANDIDATES]]
         views = [(axis, best[~hidden(axis, best, x[surface])]) for axis in axes]
         axis, places = max(views, key=lambda view: len(view[1]))
         places, label = (places, label) if len(places) else (best, f"({label})")
