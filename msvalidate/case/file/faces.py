@@ -1,4 +1,4 @@
-"""Named sides of a mesh in words: kind, size and centre, by which a reader finds them."""
+"""Named sides of a mesh in words: kind, size and centre."""
 
 from __future__ import annotations
 
@@ -10,18 +10,21 @@ from msvalidate.problem.shapes import area_vectors
 from msvalidate_check.text import number_text
 
 KINDS = {2: ("line", "arc", "curve", "length"), 3: ("plane", "cylinder", "curved", "area")}
-"""Number of axes -> kinds of sides: flat, round and other; the name of their size."""
+"""Number of axes -> flat, round and other kind, and name of the size."""
 FLAT, ROUND = 1e-5, 2e-2
-"""Maximum variance of unit normals on a plane, and distance of nodes from a fitted circle.
+"""Limits of a plane and of a cylinder.
 
-The distance is a root mean square relative to that from a line. Facets of curved sides are
+They are the variance of unit normals and the root mean square distance of nodes from a fitted
+circle, relative to that from a line. Facets of curved sides are
 approximations: their normals determine an axis to some 1e-3."""
 ALONG = 1e-2
 """Largest other component of a unit vector that is named by an axis."""
 
 
 def face_lines(mesh: Mesh, length: str) -> list[str]:
-    """Describe each named side of a mesh in one line, with lengths in a unit of `LENGTH`.
+    """Describe each named side of a mesh in one line.
+
+    Lengths are in a unit of `LENGTH`.
 
     Examples
     --------

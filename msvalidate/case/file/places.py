@@ -89,7 +89,7 @@ def _side(source: Source, path: Keys, name: str, domain: Domain) -> Part:
 
 
 def side_error(source: Source, path: Keys, said: str, domain: Domain) -> CaseError:
-    """Error with an example of a side, whose note describes the named sides of a mesh."""
+    """Error with an example, whose note describes the named sides of a mesh."""
     mesh = isinstance(domain, Mesh) and list(domain.boundaries)
     side = mesh[0] if mesh else "left"
     error = source.error(path, f'{said}; for example on = "{side}"')
@@ -137,7 +137,7 @@ def named_part(source: Source, path: Keys, given: Support | Load | Contact, doma
 
 
 def mesh_names(problem: Problem) -> dict[str, str]:
-    """Names in the mesh file of the sides and cells of supports, loads and regions, by number."""
+    """Names in the mesh file of supports, loads and regions, by number."""
     parts: dict[str, list[Any]] = {
         "support": [each.region for each in problem.supports],
         "load": [getattr(each, "region", None) for each in problem.loads],

@@ -1,4 +1,4 @@
-"""Picture of a mesh with the names of its sides, by which supports and loads refer to them."""
+"""Picture of a mesh with the names of its sides."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from msvalidate.case.report.figures import (
 from msvalidate.problem import Mesh
 
 VIEWS = ((24, -58), (-24, 122))
-"""Elevation and azimuth (degrees) of two opposite views, which show all sides of a convex body."""
+"""Elevation and azimuth (degrees) of two opposite views.
+
+They show all sides of a convex body."""
 CANDIDATES = 100
 """Facets of a side of which one gets the label."""
 UNNAMED = "#dddddd"
@@ -34,9 +36,9 @@ LABEL: dict[str, Any] = {
 
 
 def draw_sides(mesh: Mesh, length: str) -> Figure:
-    """Draw the sides of a 3D mesh in colours with their names, "face 10" as 10, in two views.
+    """Draw the named sides of a 3D mesh in two views.
 
-    A label is on the visible facet farthest from other sides; that of a side that no view shows is
+    Of "face 10" the label is 10. A label is on the visible facet farthest from other sides; that of a side that no view shows is
     in brackets. Lengths are in a unit of `LENGTH`.
     """
     x, surface = mesh.points, flat_facets(mesh.surface)

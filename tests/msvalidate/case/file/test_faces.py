@@ -29,7 +29,7 @@ UPRIGHT = np.eye(3)
 
 
 def tube(turn=UPRIGHT):
-    """A quarter of a tube, its axis turned from z, in m; of lengths in mm."""
+    """Quarter of a tube of lengths in mm, whose axis is turned from z."""
     box = box_mesh("H2")
     r, t, z = box.points[:, 0] + 4, box.points[:, 1] * np.pi / 2, box.points[:, 2]
     points = np.column_stack([r * np.cos(t), r * np.sin(t), z]) @ turn.T
