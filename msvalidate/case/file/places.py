@@ -88,11 +88,11 @@ def _side(source: Source, path: Keys, name: str, domain: Domain) -> Part:
         raise side_error(source, path, said, domain)
 
 
-def side_error(source: Source, path: Keys, said: str, domain: Domain) -> CaseError:
+def side_error(source: Source, path: Keys, message: str, domain: Domain) -> CaseError:
     """Error with an example, whose note describes the named sides of a mesh."""
     mesh = isinstance(domain, Mesh) and list(domain.boundaries)
     side = mesh[0] if mesh else "left"
-    error = source.error(path, f'{said}; for example on = "{side}"')
+    error = source.error(path, f'{message}; for example on = "{side}"')
     if isinstance(domain, Mesh) and domain.boundaries:
         unit = source.data.body.unit
         error.mesh, error.length = domain, unit if isinstance(unit, str) else "m"

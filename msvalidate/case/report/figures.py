@@ -408,8 +408,8 @@ def draw_surface(axis: Any, places: Array, colours: Any, **style: Any) -> None:
 def hidden(axis: Any, points: Array, surface: Array) -> Mask:
     """Mask (n,) of points (n, 3) behind a closed surface, as drawn on axes.
 
-    The surface has facets (s, k, 3). A facet that faces the viewer covers a point to the left of all its edges, and hides it if all
-    its corners are nearer to the viewer.
+    The surface has facets (s, k, 3). A facet that faces the viewer covers a point to the left of
+    all its edges, and hides it if all its corners are nearer to the viewer.
     """
     turn = axis.get_proj()[:3, :3].T
     corners = surface @ turn

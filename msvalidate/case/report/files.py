@@ -139,7 +139,8 @@ def field_files(found: Comparison) -> dict[str, bytes]:
 def stress_fields(solution: Solution, problem: Problem) -> dict[str, Array]:
     """Components of stress and von Mises stress at the nodes.
 
-    They are fields (n,) in Pa. Where cells meet, each is the mean over them. Plane strain has σzz = nu·(σxx + σyy).
+    They are fields (n,) in Pa. Where cells meet, each is the mean over them. Plane strain has
+    σzz = nu·(σxx + σyy).
     """
     points, dim = solution.body.points, solution.body.dim
     names = [f"stress_{AXES[a]}{AXES[b]}" for a, b in VOIGT[dim]]

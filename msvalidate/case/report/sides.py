@@ -38,8 +38,8 @@ LABEL: dict[str, Any] = {
 def draw_sides(mesh: Mesh, length: str) -> Figure:
     """Draw the named sides of a 3D mesh in two views.
 
-    Of "face 10" the label is 10. A label is on the visible facet farthest from other sides; that of a side that no view shows is
-    in brackets. Lengths are in a unit of `LENGTH`.
+    Of "face 10" the label is 10. A label is on the visible facet farthest from other sides; that
+    of a side that no view shows is in brackets. Lengths are in a unit of `LENGTH`.
     """
     x, surface = mesh.points, flat_facets(mesh.surface)
     rows = {frozenset(row): i for i, row in enumerate(surface.tolist())}

@@ -261,7 +261,7 @@ def test_fields_are_those_of_the_tables(tmp_path, run_beam):
     ("state", "size"), [("plane_stress", 1.0), ("plane_strain", 0.79**0.5), ("solid", 1.0)]
 )
 def test_stress_at_the_nodes_is_that_of_uniaxial_tension_and_pure_shear(tmp_path, state, size):
-    """Von Mises stress of tension: σ, in plane strain σ √(1 - ν + ν²); of shear: √3 τ."""
+    """Von Mises stress: σ, in plane strain σ √(1 - ν + ν²); √3 τ."""
     nu, d = 0.3, 3 if state == "solid" else 2
     box, law = Box((2.0, 1.0, 0.5)[:d]), Isotropic(1e5, nu, state)
     free = [None] * d
