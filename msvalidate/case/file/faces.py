@@ -34,7 +34,7 @@ def face_lines(mesh: Mesh, length: str) -> list[str]:
     >>> face_lines(mesh, "mm")
     ['foot: line, facing -y, length 20 mm, centre (10, 0) mm']
     """
-    lines = []
+    lines, room = [], mesh.tolerance / LENGTH[length]
     for name in mesh.boundaries:
         places = mesh.side(name).places / LENGTH[length]
         x, area = area_vectors(places)
@@ -43,7 +43,7 @@ def face_lines(mesh: Mesh, length: str) -> list[str]:
         unit = length if mesh.dim == 2 else f"{length}²"
         lines.append(
             f"{name}: {_kind(places, area.reshape(-1, mesh.dim), length)}, {KINDS[mesh.dim][3]} "
-            f"{number_text(size.sum())} {unit}, centre {_components(centre)} {length}"
+            f"{number_text(size.sum())} {unit}, centre {_components(centre, room)} {length}"
         )
     return lines
 
@@ -82,7 +82,7 @@ def _direction(vector: Array) -> str:
     return _components(vector)
 
 
-def _components(vector: Array) -> str:
-    """Components with four digits; those below a millionth of the largest are 0."""
-    shown = np.where(np.abs(vector) < 1e-6 * np.abs(vector).max(), 0.0, vector)
+def _components(vector: Array, room: float = 1e-6) -> str:
+    """Components with four digits; those smaller than `room` are 0."""
+    shown = np.where(np.abs(vector) < room, 0.0, vector)
     return f"({', '.join(f'{each:.4g}' for each in shown)})"
