@@ -34,7 +34,7 @@ def face_lines(mesh: Mesh, length: str) -> list[str]:
     >>> face_lines(mesh, "mm")
     ['foot: line, facing -y, length 20 mm, centre (10, 0) mm']
     """
-    lines, room = [], mesh.tolerance / LENGTH[length]
+    lines, room = [], 1e3 * mesh.tolerance / LENGTH[length]
     for name in mesh.boundaries:
         places = mesh.side(name).places / LENGTH[length]
         x, area = area_vectors(places)

@@ -252,18 +252,17 @@ def draw_fields(found: Comparison) -> Figure:
     elements = "elements" if found.reference.large is None else "elements, to first order"
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
     shown = None
-    if x.shape[1] == 3:
-        facets = flat_facets(solution.body.surface)
-        shown = moved[facets if order is UPWARDS else facets[:, ::-1]][..., UPWARDS]
-        draw_surface(axis, shown, SURFACE)
-    _draw_materials(axis, found.case.problem, solution.body, moved)
-    _draw_edges(axis, x, solution, EDGE, "undeformed", "--", shown)
-    _draw_edges(axis, moved, solution, COLOURS[1], elements, "-", shown)
     if x.shape[1] == 2:
         style |= {"color": COLOURS[0], "lw": min(0.8, 35 * found.springs[0].spacing / size)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
+        facets = flat_facets(solution.body.surface)
+        shown = moved[facets if order is UPWARDS else facets[:, ::-1]][..., UPWARDS]
+        draw_surface(axis, shown, SURFACE)
         axis.plot(*_upright(springs), ".", ms=1.5, color=COLOURS[0], **style)
+    _draw_materials(axis, found.case.problem, solution.body, moved)
+    _draw_edges(axis, x, solution, EDGE, "undeformed", "--", shown)
+    _draw_edges(axis, moved, solution, COLOURS[1], elements, "-", shown)
     at, arrow = _arrows(found)
     at = at + times * found.reference.finest.at(at)
     loads = at[:, order], arrow[:, order], ARROW * size
