@@ -277,7 +277,8 @@ def _name_parts(axis: Axes, problem: Problem) -> None:
     """Add the mesh's own names to the labels of supports, loads and regions."""
     for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
         part = {"held": "support", "load": "load"}.get(label, label)
-        names = [name for each, name in mesh_names(problem).items() if part in each]
+        parts = mesh_names(problem).items()
+        names = [name for each, name in parts if part in (each, each.split()[0])]
         text = ": ".join([label, *[", ".join(dict.fromkeys(names))][: len(names)]])
         handle.set_label(textwrap.shorten(text, LABEL, placeholder=" …").replace("$", r"\$"))
 
