@@ -39,6 +39,7 @@ from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.text import number_text, percent
 from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
+from reference_fem.first_mesh import MOST_MIXED
 
 BASES = {"N": "; of reactions over the largest one", "Pa": "; of stress at points over all of them"}
 """Unit -> what the difference of such a quantity is relative to."""
@@ -214,6 +215,8 @@ def reference_sentence(reference: Reference) -> str:
         known = (
             f"Elasticity's own error is not known: one mesh of {nodes:,} nodes, and no finer one."
         )
+        if reference.finest.pressure is not None and reference.finest.body.dim == 3:
+            known += f" Give a first mesh of at most {MOST_MIXED // 8:,} nodes, by a larger cell."
         return known + _more_sentence(reference) + about
     asked_for = percent(reference.accuracy)
     reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"

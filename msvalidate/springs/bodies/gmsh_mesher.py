@@ -17,6 +17,10 @@ import numpy as np
 
 CELLS, ROUND = 25, 12
 """Cells along a body's diagonal, and round a circle, if no size is given."""
+COARSE = 8
+"""Cells round a circle, at least, if a size is given.
+
+A second mesh of nearly incompressible elements needs a coarse first one."""
 MOST = 200_000
 """Cells' sizes cubed, in 2D squared, that a body may hold."""
 LONGEST = 3000
@@ -86,7 +90,7 @@ def _mesh(gmsh: Any, file: Path, size: float) -> None:
             f"{MOST:g}; give a larger one"
         )
     gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ROUND)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", COARSE if size else ROUND)
     gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)
     model.mesh.generate(dim)
     model.mesh.setOrder(1 if faceted else 2)
