@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
+from msvalidate.case.compare import quantities
 from msvalidate.case.compare.budget import budget, tables
 from msvalidate.case.compare.comparison import OTHER_MATERIAL, break_springs, compare_case
 from msvalidate.case.file.building import read_case
@@ -36,6 +37,7 @@ from msvalidate.problem import (
     ProblemError,
     Region,
     Segment,
+    SolverError,
     Support,
     Traction,
     Weight,
@@ -47,6 +49,7 @@ from msvalidate.springs.statics.equilibrium import equilibrium
 from reference_fem import box_discretisation
 from reference_fem.body import solve_problem
 from reference_fem.converged import converge
+from tests.msvalidate.springs.bodies.test_mesh_file import box_mesh
 from tests.table import table
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
@@ -504,3 +507,32 @@ def test_every_column_of_every_table_is_explained(run_beam):
     assert all(column.meaning for columns in shown.values() for column in columns)
     told = [(c.name, c.meaning) for c in shown["lattices"]]
     assert ("springs", "of the lattice") in told
+
+
+def test_pictures_of_meshes_name_sides_and_have_z_upwards():
+    mesh = box_mesh("H1")
+    law = Isotropic(1e5, 0.25, "solid")
+    held = (Support(mesh.side("left"), (0.0, 0.0, 0.0)),)
+    pull = (Traction(mesh.side("right"), (0.0, 0.0, -10.0)),)
+    found = compare_case(Case(Problem(mesh, law, held, pull), cells=2, accuracy=0.1))
+    for figure in (
+        figures.draw_fields(found),
+        figures.draw_difference(found.points, found.relative, found.reference),
+    ):
+        axis = figure.axes[0]
+        assert (axis.get_ylabel(), axis.get_zlabel()) == ("y (m)", "z (m)")
+        low, high = axis.get_zlim()
+        assert high - low < 2.0  # z is the shortest side, of 0.5 m
+    labels = {text.get_text() for text in figures.draw_fields(found).axes[0].get_legend().texts}
+    assert labels >= {"held: left", "load: right"}
+
+
+def test_a_mean_stress_of_unknown_error_is_not_resolved():
+    springs = SimpleNamespace(mean_stress=lambda _: np.array([1.0, 0.0, 0.0]))
+    wanted = SimpleNamespace(value=np.array([2.0, 0.0, 0.0]), uncertainty=np.inf)
+    reference = SimpleNamespace(mean_stress=wanted)
+    (row,) = quantities._mean_stress(beam(), springs, reference)
+    assert row.word == "not resolved"
+    wanted.uncertainty = 3.0
+    with pytest.raises(SolverError, match="known to 3"):
+        quantities._mean_stress(beam(), springs, reference)
