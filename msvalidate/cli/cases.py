@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from io import BytesIO
@@ -22,9 +22,11 @@ from msvalidate.bench.output.stored import csv_bytes, draw_files
 from msvalidate.case.compare.body_advice import body_lines
 from msvalidate.case.file import building, places
 from msvalidate.case.file.case import Case, spacing_of
+from msvalidate.case.file.reading import CaseError
 from msvalidate.case.file.schema import CaseFile
 from msvalidate.case.judge.results import Result, read_result
 from msvalidate.case.report import files, run, screen, sweep
+from msvalidate.case.report.sides import draw_sides
 from msvalidate.case.springs import lattice_springs, network_files
 from msvalidate.cli import gating
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, SIMULATOR, USAGE
@@ -135,9 +137,24 @@ def run_cases(args: argparse.Namespace) -> int:
     return gating.conclude(args, gating.CASES, [*results.values()], max(codes), many=True)
 
 
-def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Progress:
-    """The progress of a command on a case file, whose log lies beside a folder of results."""
-    return Progress(file.stem, shown=not args.quiet, log=log_path(folder))
+@contextlib.contextmanager
+def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Iterator[None]:
+    """Context of a command on a case file: its progress, whose log lies beside its results.
+
+    If a side has to be chosen, a picture with the names of all sides is written there, too.
+    """
+    with Progress(file.stem, shown=not args.quiet, log=log_path(folder)):
+        try:
+            yield
+        except CaseError as error:
+            if error.mesh is not None and error.mesh.dim == 3:
+                path = folder.with_name(f"{folder.name}-sides.png")
+                draw = partial(draw_sides, error.mesh, error.length)
+                drawn = draw_files("sides", f"Sides of the body of {file.name}", draw)
+                with contextlib.suppress(OSError):
+                    exchange.replace_file(path, partial(bytes, drawn["sides.png"]))
+                    error.add_note(f"picture: {path}")
+            raise
 
 
 def _solve(

@@ -28,7 +28,7 @@ def tell_error(message: str, code: int) -> int:
 
 
 def attempt(act: Callable[[], int]) -> int:
-    """The exit code of what is done; bad input, or no answer, is said in one line."""
+    """The exit code of what is done; bad input, or no answer, is one line and its notes."""
     try:
         return act()
     except ImportError as error:
@@ -43,7 +43,8 @@ def attempt(act: Callable[[], int]) -> int:
 
         if not isinstance(error, ProblemError | SolverError):
             raise
-        return tell_error(str(error), USAGE if isinstance(error, ProblemError) else FAILED)
+        lines = [str(error), *getattr(error, "__notes__", ())]
+        return tell_error("\n".join(lines), USAGE if isinstance(error, ProblemError) else FAILED)
 
 
 @contextlib.contextmanager

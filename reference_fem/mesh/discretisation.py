@@ -170,6 +170,11 @@ class Discretisation(ReadOnly):
         ProblemError
             If a point lies outside the body.
         """
+        if points is self.points:  # nodes, which need no search
+            nodes, local = self.cell_nodes, np.asarray(self.element.function.doflocs)
+            pair = np.argsort(nodes, axis=None, kind="stable")
+            cell, place = np.divmod(pair, nodes.shape[1])
+            return nodes.ravel()[pair], cell, local[place]
         return incident(self._shapes, self._sampled(points))
 
     def nodes_of(self, cell: Index) -> Index:

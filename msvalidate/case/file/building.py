@@ -17,6 +17,7 @@ from msvalidate.case.file.places import (
     named_part,
     node_region,
     region_by_coordinates,
+    side_error,
     unit_in_metres,
 )
 from msvalidate.case.file.reading import Keys, Source, read_source
@@ -118,7 +119,7 @@ def build_case(source: Source) -> Case:
         "support": [_support(source, i, each, domain) for i, each in enumerate(data.support)],
     }
     if not data.support:
-        raise source.error(("support",), "none; hold the body with at least one [[support]]")
+        raise side_error(source, ("support",), "none; add [[support]] with a side", domain)
     parts["load"] = [(_load(source, i, each, domain),) for i, each in enumerate(data.load)]
     parts["contact"] = [(_contact(source, i, c, domain),) for i, c in enumerate(data.contact)]
     return _case(source, _problem(source, domain, material, parts), unit)

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import difflib
+from typing import Any
 
 import numpy as np
 
-from msvalidate.case.file.reading import Keys, Source
+from msvalidate.case.file.faces import face_lines
+from msvalidate.case.file.reading import CaseError, Keys, Source
 from msvalidate.case.file.schema import Contact, Interval, Load, Place, Support
 from msvalidate.case.file.units import LENGTH as UNITS
 from msvalidate.problem import (
     AXES,
     SIDES,
+    Boundary,
+    CellSet,
     Domain,
     Mesh,
     Part,
     Polygon,
+    Problem,
     ProblemError,
     Region,
     Segment,
@@ -70,13 +75,29 @@ def _side(source: Source, path: Keys, name: str, domain: Domain) -> Part:
         known = [each for each, (axis, _) in SIDES.items() if axis < domain.dim]
         if name in known:
             return _end_of_span(name, domain)
+        ends = ", ".join(known)
         if isinstance(domain, Mesh):
             known = [*domain.boundaries, *known]
         elif isinstance(domain, Polygon):
             known += [f"{EDGE}{i + 1}" for i in range(min(len(domain.vertices), 8))]
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {near[0]}? " if near else ""
-        raise ProblemError(f"{format_value(name)}: {hint}the body has {', '.join(known)}")
+        said = f"{format_value(name)}: {hint}the body has {', '.join(known)}"
+        if isinstance(domain, Mesh) and domain.boundaries:
+            said = f"{format_value(name)}: {hint}no such side; name another, or an end: {ends}"
+        raise side_error(source, path, said, domain)
+
+
+def side_error(source: Source, path: Keys, message: str, domain: Domain) -> CaseError:
+    """Error with an example, whose note describes the named sides of a mesh."""
+    mesh = isinstance(domain, Mesh) and list(domain.boundaries)
+    side = mesh[0] if mesh else "left"
+    error = source.error(path, f'{message}; for example on = "{side}"')
+    if isinstance(domain, Mesh) and domain.boundaries:
+        unit = source.data.body.unit
+        error.mesh, error.length = domain, unit if isinstance(unit, str) else "m"
+        error.add_note("\n".join(face_lines(domain, error.length)))
+    return error
 
 
 def _end_of_span(name: str, domain: Domain) -> Part:
@@ -113,6 +134,21 @@ def named_part(source: Source, path: Keys, given: Support | Load | Contact, doma
     if given.on is not None:
         return _side(source, (*path, "on"), given.on, domain)
     return region_by_coordinates(source, (*path, "at"), given.at or Place(), domain)
+
+
+def mesh_names(problem: Problem) -> dict[str, str]:
+    """Names in the mesh file of supports, loads and regions, by number."""
+    parts: dict[str, list[Any]] = {
+        "support": [each.region for each in problem.supports],
+        "load": [getattr(each, "region", None) for each in problem.loads],
+        "region": [each.region for each in problem.zones],
+    }
+    return {
+        f"{word} {number}": part.name
+        for word, regions in parts.items()
+        for number, part in enumerate(regions, 1)
+        if isinstance(part, Boundary | CellSet)
+    }
 
 
 def node_region(source: Source, path: Keys, number: int, domain: Domain) -> Region:

@@ -18,7 +18,7 @@ from typing import Any, get_args, get_type_hints
 import msgspec
 
 from msvalidate.case.file.schema import SCHEMA, CaseFile
-from msvalidate.problem import ProblemError
+from msvalidate.problem import Mesh, ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
 
@@ -73,7 +73,14 @@ class Source:
 
 
 class CaseError(ProblemError):
-    """A case file that asks no question; the message names its line."""
+    """A case file that asks no question; the message names its line.
+
+    If a side has to be chosen, the notes describe the sides of the `mesh`, of a case whose unit of
+    length is `length`.
+    """
+
+    mesh: Mesh | None = None
+    length = "m"
 
 
 def read_source(path: str | Path) -> Source:

@@ -160,8 +160,8 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     schema: int
     body: Body
     material: Material
-    support: list[Support]
     name: str | None = None
+    support: list[Support] = msgspec.field(default_factory=list)
     load: list[Load] = msgspec.field(default_factory=list)
     contact: list[Contact] = msgspec.field(default_factory=list)
     region: list[PartOfBody] = msgspec.field(default_factory=list)

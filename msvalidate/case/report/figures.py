@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import LightSource
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -25,6 +27,7 @@ from msvalidate.bench.output.body_drawing import (
 from msvalidate.bench.output.figures import COLOURS, add_shared_legend, new_figure
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.file.fracture import draw_breaks
+from msvalidate.case.file.places import mesh_names
 from msvalidate.case.file.units import user_unit
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.problem import (
@@ -50,6 +53,13 @@ SHARP = math.cos(0.5)
 """Cosine of the angle between facets from which their edge is drawn: facets of a curve meet at
 less."""
 EDGE = "#666666"
+SURFACE = "#dedede"
+TURNED = 115
+"""Azimuth (degrees) of light, clockwise from y, plus that of the viewer, counter-clockwise from x.
+
+The light comes from 25 degrees to the left of the viewer."""
+LABEL = 40
+"""Maximum number of letters of a label with names."""
 
 
 def figures(found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame) -> Drawn:
@@ -108,11 +118,12 @@ def _difference_figures(
 def draw_matching(found: Judged) -> Figure:
     """Compared points, and those outside, doubled or missing, over the body's outline."""
     solution, matched = found.reference.solutions[0], found.matched
-    x = solution.body.points
+    body = solution.body
+    x = body.points
     size = float(np.ptp(x, axis=0).max())
     near = matched.outside
     if len(near):  # far ones would leave the body a dot
-        low, high = x.min(axis=0) - size, x.max(axis=0) + size
+        low, high = body.points.min(axis=0) - size, body.points.max(axis=0) + size
         near = near[((near > low) & (near < high)).all(axis=1)]
     figure, axis = body_axes(np.concatenate([x, near]), 0.05 * size)
     _draw_edges(axis, x, solution, EDGE, "body")
@@ -226,24 +237,36 @@ def draw_fields(found: Comparison) -> Figure:
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
     figure, axis = body_axes(np.concatenate([moved, springs, x]), 1.3 * ARROW * size)
-    _draw_materials(axis, found.case.problem, solution.body, moved)
     elements = "elements" if found.reference.large is None else "elements, to first order"
     style: dict[str, Any] = {"label": "springs", "rasterized": True}
+    shown = None
     if x.shape[1] == 2:
         style |= {"color": COLOURS[0], "lw": min(0.8, 35 * found.springs[0].spacing / size)}
         axis.add_collection(LineCollection(list(springs[lattice.springs]), **style))
     else:
+        shown = moved[flat_facets(solution.body.surface)]
+        draw_surface(axis, shown, SURFACE)
         axis.plot(*springs.T, ".", ms=1.5, color=COLOURS[0], **style)
-        shown = moved[_flat(solution.body.surface)]
-        axis.add_collection3d(Poly3DCollection(shown, color=COLOURS[1], alpha=0.08, lw=0))
-    _draw_edges(axis, moved, solution, COLOURS[1], elements)
-    _draw_edges(axis, x, solution, EDGE, "undeformed", "--")
+    _draw_materials(axis, found.case.problem, solution.body, moved)
+    _draw_edges(axis, x, solution, EDGE, "undeformed", "--", shown)
+    _draw_edges(axis, moved, solution, COLOURS[1], elements, "-", shown)
     at, arrow = _arrows(found)
     loads = at + times * found.reference.finest.at(at), arrow, ARROW * size
     draw_supports_and_loads(axis, springs, found.springs[0].network.fixed, *loads)
+    _name_parts(axis, found.case.problem)
     axis.set_title(f"displacements {number_text(times, 3)} times as large", loc="left")
     _legend_below(axis, x, 3)
     return figure
+
+
+def _name_parts(axis: Axes, problem: Problem) -> None:
+    """Add the mesh's own names to the labels of supports, loads and regions."""
+    for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+        part = {"held": "support", "load": "load"}.get(label, label)
+        parts = mesh_names(problem).items()
+        names = [name for each, name in parts if part in (each, each.split()[0])]
+        text = ": ".join([label, *[", ".join(dict.fromkeys(names))][: len(names)]])
+        handle.set_label(textwrap.shorten(text, LABEL, placeholder=" …").replace("$", r"\$"))
 
 
 def _drawn(reference: Reference) -> Solution:
@@ -312,14 +335,25 @@ def draw_budget(budget: pd.DataFrame, band: float) -> Figure:
 
 
 def _draw_edges(
-    axis: Axes, places: Array, solution: Solution, colour: str, label: str, style: str = "-"
+    axis: Any,
+    places: Array,
+    solution: Solution,
+    colour: str,
+    label: str,
+    style: str = "-",
+    surface: Array | None = None,
 ) -> None:
-    """Outline of a body in the plane, sharp edges and rims in space, its nodes at places (n, d)."""
+    """Outline of a 2D body, or sharp edges of a 3D body, with its nodes at places (n, d).
+
+    Edges behind the facets (f, k, 3) of a drawn surface are left out.
+    """
     edges = outline_edges(solution.body)
     if solution.body.dim == 2:
         drawn: dict[str, Any] = {"linewidths": 1.1, "linestyles": style, "label": label}
         axis.add_collection(LineCollection(list(places[edges]), colors=colour, **drawn))
         return
+    if surface is not None:
+        edges = edges[~hidden(axis, places[edges].mean(axis=1), surface)]
     for number, edge in enumerate(edges):
         own = label if not number else None
         axis.plot(*places[edge].T, style, color=colour, lw=0.9, label=own)
@@ -329,15 +363,35 @@ def outline_edges(mesh: Discretisation) -> Index:
     """Return node pairs (e, 2) of the outline in 2D, of sharp edges in 3D."""
     facets = mesh.surface
     if mesh.dim == 3:
-        return sharp_edges(mesh.points, _flat(facets))
+        return sharp_edges(mesh.points, flat_facets(facets))
     if facets.shape[1] == 2:
         return facets
     return np.concatenate([facets[:, [0, 2]], facets[:, [2, 1]]])
 
 
-def _flat(facets: Index) -> Index:
-    """Corners (f, 3 or 4) of facets in space."""
+def flat_facets(facets: Index) -> Index:
+    """Corners (f, 3 or 4) of facets in 3D."""
     return facets[:, : 3 if facets.shape[1] in (3, 6) else 4]
+
+
+def draw_surface(axis: Any, places: Array, colours: Any, **style: Any) -> None:
+    """Shaded surface of flat facets (f, k, 3), whose axes are drawn in this order."""
+    light = LightSource(azdeg=TURNED - axis.azim, altdeg=np.copysign(45, axis.elev))
+    style |= {"shade": True, "lightsource": light, "linewidths": 0.3, "rasterized": True}
+    axis.add_collection3d(Poly3DCollection(places, facecolors=colours, edgecolors=colours, **style))
+
+
+def hidden(axis: Any, points: Array, surface: Array) -> Mask:
+    """Mask (n,) of points (n, 3) behind a closed surface, as drawn on axes.
+
+    The surface has facets (s, k, 3). A facet that faces the viewer covers a point to the left of
+    all its edges, and hides it if all its corners are nearer to the viewer.
+    """
+    turn = axis.get_proj()[:3, :3].T
+    corners = surface @ turn
+    edge, off = np.roll(corners, -1, axis=1) - corners, (points @ turn)[:, None, None] - corners
+    covers = (edge[..., 0] * off[..., 1] > edge[..., 1] * off[..., 0]).all(axis=2)
+    return np.asarray((covers & (off[..., 2] > 0).all(axis=2)).any(axis=1))
 
 
 def sharp_edges(points: Array, facets: Index) -> Index:

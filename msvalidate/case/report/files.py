@@ -21,10 +21,21 @@ from msvalidate.bench.output.vtu import vtu_bytes
 from msvalidate.case.compare.comparison import Comparison
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.figures import show_in_units
-from msvalidate.problem import SHAPES, Array, ProblemError, materials_of_cells
+from msvalidate.problem import (
+    AXES,
+    SHAPES,
+    VOIGT,
+    Array,
+    Isotropic,
+    Problem,
+    ProblemError,
+    materials_at,
+    materials_of_cells,
+)
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.progress import report_step
 from msvalidate_check import exchange
+from reference_fem.body import Solution
 
 MARK = "case.json"
 """The file that tells a folder of results of a case from other people's."""
@@ -109,19 +120,40 @@ def picture_files(
 
 
 def field_files(found: Comparison) -> dict[str, bytes]:
-    """elements.vtu, and compared.vtu: displacements at the compared points, and difference."""
-    solution = found.reference.finest
+    """elements.vtu with displacement and stress; compared.vtu with the compared points."""
+    solution, problem = found.reference.finest, found.case.problem
     body = solution.body
     places = body.points[body.cells]
     first_order = "" if found.reference.large is None else "_to_first_order"
+    fields = {"displacement_elements": solution.displacement, **stress_fields(solution, problem)}
     elements = vtu_bytes(
         body.points,
         {body.element.shape: body.cells},
-        {f"displacement_elements{first_order}": solution.displacement},
-        {"material": materials_of_cells(found.case.problem, places, SHAPES[body.element.shape])},
+        {f"{name}{first_order}": each for name, each in fields.items()},
+        {"material": materials_of_cells(problem, places, SHAPES[body.element.shape])},
     )
     compared = compared_file(found.points, "springs", found.displacement, found)
     return {"elements.vtu": elements, "compared.vtu": compared}
+
+
+def stress_fields(solution: Solution, problem: Problem) -> dict[str, Array]:
+    """Components of stress and von Mises stress at the nodes.
+
+    They are fields (n,) in Pa. Where cells meet, each is the mean over them. Plane strain has
+    σzz = nu·(σxx + σyy).
+    """
+    points, dim = solution.body.points, solution.body.dim
+    names = [f"stress_{AXES[a]}{AXES[b]}" for a, b in VOIGT[dim]]
+    fields = dict(zip(names, solution.stress(points).T, strict=True))
+    squares = sum(fields[name] ** 2 for name in names[dim:])
+    if dim == 2:
+        laws = [each for each in problem.materials if isinstance(each, Isotropic)]
+        nu = np.array([each.nu * (each.state == "plane_strain") for each in laws])
+        sides = fields["stress_xx"] + fields["stress_yy"]
+        fields["stress_zz"] = nu[materials_at(problem, points)] * sides
+    x, y, z = (fields[f"stress_{axis}{axis}"] for axis in AXES)
+    mises = np.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2 + 3 * squares)
+    return fields | {"von_mises": mises}
 
 
 def compared_file(

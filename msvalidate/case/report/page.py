@@ -23,6 +23,7 @@ from msvalidate.case.compare.quantities import POINT_STRESS, STRESS_BAND
 from msvalidate.case.compare.validity import geometric_limitations
 from msvalidate.case.file.case import Case, spacing_of
 from msvalidate.case.file.fracture import break_sentence
+from msvalidate.case.file.places import mesh_names
 from msvalidate.case.file.units import quantity_text, user_unit
 from msvalidate.case.judge.judgement import Judged
 from msvalidate.case.report.headline import part_text, springs_sentence
@@ -38,6 +39,7 @@ from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.text import number_text, percent
 from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
+from reference_fem.first_mesh import MOST_MIXED
 
 BASES = {"N": "; of reactions over the largest one", "Pa": "; of stress at points over all of them"}
 """Unit -> what the difference of such a quantity is relative to."""
@@ -219,6 +221,8 @@ def reference_sentence(reference: Reference) -> str:
         known = (
             f"Elasticity's own error is not known: one mesh of {nodes:,} nodes, and no finer one."
         )
+        if reference.finest.pressure is not None and reference.finest.body.dim == 3:
+            known += f" Give a first mesh of at most {MOST_MIXED // 8:,} nodes, by a larger cell."
         return known + _more_sentence(reference) + about
     asked_for = percent(reference.accuracy)
     reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"
@@ -366,6 +370,8 @@ def facts(found: Comparison | Judged) -> dict[str, str]:
     """Facts of a request that its file may leave to defaults."""
     case, problem = found.case, found.case.problem
     about = {"result": found.result.name} if isinstance(found, Judged) else {}
+    names = "; ".join(f"{part}: {name}" for part, name in mesh_names(problem).items())
+    about |= {"names in the mesh": names} if names else {}
     return about | {
         "body": str(problem.domain),
         "material (SI units)": str(problem.material),

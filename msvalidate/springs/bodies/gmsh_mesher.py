@@ -8,6 +8,7 @@ no mesh, the last line on stderr is the reason and the exit code is 1, or 2 with
 from __future__ import annotations
 
 import math
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,10 @@ import numpy as np
 
 CELLS, ROUND = 25, 12
 """Cells along a body's diagonal, and round a circle, if no size is given."""
+COARSE = 8
+"""Cells round a circle, at least, if a size is given.
+
+A second mesh of nearly incompressible elements needs a coarse first one."""
 MOST = 200_000
 """Cells' sizes cubed, in 2D squared, that a body may hold."""
 LONGEST = 3000
@@ -25,6 +30,14 @@ A body with so many equal facets along its diagonal would have 1e7 of them."""
 ANGLE = math.radians(40)
 """Between triangles of an .stl file, from which on they belong to different faces."""
 NO_GMSH = 2
+UNITS = {
+    "INCH": "'INCH'",
+    "FT": "'FOOT'",
+    "CM": r"\.CENTI\.,\.METRE",
+    "M": r"LENGTH_UNIT\(\)[^;]*SI_UNIT\(\$,\.METRE",
+    "MM": "",
+}
+"""OpenCASCADE's names of units -> patterns in .step files without blanks."""
 
 
 def main(file: Path, mesh: str, size: float) -> None:
@@ -56,6 +69,7 @@ def _mesh(gmsh: Any, file: Path, size: float) -> None:
         model.geo.addVolume([loop])
         model.geo.synchronize()
     else:
+        gmsh.option.setString("Geometry.OCCTargetUnit", _length_unit(file))
         model.occ.importShapes(str(file))
         model.occ.synchronize()
     dim = 3 if model.getEntities(3) else 2
@@ -76,10 +90,16 @@ def _mesh(gmsh: Any, file: Path, size: float) -> None:
             f"{MOST:g}; give a larger one"
         )
     gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ROUND)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", COARSE if size else ROUND)
     gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)
     model.mesh.generate(dim)
     model.mesh.setOrder(1 if faceted else 2)
+
+
+def _length_unit(file: Path) -> str:
+    """Unit of a .step file: coordinates are its own numbers, which would become millimetres."""
+    text = "".join(file.read_text(encoding="utf-8", errors="replace").split())
+    return next(unit for unit, pattern in UNITS.items() if re.search(pattern, text))
 
 
 def _refuse_stray_vertices(model: Any) -> None:

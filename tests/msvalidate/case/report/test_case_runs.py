@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
+from msvalidate.case.compare import quantities
 from msvalidate.case.compare.budget import budget, tables
 from msvalidate.case.compare.comparison import OTHER_MATERIAL, break_springs, compare_case
 from msvalidate.case.file.building import read_case
@@ -26,6 +27,7 @@ from msvalidate.case.springs.large import converge_case
 from msvalidate.case.springs.lattice_springs import solve_springs
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
+    SIDES,
     Box,
     Contact,
     Isotropic,
@@ -35,6 +37,7 @@ from msvalidate.problem import (
     ProblemError,
     Region,
     Segment,
+    SolverError,
     Support,
     Traction,
     Weight,
@@ -43,7 +46,10 @@ from msvalidate.problem import (
 from msvalidate.springs.bodies.toughness import critical_stretch
 from msvalidate.springs.lattice import patterns
 from msvalidate.springs.statics.equilibrium import equilibrium
+from reference_fem import box_discretisation
+from reference_fem.body import solve_problem
 from reference_fem.converged import converge
+from tests.msvalidate.springs.bodies.test_mesh_file import box_mesh
 from tests.table import table
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
@@ -247,6 +253,45 @@ def test_fields_are_those_of_the_tables(tmp_path, run_beam):
     solution = found.reference.finest
     at = elements.point_data["displacement_elements"][:, :2]
     np.testing.assert_array_equal(at, solution.displacement)
+    stress = solution.stress(solution.body.points.copy()[:9])
+    names = ("stress_xx", "stress_yy", "stress_xy")
+    at = np.column_stack([elements.point_data[name][:9] for name in names])
+    np.testing.assert_allclose(at, stress, atol=1e-9 * np.abs(stress).max())
+    assert set(elements.point_data) >= {*names, "stress_zz", "von_mises"}
+
+
+@pytest.mark.parametrize(
+    ("state", "size"), [("plane_stress", 1.0), ("plane_strain", 0.79**0.5), ("solid", 1.0)]
+)
+def test_stress_at_the_nodes_is_that_of_uniaxial_tension_and_pure_shear(tmp_path, state, size):
+    """Von Mises stress: σ, in plane strain σ √(1 - ν + ν²); √3 τ."""
+    nu, d = 0.3, 3 if state == "solid" else 2
+    box, law = Box((2.0, 1.0, 0.5)[:d]), Isotropic(1e5, nu, state)
+    free = [None] * d
+    rollers = [
+        Support(box.side(name), (*free[:a], 0.0, *free[a + 1 :]))
+        for a, name in enumerate(("left", "bottom", "back")[:d])
+    ]
+    pull = Traction(box.side("right"), (100.0, 0.0, 0.0)[:d])
+    sheared = tuple([lambda x: 0.01 * x[:, 1], 0.0, 0.0][:d])
+    whole = [Support(box.side(name), sheared) for name in SIDES if SIDES[name][0] < d]
+    problems = [Problem(box, law, tuple(rollers), (pull,)), Problem(box, law, tuple(whole), ())]
+    for problem, part, stress, mises in zip(
+        problems,
+        ("stress_xx", "stress_xy"),
+        (100.0, 0.01 * law.E / 2.6),
+        (100.0 * size, 0.01 * law.E / 2.6 * 3**0.5),
+        strict=True,
+    ):
+        body = box_discretisation(box, (2, 1, 1)[:d], "H2" if d == 3 else "Q2")
+        made = files.stress_fields(solve_problem(problem, body), problem)
+        content = files.vtu_bytes(body.points, {body.element.shape: body.cells}, made)
+        read = read_vtu(tmp_path, content).point_data
+        zero = {"stress_yy", "stress_yz", "stress_xz", "stress_xx", "stress_xy"} & set(read)
+        np.testing.assert_allclose(read[part], stress)
+        np.testing.assert_allclose(read["von_mises"], mises)
+        for name in zero - {part}:
+            np.testing.assert_allclose(read[name], 0.0, atol=1e-9 * stress)
 
 
 def test_files_say_the_same(run_beam):
@@ -462,3 +507,32 @@ def test_every_column_of_every_table_is_explained(run_beam):
     assert all(column.meaning for columns in shown.values() for column in columns)
     told = [(c.name, c.meaning) for c in shown["lattices"]]
     assert ("springs", "of the lattice") in told
+
+
+def test_pictures_of_meshes_name_sides_and_have_z_upwards():
+    mesh = box_mesh("H1")
+    law = Isotropic(1e5, 0.25, "solid")
+    held = (Support(mesh.side("left"), (0.0, 0.0, 0.0)),)
+    pull = (Traction(mesh.side("right"), (0.0, 0.0, -10.0)),)
+    found = compare_case(Case(Problem(mesh, law, held, pull), cells=2, accuracy=0.1))
+    for figure in (
+        figures.draw_fields(found),
+        figures.draw_difference(found.points, found.relative, found.reference),
+    ):
+        axis = figure.axes[0]
+        assert (axis.get_ylabel(), axis.get_zlabel()) == ("y (m)", "z (m)")
+        low, high = axis.get_zlim()
+        assert high - low < 2.0  # z is the shortest side, of 0.5 m
+    labels = {text.get_text() for text in figures.draw_fields(found).axes[0].get_legend().texts}
+    assert labels >= {"held: left", "load: right"}
+
+
+def test_a_mean_stress_of_unknown_error_is_not_resolved():
+    springs = SimpleNamespace(mean_stress=lambda _: np.array([1.0, 0.0, 0.0]))
+    wanted = SimpleNamespace(value=np.array([2.0, 0.0, 0.0]), uncertainty=np.inf)
+    reference = SimpleNamespace(mean_stress=wanted)
+    (row,) = quantities._mean_stress(beam(), springs, reference)
+    assert row.word == "not resolved"
+    wanted.uncertainty = 3.0
+    with pytest.raises(SolverError, match="known to 3"):
+        quantities._mean_stress(beam(), springs, reference)
