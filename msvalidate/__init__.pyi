@@ -24,6 +24,7 @@ from msvalidate.problem import Polygon as Polygon
 from msvalidate.problem import Problem as Problem
 from msvalidate.problem import ProblemError as ProblemError
 from msvalidate.problem import Region as Region
+from msvalidate.problem import Segment as Segment
 from msvalidate.problem import SolverError as SolverError
 from msvalidate.problem import Support as Support
 from msvalidate.problem import Traction as Traction

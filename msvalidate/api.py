@@ -16,12 +16,16 @@ from msvalidate.problem import (
     Domain,
     Isotropic,
     Material,
+    Part,
     PointForce,
     Problem,
+    ProblemError,
     Support,
     Traction,
     Weight,
 )
+from msvalidate.problem.checks import format_value
+from msvalidate.problem.loads import as_tuple
 from msvalidate.problem.records import replace
 from msvalidate.springs.network import Network
 
@@ -32,8 +36,8 @@ def body(
     domain: Domain,
     material: Material,
     *,
-    fixed: str | Sequence[str] | Mapping[str, Any] = (),
-    traction: Mapping[str, Sequence[float]] | None = None,
+    fixed: str | Part | Sequence[str | Part] | Mapping[str | Part, Any] = (),
+    traction: Mapping[str | Part, Sequence[float]] | None = None,
     force: Mapping[tuple[float, ...], Sequence[float]] | None = None,
     gravity: Sequence[float] | None = None,
 ) -> Problem:
@@ -44,8 +48,8 @@ def body(
     domain, material
         Body and its material. The material of a 3D body is a solid whatever its 2D state.
     fixed
-        Names of clamped sides; or side -> prescribed displacement (m), with None for a free
-        component (Dirichlet boundary conditions).
+        Clamped sides, by name or as a `Region` or `Segment`; or side -> prescribed displacement
+        (m), with None for a free component (Dirichlet boundary conditions).
     traction, force, gravity
         Side -> force per area (Pa), a Neumann boundary condition; point (m) -> force (N);
         acceleration (m/s²) that acts on the density. Each has d components.
@@ -61,11 +65,15 @@ def body(
     >>> steel = ms.Isotropic(E=210e9, nu=0.3, thickness=0.2)
     >>> problem = ms.body(ms.Box(0.37, 0.2), steel, fixed="left", traction={"right": (1e6, 0)})
     """
-    names = [fixed] if isinstance(fixed, str) else fixed
+    for name, value in (("traction", traction or {}), ("force", force or {})):
+        if not isinstance(value, Mapping):
+            example = {"traction": '{"right": (0, -10)}', "force": "{(4, 0.5): (0, -10)}"}[name]
+            raise ProblemError(f"{name}: {format_value(value)}; give a mapping, such as {example}")
+    names = [fixed] if isinstance(fixed, str | Part) else fixed
     each = names if isinstance(names, Mapping) else dict.fromkeys(names, 0.0)
     loads = [Traction(side, value) for side, value in (traction or {}).items()]
     points = [PointForce(at, tuple(value)) for at, value in (force or {}).items()]
-    weight = [] if gravity is None else [Weight(tuple(gravity))]
+    weight = [] if gravity is None else [Weight(as_tuple(gravity))]
     if domain.dim == 3 and isinstance(material, Isotropic):
         material = replace(material, state="solid")
     supports = tuple(Support(side, value) for side, value in each.items())

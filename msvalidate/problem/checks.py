@@ -43,7 +43,8 @@ Record = TypeVar("Record")
 def format_value(value: object) -> str:
     """A value formatted for a message: short, on one line."""
     try:
-        line = " ".join((repr(value) if isinstance(value, str) else str(value)).split())
+        short = isinstance(value, str) or hasattr(value, "_repr_html_")  # whose text is a table
+        line = " ".join((repr(value) if short else str(value)).split())
     except ValueError:  # an integer of thousands of digits has no decimal form
         line = f"<{type(value).__name__}>"
     return line if len(line) <= LONGEST_SHOWN else f"{line[: LONGEST_SHOWN - 3]}..."

@@ -43,6 +43,9 @@ MOST_VERTICES = 10_000
 class Box:
     """Rectangle (2D) or cuboid (3D) with one corner at the origin.
 
+    Its sides are "left" and "right" along x, "bottom" and "top" along y, and "back" and "front"
+    along z.
+
     Parameters
     ----------
     size, more

@@ -133,12 +133,22 @@ class Region:
 
 @dataclass(frozen=True)
 class Segment:
-    """Straight line segment between two points of a 2D body.
+    """Straight line segment between two points of a 2D body, such as a side of a polygon.
 
     Parameters
     ----------
     start, end
         Coordinates (m) of its ends, two each.
+
+    Raises
+    ------
+    ProblemError
+        If they are not two different places of two coordinates each.
+
+    Examples
+    --------
+    >>> from msvalidate import Segment, Support
+    >>> slope = Support(Segment((0.0, 0.0), (0.37, 0.2)))
     """
 
     start: tuple[float, float]

@@ -145,6 +145,18 @@ def test_a_first_guess_works(guess):
         (lambda: ms.animate(two_across()), ms.ProblemError, r"animate\(network, states\)"),
         (lambda: ms.compare(ms.solve(PROBLEM), 3), ms.ProblemError, r"reference\(problem\)"),
         (lambda: ms.Problem(BEAM, SOLID, "left"), ms.ProblemError, "give a list of Support"),
+        (
+            lambda: ms.body(BEAM, SOLID, traction=("right", (0, 1))),
+            ms.ProblemError,
+            "a mapping, su",
+        ),
+        (lambda: ms.body(BEAM, SOLID, gravity=-9.81), ms.ProblemError, "weight"),
+        (
+            lambda: ms.solve(ms.body(BEAM, SOLID, gravity=(0, -9.81))),
+            ms.ProblemError,
+            "free: trans",
+        ),
+        (lambda: ms.animate(two_across(), [STATE], 0.0), ms.ProblemError, "magnification: 0.0"),
     ],
 )
 def test_another_guess_is_refused_with_the_right_call(guess, error, remedy):
@@ -172,6 +184,8 @@ def test_a_comparison_of_two_problems_is_refused(network):
     other = ms.body(BEAM, SOLID, fixed="left", traction={"right": (0, -20)})
     with pytest.raises(ms.ProblemError, match="two problems"):
         ms.compare(ms.solve(network), ms.reference(other, rtol=1e-2))
+    again = ms.body(ms.Box(4, 1), SOLID, fixed="left", traction={"right": (0, -10)})
+    assert ms.compare(ms.solve(network), ms.reference(again, rtol=1e-2)).rows
 
 
 def test_a_network_without_a_body_has_no_stress():
@@ -180,6 +194,52 @@ def test_a_network_without_a_body_has_no_stress():
     )
     with pytest.raises(ms.ProblemError, match=r"build\(problem, lattice\)"):
         _ = ms.solve(alone).stress
+
+
+def test_a_network_that_is_cut_shows_the_outline_of_its_body():
+    arms = ms.Polygon(((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)))
+    clamped = {ms.Segment((0, 2), (0, 0)): (0, 0)}
+    corner = ms.body(arms, SOLID, fixed=clamped, traction={ms.Segment((2, 0), (2, 1)): (0, -10)})
+    network = ms.build(corner, spacing=0.3)
+    assert "cut" in str(network)
+    (axis,) = ms.plot(network, ms.solve(network)).axes
+    (outline,) = [each for each in axis.collections if each.get_label() == "body"]
+    drawn = np.concatenate(outline.get_segments())
+    assert [drawn.min(), drawn.max()] == [0, 2]
+
+
+def test_results_of_one_kind_have_their_own_labels(network):
+    solved = ms.solve(network)
+    legend = ms.plot(solved, solved).legends[0].get_texts()
+    assert {"springs 1", "springs 2"} <= {text.get_text() for text in legend}
+    legend = ms.plot(network, ms.relax(network, "fire")).legends[0].get_texts()
+    assert [text.get_text() for text in legend].count("springs") == 1
+
+
+def test_a_large_linear_result_names_its_theory(network):
+    assert "Linear theory" not in str(ms.solve(network))
+    heavy = ms.body(BEAM, SOLID, fixed="left", traction={"right": (0, -1000)})
+    assert "Linear theory" in str(ms.solve(ms.build(heavy, cells=4)))
+
+
+def test_stress_of_a_body_of_two_materials_jumps_at_the_interface():
+    stiff = ms.Zone(ms.Region(((0.5, 1.0), None)), ms.Isotropic(1e6, 1 / 3))
+    pulled = {"left": (0, None), "bottom": (None, 0), "top": (None, 0), "right": (1e-3, None)}
+    parts = ms.Problem(
+        ms.Box(1, 1),
+        ms.Isotropic(1e5, 1 / 3),
+        [ms.Support(side, value) for side, value in pulled.items()],
+        zones=stiff,
+    )
+    springs = ms.solve(ms.build(parts, cells=4))
+    assert np.ptp(springs.stress[:, 0]) < 1e-9 * springs.stress[:, 0].max()
+
+
+@pytest.mark.parametrize("k2", [0.25, 0.5, 2.0])
+def test_a_square_lattice_has_its_ratio_along_the_axes(k2):
+    solid = ms.homogenise(ms.patterns.square(), (1.0, k2))
+    assert solid.nu == pytest.approx(k2 / (1 + k2))
+    assert solid.zener == pytest.approx(2 * k2)
 
 
 def test_a_relaxation_stores_its_frames(network):

@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from msvalidate.bench.output.body_drawing import (
+    AT_REST,
     Drawing,
     body_axes,
     common_magnification,
@@ -123,7 +124,7 @@ def animate(
     picked = np.unique(np.linspace(0, len(frames) - 1, MAX_SHOWN).round().astype(int))
     shown = [list(drawings.items())[i] for i in picked]
     times = common_magnification([each for _, each in shown])
-    times = positive_number("magnification", magnification or times)
+    times = positive_number("magnification", times if magnification is None else magnification)
     images = _render(shown, times)
     content = io.BytesIO()
     pauses = [FRAME_MILLISECONDS] * (len(images) - 1) + [LAST_MILLISECONDS]
@@ -139,9 +140,10 @@ def _render(shown: list[tuple[str, Drawing]], magnification: float) -> list[Imag
     moved = [each.points + magnification * each.displacement for _, each in shown]  # type: ignore[operator]
     images = []
     with figure_style():
-        figure, axis = body_axes(np.concatenate(moved), 0.05 * first.size)
+        figure, axis = body_axes(np.concatenate([first.points, *moved]), 0.05 * first.size)
         canvas: Any = FigureCanvasAgg(figure)
         figure.set_dpi(DOTS_PER_INCH)
+        draw_springs(axis, first.points, first.lines, "undeformed", AT_REST)
         lines = draw_springs(axis, moved[0], first.lines, "springs", COLOURS[0])
         if first.points.shape[1] == 2:
             draw_supports(axis, first.points, first.fixed, 4.0)

@@ -133,7 +133,7 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
     left = springs.network.fixed.copy()
     rows = []
     for number, (support, each) in enumerate(zip(springs.problem.supports, wanted, strict=True)):
-        on = _held_by(support, springs) & left
+        on = held_by(support, springs) & left
         left &= ~on
         found = springs.reaction(on)
         difference = float(np.linalg.norm(found - each.value)) / size if size else math.nan
@@ -144,7 +144,7 @@ def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[
     return rows
 
 
-def _held_by(support: Support, springs: SpringAnswer) -> Mask:
+def held_by(support: Support, springs: SpringAnswer) -> Mask:
     """Components (n, d) of points that a support holds in the network."""
     lattice, region = springs.lattice, support.region
     if isinstance(lattice, CutLattice):

@@ -309,7 +309,7 @@ def _support_lines(problem: Problem) -> tuple[Array, Array]:
         on.append(np.abs(corners[0] - base)[flat])
         inside = ((corners > span[:, 0] + room) & (corners < span[:, 1] - room)) & ~flat
         ends.append(np.abs(corners - base)[inside & isinstance(problem.domain, Box)])
-    lengths = np.concatenate(on), np.concatenate(ends)
+    lengths = np.concatenate([[], *on]), np.concatenate([[], *ends])
     return lengths[0][lengths[0] > room], lengths[1][lengths[1] > room]
 
 

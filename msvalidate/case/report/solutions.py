@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.bench.output.body_drawing import Drawing, network_drawing, overlay_drawings
-from msvalidate.case.compare.quantities import compare_quantities, difference_row
+from msvalidate.case.compare.quantities import compare_quantities, difference_row, held_by
 from msvalidate.case.compare.validity import Limitation, limit_rows, limitations
 from msvalidate.case.file.case import BAND, Case
 from msvalidate.case.file.schema import QUANTITIES
@@ -24,9 +24,10 @@ from msvalidate.problem import Array, Problem, ProblemError, SolverError, prescr
 from msvalidate.problem.checks import format_value
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.calibration import Calibration
+from msvalidate.springs.constants.zones import spring_shares
 from msvalidate.springs.dynamics.integrate import State
 from msvalidate.springs.dynamics.run import Relaxation
-from msvalidate.springs.lattice import Lattice, PatternLattice
+from msvalidate.springs.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.springs.network import Body, Configuration, Network, mode_energy
 from msvalidate.springs.statics.contact import ContactEquilibrium
 from msvalidate.springs.statics.equilibrium import Equilibrium
@@ -38,6 +39,8 @@ from reference_fem.converged import Reference
 from reference_fem.first_mesh import first_mesh
 from reference_fem.mesh.discretisation import Discretisation
 
+LARGE = 0.05
+"""Displacement relative to the body's size above which a linear result names its theory."""
 HEADS = ("quantity", "value", "unit")
 """Columns of the table of a solution."""
 
@@ -113,6 +116,8 @@ class SpringSolution(Equilibrium, Result):
         """
         body, thickness = self.body, self.body.problem.material.thickness
         options: Any = {"geometry": self.geometry, "thickness": thickness}
+        if body.problem.zones:
+            options["parts"] = spring_shares(*body)
         cells = cell_stress(self.network, body.lattice, self, **options)
         return point_stress(body.lattice, cells)
 
@@ -139,19 +144,28 @@ class SpringSolution(Equilibrium, Result):
     @property
     def drawings(self) -> list[Drawing]:
         """Springs and their motion."""
-        return [network_drawing(self.network, self.displacement)]
+        return _network_drawings(self.network, self.displacement)
+
+    @property
+    def texts(self) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[str]]:
+        """Heads, rows and sentences as they are shown."""
+        heads, rows, sentences = super().texts
+        part = max_length(self.displacement) / self.network.size
+        if self.geometry == "linear" and part > LARGE:
+            fact = f"the largest displacement is {number_text(part, 2)} of the body's size"
+            sentences = [f"Linear theory: {fact}; compare with elements, or take 'nonlinear'."]
+        return heads, rows, sentences
 
     def table(self) -> pd.DataFrame:
-        """Return the largest displacement, the strain energy, the reaction and the solver's error.
-
-        The reaction is the norm of the sum of all support forces.
-        """
+        """Return the largest displacement, the strain energy, reactions and the solver's error."""
         rows = [
             ("largest displacement", max_length(self.displacement), "m"),
             ("strain energy", self.energy, "J"),
-            ("sum of reactions", float(np.linalg.norm(self.reaction.sum(axis=0))), "N"),
-            ("solver error, relative", self.error, ""),
         ]
+        for support in self.network.body.problem.supports if self.network.body else ():
+            force = self.answer.reaction(held_by(support, self.answer))
+            rows.append((f"reaction on {support.region}", float(np.linalg.norm(force)), "N"))
+        rows.append(("solver error, relative", self.error, ""))
         return pd.DataFrame(rows, columns=list(HEADS))
 
 
@@ -344,7 +358,7 @@ def compare(
         kinds = f"{type(springs).__name__} and {type(elements).__name__}"
         raise ProblemError(f"compare: {kinds}; give solve(network) and reference(problem)")
     problem, geometry = springs.body.problem, springs.geometry
-    if problem is not elements.problem:
+    if _statement(problem) != _statement(elements.problem):
         raise ProblemError(
             "compare: springs and elements solve two problems; take one problem for "
             "build(problem, lattice) and for reference(problem)"
@@ -365,6 +379,12 @@ def compare(
     matched = replace(elements, reference=reference, geometry=geometry)
     texts = tuple(str(each) for each in remarks if not each.failed)
     return SolutionComparison(case, springs, matched, limit_rows(rows, limits), limits, texts)
+
+
+def _statement(problem: Problem) -> tuple[object, ...]:
+    """Everything that a problem states except its name."""
+    parts = problem.supports, problem.loads, problem.zones, problem.contacts
+    return (problem.domain, problem.material, *parts)
 
 
 def _compared(answer: SpringAnswer) -> Array:
@@ -408,14 +428,23 @@ def plot(*results: Any, magnification: float | None = None) -> Figure:
     1
     """
     drawings: list[Drawing] = []
-    for number, each in enumerate(results):
-        before = results[number - 1] if number else None
-        if isinstance(before, Network) and isinstance(each, np.ndarray | Equilibrium | State):
-            u = each if isinstance(each, np.ndarray) else getattr(each, "displacement", None)
-            u = each.position - before.points if isinstance(each, State) else u
-            drawings[-1] = network_drawing(before, u)
+    rest = list(results)
+    while rest:
+        each = rest.pop(0)
+        state = rest[0] if rest and isinstance(each, Network) else None
+        if isinstance(state, np.ndarray | State | Equilibrium | Relaxation):
+            u = rest.pop(0)
+            u = u.position - each.points if isinstance(u, State) else getattr(u, "displacement", u)
+            drawings += _network_drawings(each, u)
         else:
             drawings += _drawings_of(each)
+    labels = [each.label for each in drawings]
+    drawings = [
+        each._replace(label=f"{each.label} {1 + labels[:i].count(each.label)}")
+        if labels.count(each.label) > 1
+        else each
+        for i, each in enumerate(drawings)
+    ]
     if not drawings:
         raise ProblemError("plot: nothing to plot; give a problem, a network or a solution")
     if len({each.points.shape[1] for each in drawings}) > 1:
@@ -423,14 +452,22 @@ def plot(*results: Any, magnification: float | None = None) -> Figure:
     return overlay_drawings(drawings, magnification)
 
 
+def _network_drawings(network: Network, displacement: Any = None) -> list[Drawing]:
+    """Springs, and the outline of the body that a cut lattice does not follow."""
+    springs, body = network_drawing(network, displacement), network.body
+    if body is None or not isinstance(body.lattice, CutLattice):
+        return [springs]
+    return [springs, mesh_drawing(body.problem)]
+
+
 def _drawings_of(result: Any) -> list[Drawing]:
     """Drawings of a result; raises `ProblemError` for an object that has none."""
     if isinstance(result, Result):
         return result.drawings
     if isinstance(result, Relaxation):
-        return [network_drawing(result.network, result.displacement)]
+        return _network_drawings(result.network, result.displacement)
     if isinstance(result, Network):
-        return [network_drawing(result)]
+        return _network_drawings(result)
     if isinstance(result, Problem):
         return [mesh_drawing(result)]
     if isinstance(result, Lattice):

@@ -29,7 +29,7 @@ from msvalidate.problem.records import ReadOnly, dataclass, replace
 from msvalidate.springs.constants.cell_at_rest import elongations, relax_cell
 from msvalidate.springs.constants.stiffness import (
     ALIKE,
-    isotropic_moduli,
+    moduli,
     spring_tensor,
     voigt_directions,
 )
@@ -75,18 +75,18 @@ class Homogenised(ReadOnly):
 
     @property
     def E(self) -> float:
-        """Young's modulus (N/m in 2D, Pa in 3D) of the nearest isotropic tensor."""
-        return isotropic_moduli(self.tensor).E
+        """Young's modulus (N/m in 2D, Pa in 3D) along the axes of a cubic or square tensor."""
+        return moduli(self.tensor).E
 
     @property
     def nu(self) -> float:
-        """Poisson's ratio of the nearest isotropic tensor."""
-        return isotropic_moduli(self.tensor).nu
+        """Poisson's ratio in uniaxial stress along an axis of a cubic or square tensor."""
+        return moduli(self.tensor).nu
 
     @property
     def zener(self) -> float:
-        """Zener ratio, 1 for an isotropic tensor."""
-        return isotropic_moduli(self.tensor).zener
+        """Zener ratio of a cubic or square tensor, 1 if it is isotropic."""
+        return moduli(self.tensor).zener
 
 
 def homogenise(
@@ -114,7 +114,7 @@ def homogenise(
     Homogenised
         Its field ``tensor`` is the Voigt tensor, (3, 3) in N/m in 2D or (6, 6) in Pa in 3D;
         ``affine`` is the upper bound without relaxation of the points inside the cell. ``E``,
-        ``nu`` and ``zener`` are the moduli of the nearest isotropic tensor.
+        ``nu`` and ``zener`` are the moduli of a cubic or square tensor along its axes.
 
     Raises
     ------

@@ -260,7 +260,7 @@ def moduli(tensor: Array) -> Moduli:
         raise ProblemError(
             f"moduli: tensor with diagonal {format_value(np.diag(C).tolist())} is not of cubic "
             f"symmetry "
-            "along the axes; give one, or ask for isotropic_moduli"
+            "along the axes; give one, or take isotropic_moduli(tensor)"
         )
     if C11 in (0.0, C12):
         raise ProblemError(

@@ -170,7 +170,12 @@ class Network:
 
     def __str__(self) -> str:
         size = f"network of {len(self.points):,} points and {len(self.springs):,} springs"
-        return f"{size}; {self.body.constants}" if self.body else size
+        if self.body is None:
+            return size
+        _, lattice, constants = self.body
+        numbers = isinstance(constants, tuple) and isinstance(constants[0], float)
+        text = f"k = {', '.join(f'{k:.6g}' for k in constants)} N/m" if numbers else f"{constants}"
+        return f"{size} ({lattice.name}); {text}"
 
     @property
     def dim(self) -> int:
