@@ -33,6 +33,7 @@ from msvalidate.problem import (
     Array,
     Box,
     Isotropic,
+    Load,
     Mesh,
     Polygon,
     Problem,
@@ -114,11 +115,16 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
         Mistake("not converged", cache(partial(_relaxing, reference, steps, omitted)))
         for steps in STEPS
     ]
-    if any(isinstance(load, Weight) for load in problem.loads):
-        heavier = cache(partial(_heavier, reference))
-        made.append(Mistake("doubled mass", heavier))
+    weights = []
+    for number, load in enumerate(problem.loads, 1):
+        alone = cache(partial(_load_alone, reference, load))
+        key = "weight sign" if isinstance(load, Weight) else "load sign"
+        made.append(Mistake("load sign", partial(_reversed, elastic, alone, number), key=key))
+        weights += [alone] * isinstance(load, Weight)
+    if weights:
+        made.append(Mistake("doubled mass", partial(_heavier, elastic, weights)))
         if problem.domain.dim == 2:
-            path = cache(partial(_thinner, heavier, elastic))
+            path = partial(_thinner, elastic, weights)
             made.append(Mistake("thickness", path, key="thickness beside weight"))
     law = problem.material
     if isinstance(law, Isotropic) and not problem.zones:
@@ -244,21 +250,27 @@ def _relaxing(reference: Reference, steps: int, omitted: list[str]) -> Path:
     return path
 
 
-def _heavier(reference: Reference) -> Path:
+def _load_alone(reference: Reference, load: Load) -> Array:
+    """Displacement (p, d) in m that one load adds to elasticity."""
+    problem, solution = reference.problem, reference.solutions_up_to(FEW_NODES)[-1]
+    twice = replace(problem, loads=(*problem.loads, load))
+    more = solve_problem(twice, solution.body, mixed=solution.pressure is not None)
+    return np.asarray(more.at(reference.points) - solution.at(reference.points))
+
+
+def _reversed(elastic: Array, alone: Callable[[], Array], number: int) -> Path:
+    """Elasticity with one load, of this number from 1, in the opposite direction."""
+    return [(number, elastic - 2 * alone())]
+
+
+def _heavier(elastic: Array, weights: Sequence[Callable[[], Array]]) -> Path:
     """Elasticity under twice the weight."""
-    problem = reference.problem
-    solution = reference.solutions_up_to(FEW_NODES)[-1]
-    weights = tuple(load for load in problem.loads if isinstance(load, Weight))
-    heavy = replace(problem, loads=(*problem.loads, *weights))
-    more = solve_problem(heavy, solution.body, mixed=solution.pressure is not None)
-    lag = more.at(reference.points) - solution.at(reference.points)
-    return [(2.0, reference.displacement.value + lag)]
+    return [(2.0, elastic + sum(alone() for alone in weights))]
 
 
-def _thinner(heavier: Callable[[], Path], elastic: Array) -> Path:
+def _thinner(elastic: Array, weights: Sequence[Callable[[], Array]]) -> Path:
     """Other forces than the weight, a fifth and five times as large."""
-    ((_, doubled),) = heavier()
-    weight = doubled - elastic
+    weight = sum(alone() for alone in weights)
     return [(part, weight + part * (elastic - weight)) for part in (0.2, 5.0)]
 
 

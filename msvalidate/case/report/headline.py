@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from msvalidate.case.compare.choice import BETTER, MAIN, Choice
+from msvalidate.case.compare.choice import BETTER, BEYOND, MAIN, Choice
 from msvalidate.case.compare.comparison import COARSE, OTHER_MATERIAL, Comparison
 from msvalidate.case.compare.quantities import NotCompared
 from msvalidate.case.file.units import quantity_text
@@ -206,7 +206,8 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
         reason = cheaper or "no tested spacing reaches the band"
     else:
         spacing = quantity_text(finer[0].spacing, "m", found.case.unit)
-        reason = f"a spacing of {spacing} ({finer[0].count:,} springs) reaches the band"
+        reaches = "is estimated to reach" if finer[0].where == BEYOND else "reaches"
+        reason = f"a spacing of {spacing} ({finer[0].count:,} springs) {reaches} the band"
         return Recommendation(SPRINGS, reason)
     return Recommendation(ELEMENTS, reason)
 
@@ -235,6 +236,7 @@ def recommend_for_field(found: Judged) -> str:
         first, *others = [each for each in fitting if each.left <= room]
         also = dict.fromkeys(each.name for each in others)
         more = f" As likely: {', '.join(also)}." if also else ""
-        return f"Check the most likely cause first: {first}{more}"
+        end = "" if first.said.endswith("?") else "."
+        return f"Check the most likely cause first: {first}{end}{more}"
     near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
     return f"Check loads, supports, material and noise: no single known cause fits.{near}"
