@@ -256,9 +256,7 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
     return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most), met)
 
 
-def _costed(
-    found: Comparison, rows: list[dict[str, Any]], wanted: Need, met: float
-) -> Need:
+def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, met: float) -> Need:
     """Find the buildable lattice nearest below a spacing that meets a target, and its cost.
 
     The difference `met` is the target without the uncertainty of elasticity. A lattice that is

@@ -37,6 +37,8 @@ MAX_STIFFNESS = 0.1
 MAX_FACTOR = 2.0
 """Factor of the displacements beyond which they are reported as a multiple."""
 DISPLACEMENT = "displacement"
+LARGEST = "largest displacement at compared points"
+"""Name of the displacement's row in a summary."""
 FOLLOWS = (DISPLACEMENT, "strain energy")
 """Quantities whose differences fall together as the lattice is refined."""
 
@@ -159,7 +161,7 @@ def _unresolved_reason(rows: Sequence[Difference], found: Comparison | Judged) -
     return f"{row.quantity} differs by {size} ± {known}, for a band of {percent(row.band)}"
 
 
-def _unresolved_remedy(compared: Comparison, word: str) -> str:
+def _unresolved_remedy(compared: Comparison | Judged, word: str) -> str:
     """Clause that names what a verdict needs."""
     if word == NOT_ASKED:
         return "no quantity was compared"
@@ -236,7 +238,9 @@ def recommend_for_field(found: Judged) -> str:
         first, *others = [each for each in fitting if each.left <= room]
         also = dict.fromkeys(each.name for each in others)
         more = f" As likely: {', '.join(also)}." if also else ""
-        end = "" if first.said.endswith("?") else "."
+        end = "" if str(first).endswith("?") else "."
         return f"Check the most likely cause first: {first}{end}{more}"
+    if found.displacement.word == NOT_RESOLVED:
+        return f"No verdict yet: {_unresolved_remedy(found, NOT_RESOLVED)}."
     near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
     return f"Check loads, supports, material and noise: no single known cause fits.{near}"
