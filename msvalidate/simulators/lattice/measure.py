@@ -7,6 +7,7 @@ strain leaves out of balance are relaxed first, by the simulator's own solver.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -94,6 +95,8 @@ class MeasuredLattice:
         bound.
     precision
         Of the simulator's positions.
+    error
+        Of the tensor, relative to its largest entry.
     """
 
     C: Array
@@ -105,6 +108,7 @@ class MeasuredLattice:
     relaxed: bool = False
     bound: bool = False
     precision: str = "float64"
+    error: float = math.nan
 
 
 def measure_lattice(
@@ -173,7 +177,9 @@ def measure_lattice(
     smallest = regular_block(shape, (sizes[0],) * dim, spacing)
     springs = fit_springs(smallest, C, tensors[0], material.thickness)
     flags = abs(2 * more / light - 1) < DIVIDED, relaxed, bound
-    return MeasuredLattice(C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision)
+    error = left_out(sizes, tensors) / max_abs(C) + strain**2
+    given = (C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision, error)
+    return MeasuredLattice(*given)
 
 
 def is_mechanism(C: Array) -> bool:
@@ -187,6 +193,14 @@ def extrapolate(sizes: tuple[int, ...], tensors: list[Array]) -> Array:
     between = n[:, None] - n + np.eye(len(n))
     weights = n ** (len(n) - 1) / between.prod(axis=1)
     return np.asarray(np.tensordot(weights, np.array(tensors), 1))
+
+
+def left_out(sizes: tuple[int, ...], tensors: list[Array]) -> float:
+    """Largest change (Pa) of the extrapolated tensor if any one size is left out."""
+    C, each = extrapolate(sizes, tensors), range(len(sizes))
+    others = [[i for i in each if i != out] for out in each]
+    fewer = [extrapolate(tuple(sizes[i] for i in o), [tensors[i] for i in o]) for o in others]
+    return max(max_abs(other - C) for other in fewer)
 
 
 def fit_springs(block: Regular, C: Array, small: Array, thickness: float) -> LatticeSprings:
