@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, fit
+from msvalidate_check.beside import ROUNDING, Array, Factor, Field, Mistake, best_scale, fit
 from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.scales import AS_GOOD, AS_WELL, FITS, stiffness_unit
 
@@ -33,14 +33,15 @@ FREE = {"k2 = 2 k1", "k alike", "axes alone", "not converged"}
 def explain_mistakes(field: Field) -> Iterator[Cause]:
     """Compute the nearest field of each kind of known mistake, alone and with a wrong stiffness.
 
-    Mistakes in `FREE` are omitted if one without a fitted number leaves less than twice as much.
+    Mistakes in `FREE` are omitted if one without a fitted number fits and leaves less than twice as
+    much.
     """
     causes = list(_every_kind(field))
-    free = [_first_key(each) in FREE or each.beside == "scale" for each in causes]
-    fixed = [each.left for each, fitted in zip(causes, free, strict=True) if not fitted]
-    least = min(fixed, default=math.inf)
+    most = max(FITS * field.difference, field.uncertainty)
+    fixed = [each for each in causes if _first_key(each) not in FREE and each.beside != "scale"]
+    least = min([each.left for each in fixed if each.left <= most], default=math.inf)
     for each in causes:
-        if _first_key(each) not in FREE or AS_WELL * each.left < least:
+        if _first_key(each) not in FREE or AS_WELL * max(each.left, ROUNDING) < least:
             yield each
 
 
