@@ -51,6 +51,8 @@ PHRASES = {
     "equal masses": "equal masses at all points: give each the share of the cells around it",
     "doubled mass": "masses twice as large: do cells and springs both bring them?",
     "load sign": "load {value:.0f} of the case acts in the opposite direction: reverse its sign",
+    "load missing": "load {value:.0f} of the case does not act: apply it",
+    "weight missing": "the weight does not act: apply gravity",
     "weight sign": "the weight acts in the opposite direction: reverse the sign of gravity",
     "thickness beside weight": "forces {value:.4g} times as large, the weight not: another "
     "thickness?",

@@ -143,7 +143,7 @@ def _with_rivals(best: list[Cause], little: list[Cause], mistakes: set[str]) -> 
     def rank(cause: Cause) -> float:
         if cause in best and cause.kind in {"unit", "unit of k"}:  # no chance gives such a number
             return 0.0
-        if cause in best and cause.kind == "load sign":
+        if cause in best and cause.kind in {"load sign", "load missing"}:
             return -1.0
         return cause.left * (1 if cause.kinds <= OF_SIZE else AS_WELL)
 

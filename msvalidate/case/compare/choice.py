@@ -67,8 +67,8 @@ KNOWN = 0.2
 
 An error beyond this accuracy grows by up to `CAUTION` at points of other lattices.
 """
-MOST_TRIED = 4
-"""Lattices that are solved for one target."""
+MOST_TRIED, REFINED = 6, 0.9
+"""Lattices that are solved for one target, and the ratio of their spacings."""
 GROWTH = 1.2
 """Exponent of the springs that seconds grow with: factors and multigrid, at most."""
 BETTER, MAIN, THIN = 3.0, 0.5, 5.0
@@ -277,7 +277,7 @@ def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, met: fl
             row = {"off": math.inf}
         if beyond or row["off"] <= met:
             break
-        limit = h * (1 - ROUNDING)
+        limit = REFINED * h
     else:
         return replace(wanted, spacing=limit)
     where = BEYOND if beyond else wanted.where

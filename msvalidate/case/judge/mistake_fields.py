@@ -118,8 +118,10 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
     weights = []
     for number, load in enumerate(problem.loads, 1):
         alone = cache(partial(_load_alone, reference, load))
-        key = "weight sign" if isinstance(load, Weight) else "load sign"
-        made.append(Mistake("load sign", partial(_reversed, elastic, alone, number), key=key))
+        whose = "weight" if isinstance(load, Weight) else "load"
+        for name, part in (("sign", -2.0), ("missing", -1.0)):
+            path = partial(_other_load, elastic, alone, number, part)
+            made.append(Mistake(f"load {name}", path, key=f"{whose} {name}"))
         weights += [alone] * isinstance(load, Weight)
     if weights:
         made.append(Mistake("doubled mass", partial(_heavier, elastic, weights)))
@@ -258,9 +260,9 @@ def _load_alone(reference: Reference, load: Load) -> Array:
     return np.asarray(more.at(reference.points) - solution.at(reference.points))
 
 
-def _reversed(elastic: Array, alone: Callable[[], Array], number: int) -> Path:
-    """Elasticity with one load, of this number from 1, in the opposite direction."""
-    return [(number, elastic - 2 * alone())]
+def _other_load(elastic: Array, alone: Callable[[], Array], number: int, part: float) -> Path:
+    """Elasticity with a multiple of one load, of this number from 1, added."""
+    return [(number, elastic + part * alone())]
 
 
 def _heavier(elastic: Array, weights: Sequence[Callable[[], Array]]) -> Path:

@@ -169,7 +169,7 @@ def _unresolved_remedy(compared: Comparison | Judged, word: str) -> str:
         return compared.reference.no_limit[0]
     remedies = [each.remedy for each in compared.limitations if each.decides and each.remedy]
     if remedies:
-        return remedies[0].rstrip(".")
+        return remedies[0][:1].lower() + remedies[0][1:].rstrip(".")
     more = compared.reference.more
     if more is not None:
         return f"a finer mesh takes [compare] memory = {math.ceil(more.bytes / 1e8) / 10:g} (GB)"
@@ -194,7 +194,8 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
 def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     """Recommendation if some quantity lies outside the band."""
     off = [row for row in found.rows if row.word == DIFFERS]
-    worst = max(off, key=lambda row: row.error / row.band)
+    others = [row for row in off if row.quantity not in FOLLOWS]
+    worst = max(others or off, key=lambda row: row.error / row.band)
     cheaper, band = _more_accurate_elements(chosen), found.case.band
     finer = [each for each in chosen.springs if each.count and each.target <= band]
     if found.kind == OTHER_MATERIAL:
@@ -202,7 +203,7 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     elif len(found.gaps[0]):
         width = quantity_text(found.gaps[0][0, 2], "m", found.case.unit)
         reason = f"the springs bridge a gap of {width}, which their cells do not resolve"
-    elif any(row.quantity not in FOLLOWS for row in off):
+    elif others:
         reason = f"{worst.quantity} differs by {part_text(worst.error, worst.uncertainty)}"
     elif cheaper or not finer or found.kind != COARSE:
         reason = cheaper or "no tested spacing reaches the band"
@@ -238,7 +239,7 @@ def recommend_for_field(found: Judged) -> str:
         first, *others = [each for each in fitting if each.left <= room]
         also = dict.fromkeys(each.name for each in others)
         more = f" As likely: {', '.join(also)}." if also else ""
-        end = "" if str(first).endswith("?") else "."
+        end = "" if str(first).endswith(("?", ".")) else "."
         return f"Check the most likely cause first: {first}{end}{more}"
     if found.displacement.word == NOT_RESOLVED:
         return f"No verdict yet: {_unresolved_remedy(found, NOT_RESOLVED)}."

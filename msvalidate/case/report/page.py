@@ -301,6 +301,8 @@ def _kind_sentence(found: Comparison) -> str:
     limit, size = found.limit, found.size
     if len(found.gaps[0]):
         return _gap_sentence(found)
+    if not math.isfinite(found.reference.error):
+        return "The limit of finer lattices is not compared: elasticity's error is not known."
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if math.isfinite(limit.order) else ""

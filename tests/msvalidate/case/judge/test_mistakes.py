@@ -264,17 +264,21 @@ def test_a_load_of_the_wrong_sign_is_named_first(body, number, words, monkeypatc
     assert words in first.said
 
 
-def test_the_weight_alone_is_reversed_beside_another_load():
+def test_a_load_that_is_reversed_or_absent_beside_another_is_named():
     b = bench("column")
     box = b.problem.domain
     pull = Traction(box.side("top"), (3.0, 0.0))
     case = replace(b.case, problem=replace(b.problem, loads=(pull, *b.problem.loads)))
     other = replace(b.problem.loads[0], acceleration=(0.0, 9.81))
     body = box_discretisation(box, (4, 12), "Q2")
-    u = solve_problem(replace(case.problem, loads=(pull, other)), body).at(b.places)
-    found = judge_result(case, Result("field", u, b.places, None, math.nan, 1e-9))
-    assert found.verdict.causes[0].kind == "load sign"
-    assert "the weight acts in the opposite direction" in recommend_for_field(found)
+    for loads, words in [
+        ((pull, other), "the weight acts in the opposite direction"),
+        ((pull,), "the weight does not act"),
+        (b.problem.loads, "load 1 of the case does not act"),
+    ]:
+        u = solve_problem(replace(case.problem, loads=loads), body).at(b.places)
+        found = judge_result(case, Result("field", u, b.places, None, math.nan, 1e-9))
+        assert words in recommend_for_field(found)
 
 
 def test_fitted_constants_are_no_rivals_of_a_mesh_that_fits(monkeypatch):
