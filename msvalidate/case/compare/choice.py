@@ -14,6 +14,7 @@ all points or nodes: the same on every machine.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -181,9 +182,12 @@ def _measured(
 ) -> dict[str, Any]:
     """A lattice with "off": its larger difference of displacements and of the strain energy."""
     row = lattice_row(found, answer, points, wanted)
-    energy = [each.wanted for each in found.differences if each.quantity == "strain energy"]
-    off = np.fmax(row["difference"], [abs(answer.energy / each - 1) for each in energy])
-    return row | {"off": max(off, default=row["difference"])}
+    energies = [
+        abs(answer.energy / each.wanted - 1)
+        for each in found.differences
+        if each.quantity == "strain energy" and each.wanted > 0
+    ]
+    return row | {"off": max([row["difference"], *energies])}
 
 
 def _solved(found: Comparison, laid: Case) -> dict[str, Any]:
@@ -197,15 +201,15 @@ def _column(rows: list[dict[str, Any]], name: str) -> Array:
     return np.array([max(row[name], ROUNDING) for row in rows])
 
 
-def _laid(found: Comparison, wanted: float, below: float = math.inf) -> Case | None:
-    """Case at the number of cells nearest to a spacing (m), and finer than another one (m)."""
+def _laid(found: Comparison, wanted: float) -> Case | None:
+    """Case at the number of cells nearest to a spacing (m), and not coarser."""
     case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
     cuttable = joins_corners(all_patterns()[str(case.lattice)]())
     other = None
     for laid in at_other_cells(case, wanted):
         spacing = spacing_of(laid)
         fills = is_filled(laid, spacing)
-        near = spacing < below and abs(math.log(spacing / wanted)) <= ALIKE
+        near = 0 <= math.log(wanted / spacing) <= ALIKE
         if near and (cuttable or fills):
             if fills == filled:
                 return laid
@@ -262,33 +266,32 @@ def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, met: fl
     The difference `met` is the target without the uncertainty of elasticity. A lattice that is
     finer than all of the solved ones is not solved.
     """
-    dim, volume = found.case.problem.domain.dim, found.case.problem.domain.volume
+    domain = found.case.problem.domain
     failed = min((row["spacing"] for row in rows if row["off"] > met), default=math.inf)
-    limit = min(failed * (1 - ROUNDING), wanted.spacing * (1 + ROUNDING))
-    for _ in range(MOST_TRIED):
-        laid = _laid(found, min(limit, wanted.spacing), limit)
-        if laid is None or volume / spacing_of(laid) ** dim > MAX_REQUESTED[dim]:
-            return wanted
-        h, cells = spacing_of(laid), laid.cells or 0
-        beyond = h < rows[-1]["spacing"] * (1 - ROUNDING)
-        try:
+    below = min(failed * (1 - ROUNDING), wanted.spacing * (1 + ROUNDING))
+    with suppress(ProblemError, SolverError):
+        for _ in range(MOST_TRIED):
+            laid = _laid(found, below)
+            if laid is None:
+                break
+            h = spacing_of(laid)
+            if domain.volume / h**domain.dim > MAX_REQUESTED[domain.dim]:
+                break
+            beyond = h < rows[-1]["spacing"] * (1 - ROUNDING)
             row = rows[-1] if beyond else _solved(found, laid)
-        except (ProblemError, SolverError):  # the next finer one
-            row = {"off": math.inf}
-        if beyond or row["off"] <= met:
-            break
-        limit = REFINED * h
-    else:
-        return replace(wanted, spacing=limit)
-    where = BEYOND if beyond else wanted.where
-    near = min(rows, key=lambda row: abs(math.log(row["spacing"] / h)))
-    count = round(near["springs"] * (near["spacing"] / h) ** dim)
-    # The finest takes the least part of its time for loading and compiling, which all have.
-    scaled = rows[-1]["seconds"] * (count / rows[-1]["springs"]) ** GROWTH
-    seconds = max(scaled, min(row["seconds"] for row in rows))
-    least, most = min(wanted.least, h), max(wanted.most, h)
-    more = {"count": count, "seconds": seconds, "cells": cells, "spacing": h}
-    return replace(wanted, where=where, least=least, most=most, **more)
+            if beyond or row["off"] <= met:
+                times = (row["spacing"] / h) ** domain.dim
+                return replace(
+                    wanted,
+                    where=BEYOND if beyond else wanted.where,
+                    count=round(row["springs"] * times),
+                    seconds=row["seconds"] * times**GROWTH,
+                    cells=laid.cells or 0,
+                    spacing=h,
+                    least=min(wanted.least, h),
+                )
+            below = REFINED * h
+    return replace(wanted, spacing=below)
 
 
 def _elements(meshes: list[dict[str, Any]], error: float, target: float) -> Need:

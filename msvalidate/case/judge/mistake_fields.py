@@ -115,18 +115,18 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
         Mistake("not converged", cache(partial(_relaxing, reference, steps, omitted)))
         for steps in STEPS
     ]
-    weights = []
     for number, load in enumerate(problem.loads, 1):
         alone = cache(partial(_load_alone, reference, load))
-        whose = "weight" if isinstance(load, Weight) else "load"
-        for name, part in (("sign", -2.0), ("missing", -1.0)):
+        heavy = isinstance(load, Weight)
+        whose = "weight" if heavy else "load"
+        changes = {"load sign": -2.0, "load missing": -1.0} | (
+            {"doubled mass": 1.0} if heavy else {}
+        )
+        for kind, part in changes.items():
             path = partial(_other_load, elastic, alone, number, part)
-            made.append(Mistake(f"load {name}", path, key=f"{whose} {name}"))
-        weights += [alone] * isinstance(load, Weight)
-    if weights:
-        made.append(Mistake("doubled mass", partial(_heavier, elastic, weights)))
-        if problem.domain.dim == 2:
-            path = partial(_thinner, elastic, weights)
+            made.append(Mistake(kind, path, key=kind.replace("load", whose)))
+        if heavy and problem.domain.dim == 2:
+            path = partial(_thinner, elastic, alone)
             made.append(Mistake("thickness", path, key="thickness beside weight"))
     law = problem.material
     if isinstance(law, Isotropic) and not problem.zones:
@@ -265,14 +265,9 @@ def _other_load(elastic: Array, alone: Callable[[], Array], number: int, part: f
     return [(number, elastic + part * alone())]
 
 
-def _heavier(elastic: Array, weights: Sequence[Callable[[], Array]]) -> Path:
-    """Elasticity under twice the weight."""
-    return [(2.0, elastic + sum(alone() for alone in weights))]
-
-
-def _thinner(elastic: Array, weights: Sequence[Callable[[], Array]]) -> Path:
+def _thinner(elastic: Array, alone: Callable[[], Array]) -> Path:
     """Other forces than the weight, a fifth and five times as large."""
-    weight = sum(alone() for alone in weights)
+    weight = alone()
     return [(part, weight + part * (elastic - weight)) for part in (0.2, 5.0)]
 
 

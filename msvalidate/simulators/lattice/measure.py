@@ -96,7 +96,8 @@ class MeasuredLattice:
     precision
         Of the simulator's positions.
     error
-        Of the tensor, relative to its largest entry.
+        Largest change of the tensor if one block size is left out, and the strain squared, relative
+        to the largest entry.
     """
 
     C: Array
@@ -177,9 +178,13 @@ def measure_lattice(
     smallest = regular_block(shape, (sizes[0],) * dim, spacing)
     springs = fit_springs(smallest, C, tensors[0], material.thickness)
     flags = abs(2 * more / light - 1) < DIVIDED, relaxed, bound
-    error = left_out(sizes, tensors) / max_abs(C) + strain**2
-    given = (C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision, error)
-    return MeasuredLattice(*given)
+    others = [
+        extrapolate(sizes[:i] + sizes[i + 1 :], tensors[:i] + tensors[i + 1 :])
+        for i in range(len(sizes))
+    ]
+    off = max_abs(np.array(others) - C) / max_abs(C) + strain**2
+    made = (C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision, off)
+    return MeasuredLattice(*made)
 
 
 def is_mechanism(C: Array) -> bool:
@@ -193,14 +198,6 @@ def extrapolate(sizes: tuple[int, ...], tensors: list[Array]) -> Array:
     between = n[:, None] - n + np.eye(len(n))
     weights = n ** (len(n) - 1) / between.prod(axis=1)
     return np.asarray(np.tensordot(weights, np.array(tensors), 1))
-
-
-def left_out(sizes: tuple[int, ...], tensors: list[Array]) -> float:
-    """Largest change (Pa) of the extrapolated tensor if any one size is left out."""
-    C, each = extrapolate(sizes, tensors), range(len(sizes))
-    others = [[i for i in each if i != out] for out in each]
-    fewer = [extrapolate(tuple(sizes[i] for i in o), [tensors[i] for i in o]) for o in others]
-    return max(max_abs(other - C) for other in fewer)
 
 
 def fit_springs(block: Regular, C: Array, small: Array, thickness: float) -> LatticeSprings:

@@ -177,9 +177,8 @@ def _refuse_other_material(known: Calibration, lattice: Lattice, material: Mater
         )
     else:
         raise ProblemError(
-            f"calibration: for E = {known.E:g} Pa and nu = {known.nu:g}, not the problem's tensor "
-            f"with diagonal {format_value(np.diag(material.C).tolist())} Pa; give spring constants "
-            "of this tensor, (k1, k2), one a kind"
+            f"calibration: for E = {known.E:g} Pa and nu = {known.nu:g}, not the problem's tensor; "
+            "give spring constants of this tensor, such as (k1, k2), one a kind"
         )
     raise ProblemError(f"calibration: for {mismatch}; calibrate the problem's own body")
 

@@ -212,7 +212,7 @@ def test_a_calibration_is_for_the_tensor_of_an_anisotropic_material_alone():
     made, held = calibrate(1.0, 1 / 3, SHEET), (Support(box.side("left"), (0.0, 0.0)),)
     lattice_network(Problem(box, Anisotropic(made.tensor), held), SHEET, made)
     other = Problem(box, Anisotropic(np.diag([1.0, 4.0, 1.0])), held)
-    with pytest.raises(ProblemError, match=r"tensor with diagonal \[1\.0, 4\.0, 1\.0\] Pa; give"):
+    with pytest.raises(ProblemError, match="not the problem's tensor; give spring constants"):
         lattice_network(other, SHEET, made)
 
 
