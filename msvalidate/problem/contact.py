@@ -38,7 +38,7 @@ OBSTACLES: Mapping[str, tuple[int, ...]] = {
 Parabolas are the shapes of Hertz contact for discs: their gap and force act along the axis.
 """
 ROUND = {"disc": "ball", "ball": "disc", "parabola": "paraboloid", "paraboloid": "parabola"}
-"""Shape of an obstacle -> the same shape for bodies with the other number of axes."""
+"""Shape of an obstacle -> the same shape in the other dimension."""
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
 """Ratio of a² to the mean squared distance for pressures √(a² - x²), by axes."""
 

@@ -64,7 +64,7 @@ ALIKE = math.log(1.5)
 A lattice cut to a box is preferred to one that fills it and is farther off.
 """
 KNOWN = 0.2
-"""Part of a target that is left for the error of elements of the requested accuracy.
+"""Fraction of a target that is left for the error of the elements.
 
 An error beyond this accuracy grows by up to `CAUTION` at points of other lattices.
 """
@@ -178,23 +178,23 @@ def _lattices(found: Comparison) -> tuple[list[dict[str, Any]], str]:
 
 
 def _measured(
-    found: Comparison, answer: SpringAnswer, points: Array, wanted: Array
+    compared: Comparison, answer: SpringAnswer, points: Array, elastic: Array
 ) -> dict[str, Any]:
     """A lattice with "off": its larger difference of displacements and of the strain energy."""
-    row = lattice_row(found, answer, points, wanted)
+    row = lattice_row(compared, answer, points, elastic)
     energies = [
         abs(answer.energy / each.wanted - 1)
-        for each in found.differences
+        for each in compared.differences
         if each.quantity == "strain energy" and each.wanted > 0
     ]
     return row | {"off": max([row["difference"], *energies])}
 
 
-def _solved(found: Comparison, laid: Case) -> dict[str, Any]:
+def _solved(compared: Comparison, laid: Case) -> dict[str, Any]:
     """A further lattice, solved and compared at its own points."""
     answer = solve_springs(laid, spacing_of(laid))
     points = compared_points(laid, answer.lattice)
-    return _measured(found, answer, points, found.reference.finest.at(points))
+    return _measured(compared, answer, points, compared.reference.finest.at(points))
 
 
 def _column(rows: list[dict[str, Any]], name: str) -> Array:
@@ -260,14 +260,14 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
     return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most), met)
 
 
-def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, met: float) -> Need:
+def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, limit: float) -> Need:
     """Find the buildable lattice nearest below a spacing that meets a target, and its cost.
 
-    The difference `met` is the target without the uncertainty of elasticity. A lattice that is
+    The difference `limit` is the target without the uncertainty of elasticity. A lattice that is
     finer than all of the solved ones is not solved.
     """
     domain = found.case.problem.domain
-    failed = min((row["spacing"] for row in rows if row["off"] > met), default=math.inf)
+    failed = min((row["spacing"] for row in rows if row["off"] > limit), default=math.inf)
     below = min(failed * (1 - ROUNDING), wanted.spacing * (1 + ROUNDING))
     with suppress(ProblemError, SolverError):
         for _ in range(MOST_TRIED):
@@ -279,7 +279,7 @@ def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, met: fl
                 break
             beyond = h < rows[-1]["spacing"] * (1 - ROUNDING)
             row = rows[-1] if beyond else _solved(found, laid)
-            if beyond or row["off"] <= met:
+            if beyond or row["off"] <= limit:
                 times = (row["spacing"] / h) ** domain.dim
                 return replace(
                     wanted,

@@ -254,7 +254,7 @@ def test_a_program_that_has_rest_alone_is_fitted():
 
 
 def random_neighbours(rng):
-    """Springs between neighbours at 1, √2 and 2 spacings, and the tensor of an endless lattice."""
+    """Springs between neighbours at three distances, and the tensor of an endless lattice."""
     law, k = PLATE, PLATE.E * rng.uniform(0.3, 1.0, 3)
 
     def springs_of(request):
