@@ -38,7 +38,8 @@ def explain_mistakes(field: Field) -> Iterator[Cause]:
     """
     causes = list(_every_kind(field))
     most = max(FITS * field.difference, field.uncertainty)
-    fixed = [each for each in causes if _first_key(each) not in FREE and each.beside != "scale"]
+    whole = {"", "k without h"}
+    fixed = [each for each in causes if _first_key(each) not in FREE and each.beside in whole]
     least = min([each.left for each in fixed if each.left <= most], default=math.inf)
     for each in causes:
         if _first_key(each) not in FREE or AS_WELL * max(each.left, ROUNDING) < least:
