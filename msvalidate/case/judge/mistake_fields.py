@@ -119,8 +119,12 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
         alone = cache(partial(_load_alone, reference, load))
         heavy = isinstance(load, Weight)
         whose = "weight" if heavy else "load"
-        changes = [("load sign", -2.0), ("load missing", -1.0), ("doubled mass", 1.0)]
-        for kind, part in changes[: 2 + heavy]:
+        changes = {"load sign": -2.0}
+        if len(problem.loads) > 1:  # without the only one nothing moves
+            changes["load missing"] = -1.0
+        if heavy:
+            changes["doubled mass"] = 1.0
+        for kind, part in changes.items():
             path = partial(_other_load, elastic, alone, number, part)
             made.append(Mistake(kind, path, key=kind.replace("load", whose)))
         if heavy and problem.domain.dim == 2:
