@@ -37,6 +37,7 @@ PHRASES = {
     " constant, in an edge of a solid a quarter",
     "and whole boundary springs": "springs on the boundary count whole",
     "and unit of k": "and {unit}",
+    "and k without h": "and constants without their factor h: multiply each by the spacing in m",
     "and scale": "and a modulus {part:.4g} or loads {scale:.4g} times as large besides",
     "k2 = 2 k1": "k2 = 2 k1, k1 {value:.4g} times the right one: each kind of spring has its own "
     "constant",
@@ -49,6 +50,10 @@ PHRASES = {
     "resist shear",
     "equal masses": "equal masses at all points: give each the share of the cells around it",
     "doubled mass": "masses twice as large: do cells and springs both bring them?",
+    "load sign": "load {value:.0f} of the case acts in the opposite direction: reverse its sign",
+    "load missing": "load {value:.0f} of the case does not act: apply it",
+    "weight missing": "the weight does not act: apply gravity",
+    "weight sign": "the weight acts in the opposite direction: reverse the sign of gravity",
     "thickness beside weight": "forces {value:.4g} times as large, the weight not: another "
     "thickness?",
     "rest length": "rest lengths differ from the springs' lengths by {value:+.2g} of these",

@@ -133,7 +133,8 @@ def _with_rivals(best: list[Cause], little: list[Cause], mistakes: set[str]) -> 
 
     In bending a coarse mesh or other springs change a field by almost a uniform factor. Those of
     size alone have known mistakes as rivals, and known mistakes those of size, which come first if
-    the mistake leaves no less than half as much. Units come before plain numbers.
+    the mistake leaves no less than half as much. Units come before plain numbers, and the sign of
+    a load before a mirror image that is the same.
     """
     kinds = {kind for each in best for kind in each.kinds}
     others = mistakes if kinds <= OF_SIZE else OF_SIZE if kinds & mistakes else set()
@@ -142,6 +143,8 @@ def _with_rivals(best: list[Cause], little: list[Cause], mistakes: set[str]) -> 
     def rank(cause: Cause) -> float:
         if cause in best and cause.kind in {"unit", "unit of k"}:  # no chance gives such a number
             return 0.0
+        if cause in best and cause.kind in {"load sign", "load missing"}:
+            return -1.0
         return cause.left * (1 if cause.kinds <= OF_SIZE else AS_WELL)
 
     return sorted([*best, *rivals], key=rank)

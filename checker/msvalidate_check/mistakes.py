@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from msvalidate_check.beside import Array, Factor, Field, Mistake, best_scale, fit
+from msvalidate_check.beside import ROUNDING, Array, Factor, Field, Mistake, best_scale, fit
 from msvalidate_check.causes import Cause, Phrase, phrase
 from msvalidate_check.scales import AS_GOOD, AS_WELL, FITS, stiffness_unit
 
@@ -26,8 +26,33 @@ LEAST_SHARE = 0.1
 what another spacing leaves."""
 
 
+FREE = {"k2 = 2 k1", "k alike", "axes alone", "not converged"}
+"""Phrases of mistakes with a number of no meaning of its own, which is fitted."""
+
+
 def explain_mistakes(field: Field) -> Iterator[Cause]:
-    """Compute the nearest field of each kind of known mistake, alone and with a wrong stiffness."""
+    """Compute the nearest field of each kind of known mistake, alone and with a wrong stiffness.
+
+    Mistakes in `FREE` are omitted if one without a fitted number fits and leaves less than twice as
+    much.
+    """
+    causes = list(_every_kind(field))
+    most = max(FITS * field.difference, field.uncertainty)
+    whole = {"", "k without h"}
+    fixed = [each for each in causes if _first_key(each) not in FREE and each.beside in whole]
+    least = min([each.left for each in fixed if each.left <= most], default=math.inf)
+    for each in causes:
+        if _first_key(each) not in FREE or AS_WELL * max(each.left, ROUNDING) < least:
+            yield each
+
+
+def _first_key(cause: Cause) -> str:
+    """Key of a mistake's own phrase."""
+    return (cause.of["one"] if cause.of.key == "mistake and" else cause.of).key
+
+
+def _every_kind(field: Field) -> Iterator[Cause]:
+    """The nearest field of each kind, alone and with a wrong stiffness."""
     alone = list(_nearest(field, field.mistakes))
     yield from alone
     plain = [each for each in field.mistakes if not (each.scaled or each.simpler)]
@@ -54,7 +79,7 @@ def _nearest(field: Field, mistakes: Iterable[Mistake]) -> Iterator[Cause]:
         for parameter, nearest, scale in _fits(field, mistake):
             if not scale > 0:
                 continue
-            unit = mistake.beside == "scale" and stiffness_unit(1 / scale)
+            unit = mistake.beside == "scale" and _named_stiffness(mistake, 1 / scale, parameter)
             if mistake.beside and not (unit or 1 / MAX_BESIDE < scale < MAX_BESIDE):
                 continue
             left = field.left(field.found / scale, nearest)
@@ -96,13 +121,22 @@ def _cause(
     """A mistake as a cause, with its fitted numbers."""
     value = stiffness if mistake.scaled and mistake.beside != "scale" else parameter
     length = f"{field.length(parameter)} {field.unit[0]}"
-    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, mistake.named, length)
+    named = mistake.named if mistake.scaled and mistake.beside != "scale" else {}
+    of = mistake_phrase(mistake.key or mistake.kind, value, parameter, named, length)
     beside, unit = mistake.beside, stiffness_unit(stiffness)
-    beside = "unit of k" if beside == "scale" and unit else beside
+    if beside == "scale":
+        beside = _named_stiffness(mistake, stiffness, parameter) or beside
     if beside:
         other = phrase(f"and {beside}", scale=1 / stiffness, part=stiffness, unit=unit)
         of = phrase("mistake and", one=of, other=other)
     return Cause(mistake.kind, value, of, left, beside)
+
+
+def _named_stiffness(mistake: Mistake, stiffness: float, parameter: float) -> str:
+    """Kind of a factor of the stiffness with a name, beside a known mistake; "" if it has none."""
+    factors = mistake.named.items()
+    names = (name for name, of in factors if abs(stiffness / of(parameter) - 1) <= AS_NAMED)
+    return next(names, "unit of k" if stiffness_unit(stiffness) else "")
 
 
 def mistake_phrase(

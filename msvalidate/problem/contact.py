@@ -37,6 +37,8 @@ OBSTACLES: Mapping[str, tuple[int, ...]] = {
 
 Parabolas are the shapes of Hertz contact for discs: their gap and force act along the axis.
 """
+ROUND = {"disc": "ball", "ball": "disc", "parabola": "paraboloid", "paraboloid": "parabola"}
+"""Shape of an obstacle -> the same shape in the other dimension."""
 SECOND_MOMENT = {2: 4.0, 3: 2.5}
 """Ratio of a² to the mean squared distance for pressures √(a² - x²), by axes."""
 
@@ -65,7 +67,9 @@ class Obstacle:
     def __post_init__(self) -> None:
         require_one_of("obstacle", self.shape, OBSTACLES)
         axes = OBSTACLES[self.shape]
-        need = f"give {' or '.join(map(str, axes))} numbers, as many as the body has axes"
+        need = "give 2 or 3 numbers, as many as the body has axes"
+        if other := ROUND.get(self.shape):
+            need = f"give {axes[0]} numbers; for a body in {5 - axes[0]}D take a {other}"
         at = f"{self.shape}: at {format_value(self.at)}"
         towards = f"{self.shape}: towards {format_value(self.towards)}"
         d = len(finite_coordinates(at, self.at, axes, need=need))

@@ -4,15 +4,17 @@ It also reports where elements do better at the same cost.
 
 Near a target the difference of springs from elasticity is a power of their spacing: a straight line
 through the logarithms of what was solved, and of coarser lattices where all of that is better than
-the target; the nearer to the target, the more a lattice counts. What is advised is a number of
-cells that a case takes, of lattices like those solved: filled or cut to the body, which err
-differently. Cost is the number of unknowns, components of all points or nodes: the same on every
-machine.
+the target; the nearer to the target, the more a lattice counts. The largest deviation of a solved
+lattice above this line is added to it. What is advised is a number of cells that a case takes, of
+lattices like those solved: filled or cut to the body, which err differently. A lattice that is not
+finer than all of them is solved before it is advised. Cost is the number of unknowns, components of
+all points or nodes: the same on every machine.
 """
 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -25,6 +27,7 @@ from msvalidate.case.compare.quantities import POINT_STRESS
 from msvalidate.case.file.case import MAX_REQUESTED, MESH_EDGES, Case, is_filled, spacing_of
 from msvalidate.case.file.units import quantity_text
 from msvalidate.case.springs.lattice_springs import (
+    CAUTION,
     HIGHEST_ORDER,
     LOWEST_ORDER,
     ROUNDING,
@@ -60,6 +63,13 @@ ALIKE = math.log(1.5)
 
 A lattice cut to a box is preferred to one that fills it and is farther off.
 """
+KNOWN = 0.2
+"""Fraction of a target that is left for the error of the elements.
+
+An error beyond this accuracy grows by up to `CAUTION` at points of other lattices.
+"""
+MOST_TRIED, REFINED = 6, 0.9
+"""Lattices that are solved for one target, and the ratio of their spacings."""
 GROWTH = 1.2
 """Exponent of the springs that seconds grow with: factors and multigrid, at most."""
 BETTER, MAIN, THIN = 3.0, 0.5, 5.0
@@ -152,8 +162,8 @@ def _lattices(found: Comparison) -> tuple[list[dict[str, Any]], str]:
 
     The text is the reason why a coarser one has no answer; empty if none is missing.
     """
-    wanted, at = found.reference.displacement.value, found.reference.finest.at
-    rows = [lattice_row(found, answer, found.points, wanted) for answer in found.springs]
+    wanted = found.reference.displacement.value
+    rows = [_measured(found, answer, found.points, wanted) for answer in found.springs]
     try:
         while found.case.lattice != MESH_EDGES and (
             len(rows) < 2 or _column(rows, "difference").max() < max(TARGETS)
@@ -161,27 +171,45 @@ def _lattices(found: Comparison) -> tuple[list[dict[str, Any]], str]:
             laid = _laid(found, 2 * rows[0]["spacing"])
             if laid is None or spacing_of(laid) <= rows[0]["spacing"]:
                 break
-            answer = solve_springs(laid, spacing_of(laid))
-            points = compared_points(laid, answer.lattice)
-            rows.insert(0, lattice_row(found, answer, points, at(points)))
+            rows.insert(0, _solved(found, laid))
     except (ProblemError, SolverError) as error:  # coarser ones are then fewer
         return rows, str(error)
     return rows, ""
+
+
+def _measured(
+    compared: Comparison, answer: SpringAnswer, points: Array, elastic: Array
+) -> dict[str, Any]:
+    """A lattice with "off": its larger difference of displacements and of the strain energy."""
+    row = lattice_row(compared, answer, points, elastic)
+    energies = [
+        abs(answer.energy / each.wanted - 1)
+        for each in compared.differences
+        if each.quantity == "strain energy" and each.wanted > 0
+    ]
+    return row | {"off": max([row["difference"], *energies])}
+
+
+def _solved(compared: Comparison, laid: Case) -> dict[str, Any]:
+    """A further lattice, solved and compared at its own points."""
+    answer = solve_springs(laid, spacing_of(laid))
+    points = compared_points(laid, answer.lattice)
+    return _measured(compared, answer, points, compared.reference.finest.at(points))
 
 
 def _column(rows: list[dict[str, Any]], name: str) -> Array:
     return np.array([max(row[name], ROUNDING) for row in rows])
 
 
-def _laid(found: Comparison, wanted: float, below: float = math.inf) -> Case | None:
-    """Case at the number of cells nearest to a spacing (m), and finer than another one (m)."""
+def _laid(found: Comparison, wanted: float) -> Case | None:
+    """Case at the number of cells nearest to a spacing (m), and not coarser."""
     case, filled = found.case, is_filled(found.case, found.springs[0].spacing)
     cuttable = joins_corners(all_patterns()[str(case.lattice)]())
     other = None
     for laid in at_other_cells(case, wanted):
         spacing = spacing_of(laid)
         fills = is_filled(laid, spacing)
-        near = spacing < below and abs(math.log(spacing / wanted)) <= ALIKE
+        near = 0 <= math.log(wanted / spacing) <= ALIKE
         if near and (cuttable or fills):
             if fills == filled:
                 return laid
@@ -200,10 +228,15 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
         left = max(left, max_length(found.own_material - wanted))
     if left / size - found.reference.error > target:
         return Need(target, NONE)
-    s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "difference"))
-    t = math.log(target)
+    error, accuracy = found.reference.error, found.case.accuracy
+    most = CAUTION * error if error > accuracy else min(accuracy, KNOWN * target)
+    met = target - max(error, most)
+    if met <= 0:
+        return Need(target, NONE)
+    s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "off"))
+    t = math.log(met)
     if (e <= t).all():
-        return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]))
+        return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]), met)
     if bridges and (e > t).all():
         if resolved < 2:
             return Need(target, BRIDGED, spacing=found.gaps[0][0, 2])
@@ -215,34 +248,50 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
     order = (weight * (s - middle_s) * (e - middle_e)).sum()
     believed = LOWEST_ORDER, HIGHEST_ORDER
     order = np.clip(order / (weight * (s - middle_s) ** 2).sum(), *believed)
-    best = middle_s + (t - middle_e) / order
+    scatter = (e - middle_e - order * (s - middle_s)).max()
+    best = middle_s + (t - scatter - middle_e) / order
     if (e > t).all():
         slow_fast = np.clip([order - ORDER_DOUBT, order + ORDER_DOUBT], *believed)
         ends, where = [best, *(s[-1] + (t - e[-1]) / slow_fast)], BEYOND
     else:
         ends, where = [best, s[e > t].min(), s[e <= t].max()], BETWEEN
-    uncertainty = math.log1p(found.reference.error / target) / order
+    uncertainty = math.log1p(error / target) / order
     best, least, most = np.exp([best, min(ends) - uncertainty, max(ends) + uncertainty]).tolist()
-    return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most))
+    return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most), met)
 
 
-def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need) -> Need:
-    """Find the buildable lattice nearest to a spacing, and its cost."""
-    failed = [row["spacing"] for row in rows if row["difference"] > wanted.target]
-    laid = _laid(found, wanted.spacing, min(failed, default=math.inf) * (1 - ROUNDING))
-    dim = found.case.problem.domain.dim
-    if (
-        laid is None
-        or found.case.problem.domain.volume / spacing_of(laid) ** dim > MAX_REQUESTED[dim]
-    ):
-        return wanted
-    h, cells = spacing_of(laid), laid.cells or 0
-    near = min(rows, key=lambda row: abs(math.log(row["spacing"] / h)))
-    count = round(near["springs"] * (near["spacing"] / h) ** dim)
-    # The finest takes the least part of its time for loading and compiling, which all have.
-    scaled = rows[-1]["seconds"] * (count / rows[-1]["springs"]) ** GROWTH
-    seconds = max(scaled, min(row["seconds"] for row in rows))
-    return replace(wanted, count=count, seconds=seconds, cells=cells, spacing=h)
+def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, limit: float) -> Need:
+    """Find the buildable lattice nearest below a spacing that meets a target, and its cost.
+
+    The difference `limit` is the target without the uncertainty of elasticity. A lattice that is
+    finer than all of the solved ones is not solved.
+    """
+    domain = found.case.problem.domain
+    failed = min((row["spacing"] for row in rows if row["off"] > limit), default=math.inf)
+    below = min(failed * (1 - ROUNDING), wanted.spacing * (1 + ROUNDING))
+    with suppress(ProblemError, SolverError):
+        for _ in range(MOST_TRIED):
+            laid = _laid(found, below)
+            if laid is None:
+                break
+            h = spacing_of(laid)
+            if domain.volume / h**domain.dim > MAX_REQUESTED[domain.dim]:
+                break
+            beyond = h < rows[-1]["spacing"] * (1 - ROUNDING)
+            row = rows[-1] if beyond else _solved(found, laid)
+            if beyond or row["off"] <= limit:
+                times = (row["spacing"] / h) ** domain.dim
+                return replace(
+                    wanted,
+                    where=BEYOND if beyond else wanted.where,
+                    count=round(row["springs"] * times),
+                    seconds=row["seconds"] * times**GROWTH,
+                    cells=laid.cells or 0,
+                    spacing=h,
+                    least=min(wanted.least, h),
+                )
+            below = REFINED * h
+    return replace(wanted, spacing=below)
 
 
 def _elements(meshes: list[dict[str, Any]], error: float, target: float) -> Need:

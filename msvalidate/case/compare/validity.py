@@ -157,7 +157,8 @@ def geometric_limitations(
             f"{quantity_text(each, 'm', case.unit)} in {name}"
             for name, each in (("linear", size), ("nonlinear", max_length(linear + change)))
         )
-        found.insert(0, Limitation("nonlinear", value, case.band, detail=both))
+        kind = "nonlinear with fracture" if case.fracture else "nonlinear"
+        found.insert(0, Limitation(kind, value, case.band, detail=both))
     return found
 
 

@@ -129,8 +129,10 @@ def judge_result(
     catalogue = known_mistakes(case, matched.places, reference)
     field = _field(case.problem, matched, reference, uncertainty, result.known)
     # Elements on the result's own mesh, where they are known, leave nothing to be tried.
-    meshes = {"coarse mesh"} if result.known else set()
-    mistakes = tuple(each for each in catalogue.mistakes if each.kind not in meshes)
+    excluded = {"coarse mesh"} if result.known else set()
+    if rest <= uncertainty:  # as stated, nothing is missing
+        excluded.add("not converged")
+    mistakes = tuple(each for each in catalogue.mistakes if each.kind not in excluded)
     field = replace(field, mistakes=mistakes, unit=user_unit("m", case.unit))
     omitted: list[str] = []
     verdict = judge_field(field, case.band, rest, partial(_explained, omitted=omitted))

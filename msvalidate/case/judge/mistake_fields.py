@@ -33,6 +33,7 @@ from msvalidate.problem import (
     Array,
     Box,
     Isotropic,
+    Load,
     Mesh,
     Polygon,
     Problem,
@@ -114,11 +115,20 @@ def known_mistakes(case: Case, places: Array, reference: Reference) -> Catalogue
         Mistake("not converged", cache(partial(_relaxing, reference, steps, omitted)))
         for steps in STEPS
     ]
-    if any(isinstance(load, Weight) for load in problem.loads):
-        heavier = cache(partial(_heavier, reference))
-        made.append(Mistake("doubled mass", heavier))
-        if problem.domain.dim == 2:
-            path = cache(partial(_thinner, heavier, elastic))
+    for number, load in enumerate(problem.loads, 1):
+        alone = cache(partial(_load_alone, reference, load))
+        heavy = isinstance(load, Weight)
+        whose = "weight" if heavy else "load"
+        changes = {"load sign": -2.0}
+        if len(problem.loads) > 1:  # without the only one nothing moves
+            changes["load missing"] = -1.0
+        if heavy:
+            changes["doubled mass"] = 1.0
+        for kind, part in changes.items():
+            path = partial(_other_load, elastic, alone, number, part)
+            made.append(Mistake(kind, path, key=kind.replace("load", whose)))
+        if heavy and problem.domain.dim == 2:
+            path = partial(_thinner, elastic, alone)
             made.append(Mistake("thickness", path, key="thickness beside weight"))
     law = problem.material
     if isinstance(law, Isotropic) and not problem.zones:
@@ -244,21 +254,22 @@ def _relaxing(reference: Reference, steps: int, omitted: list[str]) -> Path:
     return path
 
 
-def _heavier(reference: Reference) -> Path:
-    """Elasticity under twice the weight."""
-    problem = reference.problem
-    solution = reference.solutions_up_to(FEW_NODES)[-1]
-    weights = tuple(load for load in problem.loads if isinstance(load, Weight))
-    heavy = replace(problem, loads=(*problem.loads, *weights))
-    more = solve_problem(heavy, solution.body, mixed=solution.pressure is not None)
-    lag = more.at(reference.points) - solution.at(reference.points)
-    return [(2.0, reference.displacement.value + lag)]
+def _load_alone(reference: Reference, load: Load) -> Array:
+    """Displacement (p, d) in m that one load adds to elasticity."""
+    problem, solution = reference.problem, reference.solutions_up_to(FEW_NODES)[-1]
+    twice = replace(problem, loads=(*problem.loads, load))
+    more = solve_problem(twice, solution.body, mixed=solution.pressure is not None)
+    return np.asarray(more.at(reference.points) - solution.at(reference.points))
 
 
-def _thinner(heavier: Callable[[], Path], elastic: Array) -> Path:
+def _other_load(elastic: Array, alone: Callable[[], Array], number: int, part: float) -> Path:
+    """Elasticity with a multiple of one load, of this number from 1, added."""
+    return [(number, elastic + part * alone())]
+
+
+def _thinner(elastic: Array, alone: Callable[[], Array]) -> Path:
     """Other forces than the weight, a fifth and five times as large."""
-    ((_, doubled),) = heavier()
-    weight = doubled - elastic
+    weight = alone()
     return [(part, weight + part * (elastic - weight)) for part in (0.2, 5.0)]
 
 

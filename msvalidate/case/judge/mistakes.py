@@ -265,7 +265,9 @@ def factorise_network(network: Network) -> Factor | None:
 
 
 def named_factors(record: SpringMistake, law: Isotropic) -> Mapping[str, Callable[[float], float]]:
-    """Factors, by the spacing (m), of a scaled mistake that have sentences of their own."""
+    """Factors of the stiffness, by the spacing (m), that have sentences of their own."""
+    if record.kind == "coarse springs" and law.dim == 3:
+        return {"k without h": lambda h: 1 / h if h else np.inf}
     if record.constants is not alike:
         return {}
     return {"k = E h": lambda _: 1.0, "k = E": lambda h: law.E / bar_constant(law, h)}

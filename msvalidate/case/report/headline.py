@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from msvalidate.case.compare.choice import BETTER, MAIN, Choice
+from msvalidate.case.compare.choice import BETTER, BEYOND, MAIN, Choice
 from msvalidate.case.compare.comparison import COARSE, OTHER_MATERIAL, Comparison
 from msvalidate.case.compare.quantities import NotCompared
 from msvalidate.case.file.units import quantity_text
@@ -37,6 +37,8 @@ MAX_STIFFNESS = 0.1
 MAX_FACTOR = 2.0
 """Factor of the displacements beyond which they are reported as a multiple."""
 DISPLACEMENT = "displacement"
+LARGEST = "largest displacement at compared points"
+"""Name of the displacement's row in a summary."""
 FOLLOWS = (DISPLACEMENT, "strain energy")
 """Quantities whose differences fall together as the lattice is refined."""
 
@@ -159,7 +161,7 @@ def _unresolved_reason(rows: Sequence[Difference], found: Comparison | Judged) -
     return f"{row.quantity} differs by {size} ± {known}, for a band of {percent(row.band)}"
 
 
-def _unresolved_remedy(compared: Comparison, word: str) -> str:
+def _unresolved_remedy(compared: Comparison | Judged, word: str) -> str:
     """Clause that names what a verdict needs."""
     if word == NOT_ASKED:
         return "no quantity was compared"
@@ -167,7 +169,7 @@ def _unresolved_remedy(compared: Comparison, word: str) -> str:
         return compared.reference.no_limit[0]
     remedies = [each.remedy for each in compared.limitations if each.decides and each.remedy]
     if remedies:
-        return remedies[0].rstrip(".")
+        return remedies[0][:1].lower() + remedies[0][1:].rstrip(".")
     more = compared.reference.more
     if more is not None:
         return f"a finer mesh takes [compare] memory = {math.ceil(more.bytes / 1e8) / 10:g} (GB)"
@@ -192,7 +194,8 @@ def recommend(found: Comparison, chosen: Choice) -> Recommendation:
 def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     """Recommendation if some quantity lies outside the band."""
     off = [row for row in found.rows if row.word == DIFFERS]
-    worst = max(off, key=lambda row: row.error / row.band)
+    others = [row for row in off if row.quantity not in FOLLOWS]
+    worst = max(others or off, key=lambda row: row.error / row.band)
     cheaper, band = _more_accurate_elements(chosen), found.case.band
     finer = [each for each in chosen.springs if each.count and each.target <= band]
     if found.kind == OTHER_MATERIAL:
@@ -200,13 +203,14 @@ def _after_difference(found: Comparison, chosen: Choice) -> Recommendation:
     elif len(found.gaps[0]):
         width = quantity_text(found.gaps[0][0, 2], "m", found.case.unit)
         reason = f"the springs bridge a gap of {width}, which their cells do not resolve"
-    elif any(row.quantity not in FOLLOWS for row in off):
+    elif others:
         reason = f"{worst.quantity} differs by {part_text(worst.error, worst.uncertainty)}"
     elif cheaper or not finer or found.kind != COARSE:
         reason = cheaper or "no tested spacing reaches the band"
     else:
         spacing = quantity_text(finer[0].spacing, "m", found.case.unit)
-        reason = f"a spacing of {spacing} ({finer[0].count:,} springs) reaches the band"
+        reaches = "is estimated to reach" if finer[0].where == BEYOND else "reaches"
+        reason = f"a spacing of {spacing} ({finer[0].count:,} springs) {reaches} the band"
         return Recommendation(SPRINGS, reason)
     return Recommendation(ELEMENTS, reason)
 
@@ -235,6 +239,9 @@ def recommend_for_field(found: Judged) -> str:
         first, *others = [each for each in fitting if each.left <= room]
         also = dict.fromkeys(each.name for each in others)
         more = f" As likely: {', '.join(also)}." if also else ""
-        return f"Check the most likely cause first: {first}{more}"
+        end = "" if str(first).endswith(("?", ".")) else "."
+        return f"Check the most likely cause first: {first}{end}{more}"
+    if found.displacement.word == NOT_RESOLVED:
+        return f"No verdict yet: {_unresolved_remedy(found, NOT_RESOLVED)}."
     near = f" The nearest, which does not fit: {causes[0]}" if causes else ""
     return f"Check loads, supports, material and noise: no single known cause fits.{near}"

@@ -26,7 +26,7 @@ from msvalidate.case.file.fracture import break_sentence
 from msvalidate.case.file.places import mesh_names
 from msvalidate.case.file.units import quantity_text, user_unit
 from msvalidate.case.judge.judgement import Judged
-from msvalidate.case.report.headline import part_text, springs_sentence
+from msvalidate.case.report.headline import DISPLACEMENT, LARGEST, part_text, springs_sentence
 from msvalidate.case.springs.mesh_springs import mesh_warning
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import (
@@ -41,7 +41,10 @@ from msvalidate_check.verdict import Difference
 from reference_fem.converged import Reference
 from reference_fem.first_mesh import MOST_MIXED
 
-BASES = {"N": "; of reactions over the largest one", "Pa": "; of stress at points over all of them"}
+BASES = {
+    "N": "; of reactions over the largest one",
+    "Pa": "; of stress at points as root mean squares (rms) over these points",
+}
 """Unit -> what the difference of such a quantity is relative to."""
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
@@ -88,7 +91,8 @@ def quantity_summary(case: Case, rows: Sequence[Difference], candidate: str) -> 
         unit, size = user_unit(row.unit, case.unit)
         values = (_number(value / size) for value in (row.found, row.wanted))
         error = part_text(row.error, row.uncertainty)
-        name = f"{row.quantity}{f' ({unit})' if unit else ''}"
+        name = LARGEST if row.quantity == DISPLACEMENT else row.quantity
+        name += f" ({unit})" if unit else ""
         texts.append((name, *values, error, percent(row.uncertainty), row.word))
     heads = ("quantity", candidate, "elasticity", "difference", "uncertainty", "verdict")
     bases = "".join(text for unit, text in BASES.items() if any(row.unit == unit for row in rows))
@@ -307,6 +311,8 @@ def _kind_sentence(found: Comparison) -> str:
     limit, size = found.limit, found.size
     if len(found.gaps[0]):
         return _gap_sentence(found)
+    if not math.isfinite(found.reference.error):
+        return "The limit of finer lattices is not compared: elasticity's error is not known."
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if math.isfinite(limit.order) else ""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from msvalidate.case.advise.advice import constants_lines
@@ -75,10 +74,6 @@ def _quantity_lines(case: Case, rows: Sequence[Difference], candidate: str) -> l
     forces = sorted((row for row in known if row.unit == "N"), key=lambda row: -row.wanted)
     first = [row for row in known if row.quantity == DISPLACEMENT] + stress[:1] + forces[:1]
     shown = [*first, *(row for row in known if row not in first)][:MAX_QUANTITIES]
-    shown = [
-        replace(row, quantity=f"largest {DISPLACEMENT}") if row.quantity == DISPLACEMENT else row
-        for row in shown
-    ]
     table = quantity_summary(case, shown, candidate)
     return align_table(table.heads, table.rows, table.numeric) if shown else []
 

@@ -268,6 +268,8 @@ class LatticeReport:
         Mass relative to the requested one; NaN if it is not known.
     bodies
         Cantilevers in equilibrium.
+    error
+        Of the tensor, relative to its largest entry; NaN of programs without motion.
     """
 
     C: Array
@@ -279,6 +281,7 @@ class LatticeReport:
     steps: MeasuredLattice | None
     total: float
     bodies: tuple[LatticeBody, ...]
+    error: float = math.nan
 
 
 def make_report(
@@ -315,6 +318,5 @@ def make_report(
         C = C * total
         springs = replace(springs, constants=springs.constants * total)
         compared = tuple(compare_body(body, C, springs, masses, total) for body in bodies)
-    return LatticeReport(
-        C, (E, nu), isotropic_moduli(C), anisotropy(C), springs, right, steps, total, compared
-    )
+    given = (springs, right, steps, total, compared, steps.error if steps else math.nan)
+    return LatticeReport(C, (E, nu), isotropic_moduli(C), anisotropy(C), *given)

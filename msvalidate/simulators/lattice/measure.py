@@ -7,6 +7,7 @@ strain leaves out of balance are relaxed first, by the simulator's own solver.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -94,6 +95,9 @@ class MeasuredLattice:
         bound.
     precision
         Of the simulator's positions.
+    error
+        Largest change of the tensor if one block size is left out, and the strain squared, relative
+        to the largest entry.
     """
 
     C: Array
@@ -105,6 +109,7 @@ class MeasuredLattice:
     relaxed: bool = False
     bound: bool = False
     precision: str = "float64"
+    error: float = math.nan
 
 
 def measure_lattice(
@@ -173,7 +178,13 @@ def measure_lattice(
     smallest = regular_block(shape, (sizes[0],) * dim, spacing)
     springs = fit_springs(smallest, C, tensors[0], material.thickness)
     flags = abs(2 * more / light - 1) < DIVIDED, relaxed, bound
-    return MeasuredLattice(C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision)
+    others = [
+        extrapolate(sizes[:i] + sizes[i + 1 :], tensors[:i] + tensors[i + 1 :])
+        for i in range(len(sizes))
+    ]
+    off = max_abs(np.array(others) - C) / max_abs(C) + strain**2
+    made = (C, tensors[0], springs, masses, prestrain + 0.0, *flags, precision, off)
+    return MeasuredLattice(*made)
 
 
 def is_mechanism(C: Array) -> bool:

@@ -241,8 +241,8 @@ def _lattice_tables(lattice: LatticeReport) -> list[SheetTable]:
     mean, springs = lattice.mean, lattice.springs
     pairs = {"requested": lattice.requested, "nearest isotropic": (mean.E, mean.nu)}
     rows = [(name, *_pair(*pair), *_away(pair, lattice.requested)) for name, pair in pairs.items()]
-    solid = phrase("lattice of", **vars(mean), misfit=percent(lattice.misfit))
-    below = [solid]
+    shares = {name: percent(getattr(lattice, name)) for name in ("misfit", "error")}
+    below = [phrase("lattice of", **vars(mean), **shares)]
     if springs.misfit <= BAND:
         constants = ", ".join(f"{k:.5g}" for k in springs.constants if k)
         below.append(phrase("lattice springs", constants=constants, weight=springs.weight))

@@ -110,7 +110,7 @@ def constants_of(
     ------
     ProblemError
         If the constants are not one a kind, κ is given twice, a calibration is for another lattice,
-        spacing, thickness or isotropic material, or there are no constants by springs alone.
+        spacing, thickness or material, or there are no constants by springs alone.
     """
     if chosen is None:
         return np.array(default_constants(material, lattice)), volume
@@ -154,8 +154,7 @@ def _refuse_other_material(known: Calibration, lattice: Lattice, material: Mater
     """Raise `ProblemError` for a calibration that does not fit the body.
 
     Its lattice, number of constants and thickness must be the body's, in 3D also its spacing, and
-    its tensor must be that of an isotropic material. The tensor of an anisotropic material is not
-    compared.
+    its tensor must be the material's.
     """
     if isinstance(lattice, EdgeLattice):
         name, kinds, scales, unit = lattice.name, 1, False, 0.0
@@ -169,13 +168,18 @@ def _refuse_other_material(known: Calibration, lattice: Lattice, material: Mater
         mismatch = f"a spacing of {known.spacing:g} m, not {unit:g} m"
     elif abs(known.thickness - material.thickness) > ALIKE * material.thickness:
         mismatch = f"a thickness of {known.thickness:g} m, not {material.thickness:g} m"
-    elif isinstance(material, Isotropic) and not is_of_material(known.tensor, material):
+    elif is_of_material(known.tensor, material):
+        return
+    elif isinstance(material, Isotropic):
         mismatch = (
             f"E = {known.E:g} Pa and nu = {known.nu:g} of another state or size than the problem's "
             f"{material.E:g} and {material.nu:g} in {material.state}"
         )
     else:
-        return
+        raise ProblemError(
+            f"calibration: for E = {known.E:g} Pa and nu = {known.nu:g}, not the problem's tensor; "
+            "give spring constants of this tensor, such as (k1, k2), one a kind"
+        )
     raise ProblemError(f"calibration: for {mismatch}; calibrate the problem's own body")
 
 

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from msvalidate.problem import VOIGT, Array, Isotropic, Material, ProblemError
+from msvalidate.problem import VOIGT, Anisotropic, Array, Isotropic, Material, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
@@ -392,12 +392,14 @@ def is_same_tensor(tensor: Array, other: Array) -> bool:
     return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
 
 
-def is_of_material(tensor: Array, material: Isotropic) -> bool:
+def is_of_material(tensor: Array, material: Material) -> bool:
     """Return True if a tensor is that of a material, within `ALIKE`.
 
     It is in N/m in 2D, in Pa in 3D.
     """
     d = AXES_OF[len(tensor)]
+    if isinstance(material, Anisotropic):
+        return is_same_tensor(tensor, material.thickness * material.C)
     E, nu = axes_moduli(material, d, "tensor")
     return (d - 1) * nu < 1 and is_same_tensor(tensor, isotropic_tensor(d, E, nu))
 

@@ -20,6 +20,7 @@ from msvalidate.simulators.verdict.lattice import declared_cells, judge_lattice,
 from msvalidate.simulators.verdict.record import record_of
 from msvalidate.simulators.verdict.sheet import sheet_of
 from msvalidate.springs.network import internal_force, spring_network
+from msvalidate_check.text import percent
 from tests.msvalidate.simulators import position_based
 from tests.table import table
 from tests.test_command_line import run
@@ -250,3 +251,29 @@ def test_a_program_that_has_rest_alone_is_fitted():
     found, advice, _ = judged(rest)
     assert advice == "mend lattice ratio of constants"
     assert found.lattice.mean.zener == pytest.approx(4, rel=1e-2)
+
+
+def random_neighbours(rng):
+    """Springs between neighbours at three distances, and the tensor of an endless lattice."""
+    law, k = PLATE, PLATE.E * rng.uniform(0.3, 1.0, 3)
+
+    def springs_of(request):
+        X = request.mesh.points
+        distance = np.linalg.norm(X[:, None] - X[None], axis=2)
+        distance /= distance[distance > 0].min()
+        ends = np.argwhere(np.triu((distance > 0) & (distance < 2.1)))
+        number = np.searchsorted((1.2, 1.7), distance[tuple(ends.T)])
+        return ends, law.thickness * k[number]
+
+    diagonal = k[0] + k[1] + 4 * k[2]
+    return springs_of, np.array([[diagonal, k[1], 0], [k[1], diagonal, 0], [0, 0, k[1]]])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_error_of_a_measured_tensor_covers(seed):
+    springs_of, C = random_neighbours(np.random.default_rng(seed))
+    found, _, sheet = judged(static(springs_of), "points", parts=("probe",))
+    true = np.abs(found.lattice.C - C).max() / C.max()
+    assert found.lattice.error == found.lattice.steps.error
+    assert true <= found.lattice.error < 0.2
+    assert f"its tensor known to {percent(found.lattice.error)}" in sheet.tables[0].below[0]

@@ -127,6 +127,14 @@ def test_nonlinear_elements_are_the_remedy_of_a_beam_that_bends_far():
         replace(case, linear_theory="mine")
 
 
+def test_a_remedy_names_fracture_only_if_springs_break():
+    case = slender(1e6, (1e3, 0.0), nu=0.25)
+    for torn in (None, Fracture(10.0)):
+        sentences = [e.sentence for e in compare_case(replace(case, fracture=torn)).limitations]
+        assert any("Linear theory is out of its range" in each for each in sentences)
+        assert any("without [fracture]" in each for each in sentences) == (torn is not None)
+
+
 def test_every_sentence_has_its_words():
     for kind, words in WORDS.items():
         one = Limitation(kind, 0.3, 0.1, 0.27, "detail")

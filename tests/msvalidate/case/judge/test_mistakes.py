@@ -16,6 +16,7 @@ from msvalidate.case.judge import judgement
 from msvalidate.case.judge.judgement import judge_result
 from msvalidate.case.judge.mistake_fields import known_mistakes
 from msvalidate.case.judge.results import Result
+from msvalidate.case.report.headline import recommend_for_field
 from msvalidate.case.report.page import judged_sentences
 from msvalidate.problem import Polygon, Traction, Weight, prescribed_displacements
 from msvalidate.problem.records import replace
@@ -173,6 +174,15 @@ class Bench:
         return self.solved(replace(self.problem, loads=tuple(loads)))
 
 
+def reversed_load(b, number):
+    """Elasticity with one load in the opposite direction."""
+    loads = list(b.problem.loads)
+    name = "acceleration" if isinstance(loads[number], Weight) else "traction"
+    value = tuple(-x for x in getattr(loads[number], name))
+    loads[number] = replace(loads[number], **{name: value})
+    return b.solved(replace(b.problem, loads=tuple(loads)))
+
+
 MISTAKES = {
     "whole boundary springs": Bench.whole,
     "k2 = 2 k1": lambda b: b.springs((b.made.constants[0], 2 * b.made.constants[0])),
@@ -242,6 +252,53 @@ def test_the_true_cause_is_among_those_reported(body, monkeypatch):
         if changed and not kinds & reported:
             missing[mistake] = reported
     assert not missing
+
+
+@table(("body", "number", "words"), [
+    ("column", 0, "the weight acts in the opposite direction"),
+    ("cantilever", 0, "load 1 of the case acts in the opposite direction"),
+])  # fmt: skip
+def test_a_load_of_the_wrong_sign_is_named_first(body, number, words, monkeypatch):
+    b = bench(body)
+    first = judged(monkeypatch, b, reversed_load(b, number)).verdict.causes[0]
+    assert words in first.said
+
+
+def test_a_load_that_is_reversed_or_absent_beside_another_is_named():
+    b = bench("column")
+    box = b.problem.domain
+    pull = Traction(box.side("top"), (3.0, 0.0))
+    case = replace(b.case, problem=replace(b.problem, loads=(pull, *b.problem.loads)))
+    other = replace(b.problem.loads[0], acceleration=(0.0, 9.81))
+    body = box_discretisation(box, (4, 12), "Q2")
+    for loads, words in [
+        ((pull, other), "the weight acts in the opposite direction"),
+        ((pull,), "the weight does not act"),
+        (b.problem.loads, "load 1 of the case does not act"),
+    ]:
+        u = solve_problem(replace(case.problem, loads=loads), body).at(b.places)
+        found = judge_result(case, Result("field", u, b.places, None, math.nan, 1e-9))
+        assert words in recommend_for_field(found)
+
+
+def test_fitted_constants_are_no_rivals_of_a_mesh_that_fits(monkeypatch):
+    b = bench("block")
+    h = b.made.spacing
+    for field, first in [
+        (b.elements(2, simplex=False), "coarse mesh"),
+        (b.springs([k / h for k in b.made.constants]), "coarse springs and k without h"),
+    ]:
+        causes = judged(monkeypatch, b, field).verdict.causes
+        assert causes[0].name == first
+        assert "k alike" not in set().union(*(each.kinds for each in causes))
+
+
+def test_nothing_is_missing_of_a_field_that_states_to_be_converged(monkeypatch):
+    b = bench("cantilever")
+    monkeypatch.setattr(judgement, "converge_case", lambda *_: b.reference)
+    for rest, named in ((math.nan, True), (0.0, False)):
+        found = judge_result(b.case, Result("field", b.unfinished(), b.places, None, rest, 1e-9))
+        assert ("not converged" in {each.kind for each in found.verdict.causes}) == named
 
 
 FACTOR = 0.02

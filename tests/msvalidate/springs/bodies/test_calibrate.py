@@ -207,6 +207,15 @@ def test_a_calibration_of_something_else_is_refused(other, said):
         lattice_network(problem, grid, other)
 
 
+def test_a_calibration_is_for_the_tensor_of_an_anisotropic_material_alone():
+    box = Box((1.0, 1.0))
+    made, held = calibrate(1.0, 1 / 3, SHEET), (Support(box.side("left"), (0.0, 0.0)),)
+    lattice_network(Problem(box, Anisotropic(made.tensor), held), SHEET, made)
+    other = Problem(box, Anisotropic(np.diag([1.0, 4.0, 1.0])), held)
+    with pytest.raises(ProblemError, match="not the problem's tensor; give spring constants"):
+        lattice_network(other, SHEET, made)
+
+
 def test_a_calibration_is_not_for_a_material_that_keeps_its_volume():
     # Plane strain of nu = 1/2 is a plane ratio of 1: no finite tensor to compare with.
     box = Box((1.0, 1.0))

@@ -13,6 +13,7 @@ from msvalidate.problem import (
     Isotropic,
     Obstacle,
     Problem,
+    ProblemError,
     Region,
     SolverError,
     Support,
@@ -54,6 +55,13 @@ def densely(network, touching):
     gap = one.obstacle.gap(x, one.depth) + N[free].T @ begun
     L = np.linalg.cholesky((C + C.T) / 2)
     return nnls(L.T, -np.linalg.solve(L, gap))[0]
+
+
+def test_an_obstacle_of_other_axes_names_that_of_the_body():
+    with pytest.raises(ProblemError, match="give 3 numbers; for a body in 2D take a disc"):
+        Obstacle("ball", (0.5, 1.0), (0.0, -1.0), 0.3)
+    with pytest.raises(ProblemError, match="give 2 numbers; for a body in 3D take a paraboloid"):
+        Obstacle("parabola", (0.5, 1.0, 0.0), (0.0, -1.0, 0.0), 0.3)
 
 
 @pytest.mark.parametrize("loads", [(), (Traction(BOX.side("right"), (1e3, -2e3)),)])
