@@ -139,6 +139,11 @@ class Segment:
     ----------
     start, end
         Coordinates (m) of its ends, two each.
+
+    Raises
+    ------
+    ProblemError
+        If an end is not a tuple of two finite coordinates, or both ends are the same.
     """
 
     start: tuple[float, float]
@@ -195,6 +200,11 @@ class Boundary:
     places
         Nodes (m) of each facet, shape (f, k, d): corners, mid-side nodes, centre node. They run
         counter-clockwise as seen from outside; in 2D the body is on the left.
+
+    Raises
+    ------
+    ProblemError
+        If `places` has no facet, another shape or a value that is not finite.
     """
 
     name: str
