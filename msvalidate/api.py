@@ -100,8 +100,8 @@ def build(
     cells, spacing
         Number of cells across the narrowest side, or the cell size (m); see `Case`.
     route, constants
-        "springs", "volume energy" or "neo-Hookean"; default: springs alone if they suffice. Or
-        spring constants (N/m) per kind.
+        "springs", "volume energy" or "neo-Hookean"; default: springs alone if they suffice,
+        otherwise with a volume energy. Or spring constants per kind (N/m; Pa for 3D mesh edges).
 
     Returns
     -------

@@ -82,7 +82,11 @@ def _find_folded(kind: Shape, places: Array, frame: Array, halvings: int) -> Mas
 
 
 def _split_part(kind: Shape, frame: Array) -> tuple[Array, Array]:
-    """Both halves of a part of the unit cell, the axis that was cut last in each."""
+    """Bisect a part of the unit cell along its first axis.
+
+    Frames have shape (d + 1, d), as in `_find_folded`. The axis that was cut becomes the last one
+    of both halves.
+    """
     middle = frame[:2].mean(axis=0)
     if kind.simplex:
         first, second = (np.vstack([frame[i], frame[2:], middle]) for i in (0, 1))

@@ -115,12 +115,18 @@ def _real_array(name: str, values: Any) -> np.ndarray:
 
 
 def numbers(name: str, values: Any) -> Array:
-    """Return a copy of `values` as floats, which may include infinities and NaN."""
+    """Return a copy of `values` as floats; infinities and NaN are allowed.
+
+    Raises `ProblemError` for Booleans, complex numbers, text, masked arrays and units.
+    """
     return np.array(_real_array(name, values), dtype=float, order="C")
 
 
 def finite(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
-    """Return `values` as a read-only float array of its own, `shaped` where sizes are given."""
+    """Return a read-only copy of `values` as finite floats.
+
+    Raises `ProblemError` as `numbers`, for infinities and NaN, and for a shape other than `sizes`.
+    """
     array = numbers(name, values)
     if sizes:
         shaped(name, array, *sizes, need=need)
@@ -130,7 +136,10 @@ def finite(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
 
 
 def integers(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Index:
-    """Return a copy of `values` as integers, of the required shape if sizes are given."""
+    """Return a copy of `values` as integers.
+
+    Raises `ProblemError` for values that are not whole numbers, and for a shape other than `sizes`.
+    """
     given = _real_array(name, values)
     if sizes:
         shaped(name, given, *sizes, need=need)
@@ -142,9 +151,10 @@ def integers(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Inde
 
 
 def boolean_mask(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
-    """Return `values` as a Boolean array of a shape.
+    """Return a copy of `values` as a Boolean array.
 
-    They may be True and False, or 1 and 0.
+    The values may be True and False, or 1 and 0. Raises `ProblemError` for other values, and if
+    their shape is not `shape`.
     """
     given = _plain_array(name, values)
     told = given.dtype.kind in "iuf" and np.isin(given, (0, 1)).all()
@@ -156,7 +166,11 @@ def boolean_mask(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
 def indices(
     name: str, values: ArrayLike, count: int, *sizes: Size, need: str = "", what: str = "points"
 ) -> Index:
-    """Return numbers of some of `count` points, or of `what`, from 0, as `integers` does."""
+    """Return `values` as indices from 0, each below `count`.
+
+    Raises `ProblemError` as `integers`, and for an index out of range; `what` is the name of the
+    things that are counted.
+    """
     array = integers(name, values, *sizes, need=need)
     if array.size and (array.min() < 0 or array.max() >= count):
         ends = f"{what} {array.min()} to {array.max()}"
@@ -165,7 +179,10 @@ def indices(
 
 
 def finite_coordinates(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
-    """Return places or displacements (m) as `finite` does, none beyond `LONGEST`."""
+    """Return places or displacements (m) as `finite` does, none beyond `LONGEST`.
+
+    Raises `ProblemError` as `finite`, and for a value beyond `LONGEST`.
+    """
     array = finite(name, values, *sizes, need=need)
     remedy = f"take a unit in which nothing is beyond {LONGEST:g} m"
     _refuse(name, array, np.abs(array) > LONGEST, remedy)
@@ -230,9 +247,10 @@ def length_in_metres(name: str, value: float) -> float:
 
 
 def refuse_far_off(name: str, points: Array) -> None:
-    """Raise `ProblemError` for a body of zero size, or too far from the origin.
+    """Raise `ProblemError` for a body without size, or far from the origin.
 
-    The points are (n, d) in m.
+    The points are (n, d) in m. The longest side must pass `length_in_metres`. The distance from the
+    origin may be about 1e6 such sides, where rounding of coordinates is a quarter of `PLACEMENT`.
     """
     size, away = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
     length_in_metres(f"{name}: its longest side", size)
@@ -294,7 +312,11 @@ def whole_number(name: str, value: object, least: int, most: int = MOST_COUNTED)
 
 
 def cell_counts(name: str, cells: object, axes: int = 2) -> tuple[int, ...]:
-    """Return the number of cells along each axis; one integer applies to all axes."""
+    """Return the number of cells along each axis, each at least 1.
+
+    One integer applies to all axes; a tuple or list has one for each. Raises `ProblemError` for
+    anything else.
+    """
     each = cells if isinstance(cells, tuple | list) else (cells,) * axes
     if len(each) != axes:
         need = f"give one or {'two' if axes == 2 else 'three'} whole numbers, 1 or more"

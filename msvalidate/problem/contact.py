@@ -57,6 +57,12 @@ class Obstacle:
         Direction of its motion into the body, of any length.
     radius
         Radius of curvature (m) at the foremost point; None for a half-space.
+
+    Raises
+    ------
+    ProblemError
+        If the shape is unknown, `at` and `towards` do not have one finite number per axis,
+        `towards` is zero, or the radius is not positive, missing, or given for a half-space.
     """
 
     shape: str
@@ -94,7 +100,10 @@ class Obstacle:
 
     @property
     def is_round(self) -> bool:
-        """True if the normal varies along the surface of the obstacle."""
+        """True for a disc or ball, whose normal varies along the surface.
+
+        The gap and force of all other shapes act along `axis`.
+        """
         return self.shape in {"disc", "ball"}
 
     def gap(self, points: Array, depth: float = 0.0) -> Array:
@@ -160,7 +169,13 @@ class Contact:
     force
         Force (N, over the whole thickness) along its direction instead of a depth, or None.
     friction
-        Coefficient of friction in motions; static contact is frictionless.
+        Coefficient of friction in motions, >= 0; static contact is frictionless.
+
+    Raises
+    ------
+    ProblemError
+        If the region is no part of a side, region and obstacle differ in dimension, depth and force
+        are both given, the force is not positive, or another value is out of range.
     """
 
     region: Part

@@ -211,7 +211,7 @@ def as_tuple(value: Any) -> Any:
 
 
 def check_region(name: str, region: object) -> None:
-    """Raise `ProblemError` unless it is a part of a body."""
+    """Raise `ProblemError` unless a region is a `Region`, `Segment` or `Boundary`."""
     if not isinstance(region, Part):
         raise ProblemError(
             f"{name}: region {format_value(region)}; give a Region, such as box.side('left'), a "

@@ -294,7 +294,10 @@ class Mesh:
         object.__setattr__(self, what, found)
 
     def _checked_cells(self, name: object, numbers: Index) -> Index:
-        """Numbers of a zone's cells, each once and rising."""
+        """Numbers (z,) of a zone's cells, each once and rising.
+
+        Raises `ProblemError` for a missing cell, an empty zone or a name that is none.
+        """
         said = f"mesh zone {format_value(name)}"
         check_name("mesh zone", name)
         need = "give numbers (z,) of its cells"
@@ -302,7 +305,11 @@ class Mesh:
         return np.unique(cells)
 
     def _checked(self, name: object, numbers: Index) -> Index:
-        """Facets of a boundary, each once, as the surface lists them."""
+        """Facets (f, k) of a boundary, each once.
+
+        Nodes are in the order of the surface. Raises `ProblemError` for a facet off the surface, an
+        empty boundary or a name that is none.
+        """
         said = f"mesh boundary {format_value(name)}"
         check_name("mesh boundary", name)
         k = self.surface.shape[1]

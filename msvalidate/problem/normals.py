@@ -22,7 +22,10 @@ FLAT = 1e-9
 CANDIDATES = 6
 """Facets whose middles are nearest to a place, of which one is the nearest."""
 MISSED = 1e-2
-"""Relative distance of a point from a facet, beyond which other facets are searched."""
+"""Distance from the nearest candidate beyond which all facets are searched.
+
+It is relative to the largest distance of that facet's nodes from their mean.
+"""
 
 
 def pressure(region: Part, domain: Domain, value: float) -> Traction:

@@ -205,6 +205,11 @@ class Boundary:
     places
         Nodes (m) of each facet, shape (f, k, d): corners, mid-side nodes, centre node. They run
         counter-clockwise as seen from outside; in 2D the body is on the left.
+
+    Raises
+    ------
+    ProblemError
+        If `places` has no facet, another shape or a value that is not finite.
     """
 
     name: str

@@ -206,7 +206,9 @@ class Problem:
     def refuse_slight_force(self) -> None:
         """Raise `ProblemError` if rounding of gaps hides what an obstacle's force indents.
 
-        Of problems without an answer: near the surface smaller forces have one.
+        The indentation is estimated from the largest modulus and compared with 1e-8 of the body's
+        length. Solvers call it only after a failure: an obstacle that starts near the surface may
+        have a solution for a smaller force.
         """
         length = float(np.ptp(self.domain.span, axis=1).max())
         side = length if self.domain.dim == 3 else self.material.thickness

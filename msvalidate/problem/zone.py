@@ -98,6 +98,11 @@ class CellSet:
         Nodes (m) of the cells, shape (c, k, d).
     rim
         Nodes (m) of the facets that belong to only one of these cells, shape (f, k, d).
+
+    Raises
+    ------
+    ProblemError
+        If the shape is unknown, there is no cell, or an array does not fit the shape.
     """
 
     name: str

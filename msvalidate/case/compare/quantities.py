@@ -211,7 +211,7 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
         found, wanted, uncertainties = found[known], wanted[known], uncertainties[known]
     difference, uncertainty = mean(found - wanted) / size, mean(uncertainties[:, None]) / size
     places = "inner points" if isinstance(springs.lattice, PatternLattice) else "points"
-    name = f"rms stress at {len(found)} of {len(known)} {places}"
+    name = f"stress at {len(found)} of {len(known)} {places}"
     sizes, band = (mean(found), mean(wanted)), STRESS_BAND * case.band
     return [Difference(name, "Pa", *sizes, difference, uncertainty, band, of=POINT_STRESS)]
 

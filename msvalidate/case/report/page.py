@@ -92,6 +92,7 @@ def quantity_summary(case: Case, rows: Sequence[Difference], candidate: str) -> 
         values = (_number(value / size) for value in (row.found, row.wanted))
         error = part_text(row.error, row.uncertainty)
         name = LARGEST if row.quantity == DISPLACEMENT else row.quantity
+        name = f"rms {name}" if row.of == POINT_STRESS else name
         name += f" ({unit})" if unit else ""
         texts.append((name, *values, error, percent(row.uncertainty), row.word))
     heads = ("quantity", candidate, "elasticity", "difference", "uncertainty", "verdict")

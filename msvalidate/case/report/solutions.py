@@ -206,7 +206,10 @@ class ElementSolution(Result):
 
     @property
     def energy(self) -> float:
-        """Strain energy (J) by linear theory."""
+        """Strain energy (J) by linear theory.
+
+        Raises `ProblemError` if the geometry is "nonlinear".
+        """
         self._refuse_nonlinear("energy")
         return float(self.reference.energy.value[0])
 
@@ -215,7 +218,7 @@ class ElementSolution(Result):
         """Stress (p, 3) or (p, 6) in Pa at the points by linear theory.
 
         It is in Voigt notation, and has no limit at re-entrant corners. ``reference.stress`` has
-        its uncertainties.
+        its uncertainties. Raises `ProblemError` if the geometry is "nonlinear".
         """
         self._refuse_nonlinear("stress")
         return self.reference.stress(self.points)[0]

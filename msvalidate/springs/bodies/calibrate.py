@@ -91,9 +91,9 @@ def calibrate(
     Returns
     -------
     Calibration
-        Spring constants (N/m, thickness included), one per kind of spring; stiffness κ of the
-        volume energy (N/m in 2D, Pa in 3D); and the homogenised tensor. For a body, ``body`` states
-        the error under uniform tension.
+        Spring constants (N/m, thickness included; Pa for 3D mesh edges), one per kind of spring;
+        stiffness κ of the volume energy (N/m in 2D, Pa in 3D); and the homogenised tensor. For a
+        body, ``body`` states the error under uniform tension.
 
     Raises
     ------

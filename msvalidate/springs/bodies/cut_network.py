@@ -149,7 +149,11 @@ def cut_network(
 
 
 def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
-    """Return a function that selects the points that a support fixes."""
+    """Return a function that selects the points that a support fixes.
+
+    The function takes a `Support` and returns a mask (n,). It raises `ProblemError` if no lattice
+    line runs along a support across an axis, or if the region is no part of the body.
+    """
 
     def fixed_mask(support: Support) -> Mask:
         region = support.region

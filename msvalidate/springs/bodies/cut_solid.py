@@ -114,7 +114,11 @@ def traction_on_solid(load: Traction, lattice: CutLattice) -> Array:
 
 
 def _facets(part: Part, domain: Domain) -> Array:
-    """Facets (f, k, 3) in m of a part of a solid's surface; of a box, one of its plane parts."""
+    """Facets (f, k, 3) in m of part of a surface.
+
+    Their nodes run counter-clockwise as seen from outside. A part of a box is one rectangle. Raises
+    `ProblemError` as `Mesh.part` or `corners_of`.
+    """
     if isinstance(part, Boundary):
         return part.places
     if isinstance(domain, Mesh):

@@ -32,13 +32,20 @@ def meshed_geometry(file: Path, size: float | None = None) -> Iterator[Path]:
     The body is named "body". The faces of a solid are named "face 1", "face 2" and so on; the edges
     of plane faces are named "edge 1", "edge 2" and so on.
 
-    Parameters ---------- file     A .step or .stp file of a solid or of faces in one plane, or an
-    .stl file of a closed surface. size     Largest size of the cells, in the file's unit of length.
-    The default is 1/25 of the body's     diagonal. Cells are smaller at curved surfaces, with or
-    without a size.
+    Parameters
+    ----------
+    file
+        A .step or .stp file of a solid or of faces in one plane, or an .stl file of a closed
+        surface.
+    size
+        Largest size of the cells, in the file's unit of length. Default: 1/25 of the body's
+        diagonal. Cells are smaller at curved surfaces, with or without a size.
 
-    Raises ------ ProblemError     If gmsh is not installed, refuses the file, or makes no mesh of
-    it within `LIMIT` seconds and     `MEMORY` bytes.
+    Raises
+    ------
+    ProblemError
+        If gmsh is not installed, refuses the file, or makes no mesh of it within `LIMIT` seconds
+        and `MEMORY` bytes.
     """
     message = f"mesh file {format_value(file.name)}"
     with tempfile.TemporaryDirectory() as name:

@@ -79,7 +79,8 @@ def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) ->
     unit
         Length (m) of the unit of the file's coordinates: 1e-3 for mm.
     cell
-        Size (m) of the cells that are generated for STEP and STL files.
+        Largest size (m) of the cells that are generated for STEP and STL files. Default: 1/25 of
+        the body's diagonal. Files with cells of their own must be read without it.
 
     Returns
     -------
@@ -90,7 +91,8 @@ def read_mesh(path: str | Path, unit: float = 1.0, cell: float | None = None) ->
     ------
     ProblemError
         If the file is missing, unreadable, incomplete or of another format, its cells are of
-        several or of unsupported kinds, or they form no valid `Mesh`.
+        several or of unsupported kinds, or they form no valid `Mesh`; if a STEP or STL file cannot
+        be meshed, or gmsh is not installed; or if `unit` or `cell` is out of its range.
 
     Examples
     --------

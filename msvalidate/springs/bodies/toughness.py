@@ -46,7 +46,10 @@ CELLS = 6
 ISOTROPIC = 1e-6
 """Largest deviation of the Zener ratio from 1 for isotropic crack fields."""
 AT_MOST = 1e12
-"""Stress intensity up to which is raised: always beyond what is needed."""
+"""Maximum stress intensity of the load path, always beyond that of growth.
+
+The spacing and the largest spring constant are 1 there.
+"""
 
 
 @dataclass(frozen=True, eq=False)

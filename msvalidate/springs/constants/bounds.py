@@ -267,7 +267,11 @@ def _window(network: _Network, inside: Index) -> Iterator[_Window]:
 
 
 def _uniform_stress(x: Array, facets: Index) -> tuple[float, Array]:
-    """Volume within facets, and the forces (n·d, v) of a unit of each component of stress."""
+    """Volume within facets, and forces (n·d, v) due to unit stress components.
+
+    The volume is in m² or m³, and the forces per unit of stress in m or m². The corners of a facet
+    have equal parts of its force.
+    """
     d = x.shape[1]
     area = np.zeros(x.shape)
     np.add.at(area, facets, area_vectors(x[facets])[1].sum(axis=1, keepdims=True) / d)

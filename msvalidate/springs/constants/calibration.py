@@ -54,7 +54,8 @@ class Calibration(ReadOnly):
     Parameters
     ----------
     constants
-        Constants of the central springs (N/m, thickness included), one per kind.
+        Constants of the central springs (N/m, thickness included; Pa for 3D mesh edges), one per
+        kind.
     volume
         Stiffness κ of the volume energy of a cell (N/m with the thickness in 2D, Pa in 3D), the
         same for any cell size; 0 without one. With pressure in the cells it is λ.

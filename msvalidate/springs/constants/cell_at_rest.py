@@ -145,10 +145,11 @@ def relax_cell(
 
 
 def elongations(n: int, pairs: Index, normal: Array, turn: Array | None = None) -> csr_array:
-    """Elongations (m, n·d) of springs along directions (m, d) by motions of a cell's points.
+    """Sparse matrix (m, n·d) from motions of points to spring elongations.
 
-    Of periodic motions, or of waves that turn by factors (m,) on the way to the second point: none
-    of a spring to its own image that does not turn.
+    `pairs` (m, 2) are the points of the springs, `normal` (m, d) unit vectors along them. Motions
+    are periodic, or waves that turn by factors (m,) on the way to the second point. A spring to its
+    own image has no elongation unless the wave turns.
     """
     m, d = normal.shape
     column = pairs[:, :, None] * d + np.arange(d)
@@ -243,11 +244,11 @@ def _remedy(k: Array) -> str:
 
 
 def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
-    """By Cholesky's factor, or least squares; and the number of motions without stiffness.
+    """Relieving function by dense matrices, and the number of motions without stiffness.
 
-    Of least squares, where some motion may be without stiffness, rows are springs, the
-    stiff ones first: rounded by themselves, not by each other. Householder's method with columns
-    exchanged.
+    Cholesky's factor serves if every motion has stiffness. Otherwise least squares by Householder's
+    method with columns exchanged do: their rows are springs, the stiff ones first, so that each is
+    rounded by itself. The function takes elongations (m, v) to motions (f, v).
 
     Source: [GolubVanLoan2013], section 4.2, and [CoxHigham1998].
     """
@@ -274,7 +275,11 @@ def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
 
 
 def _solve_by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
-    """By a sparse factor of the stiffness."""
+    """Relieving function by a sparse factor of the stiffness.
+
+    Motions without stiffness are not counted. Raises `SolverError` if there is one, or if memory
+    does not suffice.
+    """
     K = stiffness_of(B, k)
     try:
         factor = factorise(K)
@@ -297,7 +302,9 @@ def _solve_by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
 
 
 def _solve_by_multigrid(B: csr_array, k: Array, dim: int) -> Relieve:
-    """By conjugate gradients for all strains at once, so that the stiffness is read once a step.
+    """Relieving function by conjugate gradients with multigrid, for all strains at once.
+
+    The stiffness is thus read once a step.
 
     Raises
     ------

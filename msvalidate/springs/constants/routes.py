@@ -104,7 +104,7 @@ def constants_of(
     material, lattice
         Of a body, or of a zone of it.
     chosen, volume
-        Spring constants (N/m) with κ, or a calibration, which has its own.
+        Spring constants (N/m; Pa for 3D mesh edges) with κ, or a calibration, which has its own.
 
     Raises
     ------
@@ -132,14 +132,15 @@ def constants_of(
 
 
 def default_constants(material: Material, lattice: Lattice) -> Constants:
-    """Spring constants (N/m) per kind of the lattice with the material's moduli.
+    """Spring constants, one per kind, that make a material by springs alone.
 
-    Springs alone suffice for it.
+    The constants are in N/m with the thickness, except in Pa for the edges of a 3D mesh. A lattice
+    of mesh edges has one constant, the Young's modulus of the axes.
 
     Raises
     ------
     ProblemError
-        If it cannot be, or the material is given as a tensor.
+        If springs alone cannot make the material, or the material is given as a tensor.
     """
     require_type("lattice", lattice, Lattice)
     if not isinstance(material, Isotropic):

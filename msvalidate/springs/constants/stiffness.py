@@ -231,7 +231,8 @@ def axes_moduli(material: Isotropic, dim: int, what: str) -> tuple[float, float]
 def lame(dim: int, E: float, nu: float) -> tuple[float, float]:
     """Lamé constants λ and μ from E and nu of d axes.
 
-    λ is infinite at nu = 1/(d - 1).
+    Both have the unit of E: N/m with the thickness in 2D, Pa in 3D. λ is infinite at
+    nu = 1/(d - 1).
 
     λ = E nu/((1 + nu)(1 - (d - 1) nu)), μ = E/(2(1 + nu)).
 

@@ -112,7 +112,8 @@ def constants_by_zone(
 ) -> tuple[Array, Array, Array, Array]:
     """Constants of springs and cells, and the density at points, by zone.
 
-    Spring constants are (m,) in N/m, κ and pressure (c,), the density (n,).
+    Spring constants are (m,) in N/m (Pa for 3D mesh edges), before the factors of the lattice; κ
+    and pressure are (c,), in N/m in 2D and Pa in 3D; the density is (n,) in kg/m³.
 
     Parameters
     ----------
@@ -267,7 +268,8 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
     Raises
     ------
     ProblemError
-        If a zone holds no part of a cell.
+        If a zone holds no part of a cell, or ends in cells that are cut to a solid that is no
+        prism along z.
     """
     places, count = lattice.points[lattice.cells], len(problem.materials)
     shape = STRAIGHT[places.shape[:0:-1]]
@@ -295,7 +297,12 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
 
 
 def _sampled_fractions(problem: Problem, lattice: Lattice, places: Array) -> Array:
-    """Fractions (c, materials) of the places (c, q, d) in m that are in the body."""
+    """Fractions (c, materials) of the sample places of cells.
+
+    Only the places (c, q, d) in m inside the body count. A cell without such a place takes the
+    material of the nearest one. Raises `ProblemError` for a lattice that is cut to a solid that is
+    no prism along z.
+    """
     count, flat = len(problem.materials), places.reshape(-1, places.shape[2])
     each = np.eye(count)[materials_at(problem, flat)]
     if isinstance(lattice, CutLattice):

@@ -49,7 +49,7 @@ class Damping:
     """A damping `rate` (1/s), F = -rate·m·v, and what it does; see `quickest_damping`.
 
     After `seconds` the distance from rest stays below `accuracy` of its start. `omega` (rad/s) is
-    the frequency of the slowest mode that makes more than `accuracy` of the way.
+    the lowest frequency up to which modes together make more than `accuracy` of the way.
     """
 
     rate: float

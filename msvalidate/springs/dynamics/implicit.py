@@ -26,7 +26,10 @@ from msvalidate.springs.network.inverse import elimination_order
 from msvalidate.springs.network.residual import out_of_balance_force
 
 MOST = 30
-"""Newton iterations of a step: with a fresh tangent each they converge quadratically, or not."""
+"""Maximum number of Newton iterations in one step.
+
+A fresh tangent is made only after a correction above `SLOW` times the one before.
+"""
 SLOW = 0.1
 """Ratio of two corrections that indicates an outdated tangent or rounding."""
 ROUNDED = 1e-9

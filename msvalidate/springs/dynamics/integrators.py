@@ -119,7 +119,7 @@ LEAPFROG = Integrator(
     undamped_motion=_verlet_motion,
     factors=_leapfrog,
 )
-"""Source: [Verlet1967]. Its undamped positions are velocity Verlet's."""
+"""Leapfrog scheme, with the undamped positions of velocity Verlet. Source: [Verlet1967]."""
 
 
 def _velocity_verlet(
@@ -156,7 +156,7 @@ VELOCITY_VERLET = Integrator(
     limit=_velocity_verlet_limit,
     undamped_motion=_verlet_motion,
 )
-"""Source: [Swope1982]."""
+"""Velocity Verlet scheme. Source: [Swope1982]."""
 
 
 def _runge_kutta(
@@ -174,9 +174,10 @@ def _runge_kutta(
 
 
 REAL_LIMIT = 2.785293563405282
-"""Stability limit of Runge-Kutta for overdamped motion.
+"""Largest stable time step of Runge-Kutta times a real decay rate.
 
-It is the positive root of 1 - z + z²/2 - z³/6 + z⁴/24 = 1.
+The limit is the positive root z of 1 - z + z²/2 - z³/6 + z⁴/24 = 1. The faster of the two decays of
+an overdamped mode decides.
 """
 
 
@@ -215,7 +216,7 @@ RUNGE_KUTTA = Integrator(
     evaluations=4,
     undamped_motion=_runge_kutta_motion,
 )
-"""Source: [Kutta1901]."""
+"""Classical Runge-Kutta scheme of order four. Source: [Kutta1901]."""
 
 
 def _average_acceleration(

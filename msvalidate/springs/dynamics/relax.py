@@ -176,7 +176,8 @@ def algorithm1(
     network
         Network with n points, whose supports prevent every rigid-body motion.
     dt
-        Time step (s). Default: 0.9 of the stability limit.
+        Time step (s). Default: 0.9 of the stability limit. A longer step than the limit gives a
+        warning.
     damping
         Rate (1/s) of mass-proportional damping, one number or shape (n,). Default: twice the lowest
         natural frequency, the critical damping of that mode.

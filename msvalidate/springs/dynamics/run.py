@@ -172,7 +172,11 @@ class Run:
 
     @cached_property
     def frequencies(self) -> tuple[float, float]:
-        """Lowest and highest natural frequency (rad/s) at the reference points."""
+        """Lowest and highest natural frequency (rad/s) at the reference points.
+
+        Frequencies that the caller gave are returned as they are. Raises `SolverError` if the
+        network is a mechanism or unstable there.
+        """
         if self._applied is not None:
             return self._applied
         network = self.network

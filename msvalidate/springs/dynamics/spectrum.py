@@ -214,7 +214,10 @@ def _rank(motions: Array) -> int:
 
 
 def _separate_rounding(network: Network, squares: Array, highest: float, zero: int) -> Array:
-    """Lowest squares, exact zeros for `zero` rigid motions, and none that is rounding.
+    """Lowest squared frequencies (count,) in 1/s², without values that are rounding.
+
+    The first `zero` of them, of rigid motions, become exact zeros. Raises `SolverError` if one of
+    these is too large for that, or if rounding hides a soft mode of a body with rigid motions.
 
     Eigenvalues are rounded by an eps of the highest. The energies of modes are not: they are summed
     spring by spring, and a mode's error counts by its square.

@@ -43,7 +43,8 @@ def viscous(
     scheme
         An integrator with one velocity a step: Euler-Cromer or leapfrog.
     dt
-        Time step (s); by default 0.9 of the stability limit for the network's highest frequency.
+        Time step (s); by default 0.9 of the stability limit for the network's frequencies. A longer
+        step than the limit gives a warning.
     damping
         Rate (1/s), one number or (n,): F = -damping·m·v. A viscosity c in N·s/m is c/m. By default
         twice the lowest frequency, which damps the slowest mode critically.

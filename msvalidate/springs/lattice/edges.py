@@ -209,9 +209,11 @@ def _cotangents(corners: Array, ends: Index, shape: Shape) -> Array:
 def _factors(springs: Index, which: Index, gifts: Array, *, positive: bool) -> Array:
     """Relative stiffness (m,) of springs: the sum of the contributions (e,) of cells.
 
-    If they must be `positive`, stiffnesses of zero or less are refused.
+    `which` (e,) are the springs of the contributions. If stiffnesses must be `positive`,
+    `ProblemError` is raised for one of zero or less.
 
-    What cells bring cancels at right angles: a rest of it is kept, as their parts are over the sum.
+    Contributions cancel at right angles. Magnitudes below `ROUNDING` of the contributions are
+    therefore raised to it, so that the parts of cells can be divided by the sum.
     """
     factor = np.bincount(which, gifts).astype(float)
     slack = np.flatnonzero(factor <= 0)

@@ -160,8 +160,9 @@ def cell_parts(
 
     The grid has `count` (3,) cells from 0, the surface triangles (t, 3, 3) in cells,
     counter-clockwise from outside. With the cells' indices come the part (c, 2, 2, 2) of a whole
-    cell that is each corner's, by steps along x, y and z; the least and largest part of any cell, 0
-    and 1 but for rounding unless the surface crosses itself; and what `are_enclosed` goes by.
+    cell that is each corner's, by steps along x, y and z; the least fraction inside any cell, or 0,
+    and the largest; and the crossings that `are_enclosed` takes. Unless the surface crosses itself,
+    these fractions lie between 0 and 1, up to rounding.
     """
     key, own, over, crossings = _surface_cells(corners, count)
     layer = int(count[1] * count[2])
@@ -182,7 +183,12 @@ def cell_parts(
 
 
 def _fill_columns(key: Index, parts: Array, over: Array, shape: tuple[int, int, int]) -> Array:
-    """Fractions (cells, 2, 2, 2) of a slab in each cell and below its surface."""
+    """Parts (cells, 2, 2, 2) of cells inside the surface, by corner.
+
+    The cells are those of a slab. `key` (s,) are the cells with pieces of the surface, `parts` (s,
+    2, 2, 2) the integrals under these in the cell, and `over` (s, 2, 2) those that count for all
+    cells below.
+    """
     above = np.zeros((shape[0] * shape[1] * shape[2], 2, 2))
     above[key] = over
     column = above.reshape(-1, shape[2], 2, 2)

@@ -83,7 +83,11 @@ def outline_gap(domain: Domain) -> float:
 
 
 def _rim(mesh: Mesh) -> Index:
-    """Nodes (f, 2 or 3) of the sides round the facets of a solid where z is least."""
+    """Nodes (f, 2 or 3) of the rim of a solid's base.
+
+    The base consists of the facets where z is least. Raises `ProblemError` if no facet lies flat
+    there.
+    """
     z = mesh.points[mesh.surface][..., 2]
     base = mesh.surface[(z <= mesh.span[2][0] + mesh.tolerance).all(axis=1)]
     if not len(base):

@@ -26,7 +26,7 @@ from msvalidate.problem.records import dataclass, field, replace
 from msvalidate.springs.lattice.ties import level_numbers
 
 Constants = tuple[float, ...]
-"""Spring constants (N/m), one for each kind of spring."""
+"""Spring constants (N/m; Pa for 3D mesh edges), one per kind."""
 SAME_DISTANCE = 1e-9
 """Distances closer than this fraction are one."""
 
@@ -160,7 +160,10 @@ class Pattern:
             )
 
     def _refuse_twins(self, name: str) -> None:
-        """A spring without length, or listed twice: from either end it would be the same."""
+        """Raise `ProblemError` for a spring without length, or one listed twice.
+
+        A spring that is listed from its other end counts as the same.
+        """
         if not np.linalg.norm(self.vectors, axis=1).all():
             raise ProblemError(f"{name}: a spring has no length; leave it out")
         there = np.column_stack([self.springs, self.image])

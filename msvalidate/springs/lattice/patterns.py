@@ -51,7 +51,10 @@ def square() -> Pattern:
 
 
 def square4() -> Pattern:
-    """Square lattice with four neighbours, what Voronoi cells make of it: no ratio, no shear."""
+    """Square lattice with four neighbours: Poisson's ratio 0, no shear stiffness.
+
+    The Voronoi cells of a square grid have these springs.
+    """
 
     def tensor(k: Constants) -> Array:
         return cubic_tensor(2, k[0], 0.0)
@@ -98,7 +101,7 @@ def honeycomb() -> Pattern:
 
 
 def cubic6() -> Pattern:
-    """Cubic lattice with six neighbours: no ratio, and it shears freely."""
+    """Cubic lattice with six neighbours: Poisson's ratio 0, no shear stiffness."""
 
     def tensor(k: Constants) -> Array:
         return cubic_tensor(3, k[0], 0.0)

@@ -141,7 +141,9 @@ def relative_volume(x: Array, cells: Index) -> Array:
 def stabilise_centres(centres: Array, flat: Array, beyond: Index, least: float) -> Array:
     """Replace the centres (c, d) of flat simplices by that of a neighbour.
 
-    Flat is a relative volume below `least`; the neighbour is the least flat one.
+    `flat` (c,) are relative volumes, of which those below `least` count as flat; `beyond`
+    (c, d + 1) are the neighbours, or -1. The neighbour is the one of largest relative volume;
+    without a neighbour a centre stays.
 
     Rounding puts the centre of a flat simplex anywhere; those of its neighbours are near it.
     """

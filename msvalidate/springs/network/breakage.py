@@ -70,7 +70,8 @@ class Breakage:
     Raises
     ------
     ProblemError
-        If springs are of another law, or beyond the critical stretch at rest.
+        If springs are of another law, the network has cells with a volume energy, the critical
+        stretch is not above 0, or a spring exceeds it at the reference positions.
     """
 
     def __init__(self, network: Network, critical_stretch: float) -> None:
@@ -93,7 +94,11 @@ class Breakage:
         return bool(beyond.any())
 
     def whole(self, network: Network) -> Network:
-        """A network of the same springs, under other loads maybe, without those that broke."""
+        """Return a network of the same springs without the broken ones.
+
+        Its loads and supports may be others. Raises `ProblemError` if its points, springs,
+        stiffnesses or rest lengths are others.
+        """
         if network is self._applied:
             return self.network
         for name in ("points", "springs", "stiffness", "rest_length"):

@@ -11,7 +11,10 @@ from msvalidate.springs.network.folds import is_shape_of_cells
 
 
 def check_springs(springs: ArrayLike, n: int) -> Index:
-    """Springs (m, 2) as pairs of different ones of n points."""
+    """Springs (m, 2) as pairs of different ones of n points.
+
+    Raises `ProblemError` if there is none, or a pair has a missing point or one point twice.
+    """
     pairs = integers("springs", springs, "m>0", 2, need="give whole numbers (m, 2)")
     _refuse_beyond("springs", pairs, n)
     own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
@@ -21,7 +24,10 @@ def check_springs(springs: ArrayLike, n: int) -> Index:
 
 
 def check_cells(numbers: ArrayLike, n: int, d: int) -> Index:
-    """Cells (c, corners) as numbers of n points in d axes."""
+    """Cells (c, corners) as numbers of n points in d axes, read-only.
+
+    Raises `ProblemError` if cells have another number of corners, or name a missing point.
+    """
     cells = integers("cells", numbers)
     if cells.ndim != 2 or not is_shape_of_cells(d, cells.shape[1]):
         raise ProblemError(

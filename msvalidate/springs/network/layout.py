@@ -185,7 +185,11 @@ def _group_springs(
 
 
 def _slots(low: Index, high: Index, first: Index) -> Index:
-    """Positions of springs by owner and other end; an owner's begin at `first`."""
+    """Positions (m,) of springs by owner and other end.
+
+    Owners `low` and other ends `high` are places (m,); the springs of an owner begin at its entry
+    of `first` (n + 1,).
+    """
     by_owner = np.lexsort((high, low))
     own = np.bincount(low, minlength=len(first) - 1)
     slots = np.empty(len(low), dtype=np.intp)

@@ -233,7 +233,10 @@ class Network:
 
     @cached_property
     def pull_at_rest(self) -> Array:
-        """Force over length (m,) in N/m at the reference positions, without rounding."""
+        """Tension over length (m,) in N/m at the reference positions.
+
+        Compression is negative. Values up to `AT_REST` of the axial stiffness are 0.
+        """
         pull = self.law.pull(self.coefficients, self.square)
         return np.where(np.abs(pull) > AT_REST * np.abs(self.axial_stiffness), pull, 0.0)
 

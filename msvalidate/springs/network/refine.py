@@ -38,9 +38,9 @@ SLOWEST = 0.9
 MOST_STEPS = 10
 
 Residual = Callable[[Array], Array]
-"""Force left (n, d) at a displacement (n, d), 0 where it is held."""
+"""Residual force (N) at a displacement (m), both (n, d); 0 where fixed."""
 Solve = Callable[[Array], Array]
-"""Displacement (n, d) that a factor gives for a force (n, d)."""
+"""Displacement (m) that a factor gives for a force (N), both (n, d)."""
 
 
 class InaccurateError(SolverError):

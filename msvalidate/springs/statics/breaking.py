@@ -268,9 +268,10 @@ class BreakingPath:
         return self.result(breaks, "breaks")
 
     def next(self) -> tuple[float, Index] | None:
-        """Factor at which springs break next, infinite where none is stretched, and which.
+        """Factor at which springs break next, and the numbers of these springs.
 
-        None where no spring bears anything.
+        The factor is infinite if no spring that can break is stretched, and may be below the
+        present one. None is returned if no spring bears anything.
         """
         e = np.where(self.stiffness > 0, self.elongation(self.unit), 0.0)
         self.largest = max(self.largest, float(np.abs(e).max()))

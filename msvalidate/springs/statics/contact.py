@@ -266,7 +266,11 @@ class _ContactPath:
         return np.asarray(x[self.points])
 
     def _reach(self) -> Array:
-        """Penetration (m) of each obstacle with prescribed depth; 0 for the others."""
+        """Penetration (obstacles,) in m at a prescribed depth; 0 at a force.
+
+        Raises `ProblemError` if a fixed point lies in an obstacle, or one with a prescribed depth
+        reaches no point.
+        """
         gap, normal = self._gaps()
         still = self._still(normal)
         if (gap[still] < 0).any():

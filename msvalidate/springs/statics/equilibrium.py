@@ -246,7 +246,7 @@ def _solve_nonlinear(
     By default loads and prescribed displacements rise together from the reference points; a path
     function prescribes them otherwise. From a start (`begun`) without a path, the loads act in full
     and the initial imbalance is reduced to zero. If the default path of a prestressed network
-    fails, its rest lengths are raised from the present lengths too.
+    fails, rest lengths change from the present lengths to their own along another path.
 
     Raises `SolverError` if no stable equilibrium is found at the full load.
     """

@@ -251,7 +251,11 @@ def _find_limit_point(path: LoadPath, solver: Solver, result: PathResult) -> flo
 def _point_between(
     path: LoadPath, solver: Solver, a: PathPoint, end: float, result: PathResult
 ) -> Arrival | None:
-    """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
+    """An equilibrium halfway from a to an end, or nearer to a.
+
+    The distance is halved until an equilibrium is found. None is returned if there is none down to
+    half of `RESOLVED` from a.
+    """
     t = end
     while True:
         t = (a.t + t) / 2

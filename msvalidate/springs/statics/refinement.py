@@ -32,11 +32,14 @@ from msvalidate.springs.network.stability import negative_modes
 from msvalidate.springs.statics.tangents import LARGEST_TURN
 
 SAME_TANGENT = 1e-3
-"""Relative change up to which a tangent keeps the signs of its pivots."""
+"""Relative change of spring vectors up to which pivots keep their signs."""
 FACTORS = 6
 """Tangents made at the most."""
 CONVERGED = 1e-13
-"""Error at which no other tangent is made."""
+"""Error up to which no other tangent is made.
+
+It is relative to the largest displacement.
+"""
 CYCLES_PART = 1e-4
 """Relative residual of a correction by conjugate gradients."""
 ROUNDINGS = 16.0
@@ -61,7 +64,8 @@ class _System:
     def residual(self, u: Array, network: Network | None = None) -> Array:
         """Residual force (n, d) in N on the free components.
 
-        The displacement is (n, d) in m.
+        The displacement is (n, d) in m. A second `network` has other springs and cells, while the
+        loads remain those of the first.
         """
         network = network or self.network
         if not self.linear:

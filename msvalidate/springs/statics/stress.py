@@ -275,7 +275,10 @@ def _nearest_points(points: Array, places: Array, count: int) -> list[Index]:
 
 
 def interior_points(lattice: CutLattice) -> Mask:
-    """Points (n,) of a cut lattice all of whose cells lie inside the body."""
+    """Mask (n,) of points with all their cells inside the body.
+
+    Raises `ProblemError` unless the lattice is a `CutLattice`.
+    """
     require_type("lattice", lattice, CutLattice)
     good = np.ones(len(lattice.points), dtype=bool)
     good[lattice.cells[lattice.fraction < 1 - 1e-9]] = False

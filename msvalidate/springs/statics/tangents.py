@@ -39,7 +39,8 @@ class Tangent:
     def is_stable(self) -> bool:
         """Return True if the tangent is positive definite.
 
-        The signs of the pivots decide where they are no rounding.
+        The signs of the pivots decide where they are no rounding. Raises `SolverError` as
+        `negative_modes` if the signs remain unknown.
         """
         return self.factorised is None or negative_modes(self.factorised) == 0
 

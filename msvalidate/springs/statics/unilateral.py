@@ -25,7 +25,10 @@ The iteration stops at either; the tolerance is relative to the depth.
 ROUNDING = float(np.finfo(float).eps)
 """Relative rounding of the largest gap, which hides a small depth."""
 APPLICATIONS = 2000
-"""Maximum number of products with C; 30 to 60 are usual."""
+"""Maximum number of iterations, each with one or two products with C.
+
+Usually 30 to 60 products suffice.
+"""
 
 
 @dataclass(eq=False)
@@ -102,7 +105,11 @@ class Unilateral:
         return self.gap + (self.follow(change) if change.any() else 0.0)
 
     def _begin(self, free: Array) -> Array:
-        """Forces (c,) to begin with: those there are, or the best in proportion to the depth."""
+        """Forces (c,) in N to begin with.
+
+        Forces of an earlier solution are scaled to the prescribed ones. Otherwise they are in
+        proportion to the depth, or alike for an obstacle of prescribed force, with the best factor.
+        """
         if self.start.any():
             return self._scaled(self.start)
         deep = np.maximum(-free, 0.0)

@@ -152,7 +152,10 @@ class Volumes:
 
     @property
     def slope(self) -> Array:
-        """First derivatives U'(1) (c,) of the cells' energy at rest: minus their pressure."""
+        """First derivatives U'(1) (c,) of the cells' energy: minus their pressure.
+
+        The derivatives are in the units of κ.
+        """
         return self.law.at_rest(*self.coefficients)
 
     @property
@@ -202,7 +205,8 @@ def dilatation(volumes: Volumes, displacement: Array, *, linear: bool = False) -
 def energy(volumes: Volumes, displacement: Array) -> float:
     """Energy (J) that the cells store under a displacement (n, d) in m.
 
-    Less what is linear in it: the work of the forces at rest.
+    Less what is linear in it: the work of the forces at rest. Raises `SolverError` if a cell has no
+    volume left and its law forbids that.
     """
     j, slope = _grown(volumes, displacement), volumes.slope
     stored = volumes.law.work(*volumes.coefficients, j)
@@ -235,7 +239,7 @@ def tension_virial(volumes: Volumes, displacement: Array) -> Array:
 def force(volumes: Volumes, displacement: Array) -> Array:
     """Force (n, d) in N of the cells on the points, less that at rest.
 
-    The displacement is (n, d) in m.
+    The displacement is (n, d) in m. Raises `SolverError` as `energy`.
     """
     u, X = _checked_moves("displacement", volumes, displacement), volumes.corners
     x = X + u
@@ -248,7 +252,11 @@ def force(volumes: Volumes, displacement: Array) -> Array:
 
 
 def force_change(volumes: Volumes, displacement: Array, motion: Array) -> Array:
-    """First-order change (n, d) in N of `force` by a motion (n, d) in m."""
+    """First-order change (n, d) in N of `force` by a motion.
+
+    The motion and the displacement at which it begins are (n, d) in m. Raises `SolverError` as
+    `energy`.
+    """
     w, x = _checked_moves("motion", volumes, motion), _displaced(volumes, displacement)
     k, d = volumes.cells.shape[1], volumes.dim
     g = _gradient(volumes, x, x)
@@ -262,7 +270,10 @@ def force_change(volumes: Volumes, displacement: Array, motion: Array) -> Array:
 
 
 def force_magnitudes(volumes: Volumes, displacement: Array) -> Array:
-    """Sum (n,) of the magnitudes of the forces (N) that cells exert on each point."""
+    """Sum (n,) of force magnitudes (N) of cells per point.
+
+    The displacement is (n, d) in m. Raises `SolverError` as `energy`.
+    """
     x = _displaced(volumes, displacement)
     slope, _ = _slopes(volumes, displacement)
     size = np.linalg.norm(slope[:, None, None] * _gradient(volumes, x, x), axis=2)
@@ -293,6 +304,8 @@ def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
 
 def tangent_entries(volumes: Volumes, displacement: Array) -> Callable[[int, int], Array]:
     """Function of two axes that returns tangent entries (c, k, k) in N/m.
+
+    The displacement is (n, d) in m. Raises `SolverError` as `energy`.
 
     A cell's is (U''/V0) g gᵀ + U' H, with V's gradient g and its second derivatives H: of a
     determinant ∂²/∂p_a∂q_b = ε_abc r_c, and so on round.
@@ -379,7 +392,10 @@ def _by_parts(work: Callable[..., Array], *arrays: Array) -> Array:
 
 
 def _grown(volumes: Volumes, displacement: Array) -> Array:
-    """`dilatation`, of cells that their law allows to have so much less volume."""
+    """Compute `dilatation` (c,) and check that the law allows it.
+
+    Raises `SolverError` if a cell of a law with a barrier has no volume left.
+    """
     j = dilatation(volumes, displacement)
     if volumes.law.barrier and not j.min() > -1:
         cell = int(j.argmin())
