@@ -133,7 +133,7 @@ class Region:
 
 @dataclass(frozen=True)
 class Segment:
-    """Straight line segment between two points of a 2D body, such as a side of a polygon.
+    """Straight line segment in a 2D body, such as a side of a polygon.
 
     Parameters
     ----------

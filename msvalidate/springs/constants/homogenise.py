@@ -75,17 +75,20 @@ class Homogenised(ReadOnly):
 
     @property
     def E(self) -> float:
-        """Young's modulus (N/m in 2D, Pa in 3D) along the axes of a cubic or square tensor."""
+        """Young's modulus (N/m in 2D, Pa in 3D) along the axes of the lattice.
+
+        Raises `ProblemError` if the tensor is not of cubic symmetry along them.
+        """
         return moduli(self.tensor).E
 
     @property
     def nu(self) -> float:
-        """Poisson's ratio in uniaxial stress along an axis of a cubic or square tensor."""
+        """Poisson's ratio in uniaxial stress along an axis; raises as `E`."""
         return moduli(self.tensor).nu
 
     @property
     def zener(self) -> float:
-        """Zener ratio of a cubic or square tensor, 1 if it is isotropic."""
+        """Zener ratio, 1 for an isotropic tensor; raises as `E`."""
         return moduli(self.tensor).zener
 
 

@@ -34,6 +34,7 @@ def record_of(path):
     *_, content = case_files(read_case(path), plots=False)
     text = [each.decode() for name, each in content.items() if name.endswith((".json", ".csv"))]
     page = re.sub(r'<p class="more"><b>agrees.*?</p>', "", content["case.html"].decode())
+    page = page.replace("\N{NO-BREAK SPACE}", " ")
     return json.loads(content["verdict.json"]), "\n".join(text), page
 
 
