@@ -66,7 +66,7 @@ def of_case(file: Path) -> AbstractContextManager[None]:
 
 def print_schema(args: argparse.Namespace) -> int:
     """Print the schema of case files, or of network.json."""
-    made = msgspec.json.schema(network_files.NetworkFile if args.network else CaseFile)
+    made = msgspec.json.schema(network_files.NetworkFile if args.kind == "network" else CaseFile)
     return print_lines([json.dumps(made, indent=2)])
 
 
@@ -81,7 +81,7 @@ def export(args: argparse.Namespace) -> int:
             write_request(asked, args.folder, own)
             tell(f"{args.folder}: {asked.mesh}, {len(asked.mesh.points)} nodes")
             return HELD
-        for name in ("shape", "springs", "set"):
+        for name in ("shape", "springs", "setting"):
             if getattr(args, name):
                 raise ProblemError(f"--{name}: is of --to {SIMULATOR}; with {args.to} leave it out")
         files.refuse_foreign(args.folder, args.file.name)
@@ -108,7 +108,7 @@ def request_of(case: Case, args: argparse.Namespace) -> Request:
     if args.springs and not args.quiet:
         tell_ratio(case)
     shape = {"cells": args.cells, "shape": args.shape, "springs": args.springs}
-    return export_case(case, **shape, settings=dict(args.set))
+    return export_case(case, **shape, settings=dict(args.setting))
 
 
 def tell_ratio(case: Case) -> None:

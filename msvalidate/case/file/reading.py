@@ -10,14 +10,16 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import msgspec
 
-from msvalidate.case.file.schema import SCHEMA, CaseFile
+from msvalidate.case.file.schema import SCHEMA, UNITS, CaseFile
+from msvalidate.case.file.units import LENGTH, NUMBER, read_quantity
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
@@ -114,9 +116,40 @@ def parse_source(
         said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
         raise _error(name, text, ("schema",), said)
     try:
-        return Source(name, folder, msgspec.convert(given, CaseFile), text)
+        content = _in_file_units(given, _lengths(given), partial(_error, name, text))
+        return Source(name, folder, msgspec.convert(content, CaseFile), text)
     except (msgspec.ValidationError, RecursionError) as error:
         raise _error(name, text, *_explained(given, str(error))) from error
+
+
+def _lengths(given: dict[str, Any]) -> dict[str, float]:
+    """Units of length, relative to that of the file; relative to m if the latter is invalid."""
+    body = given.get("body")
+    unit = body.get("unit") if isinstance(body, dict) else None
+    unit = LENGTH.get(str(unit), unit)
+    size = unit if isinstance(unit, int | float) and unit > 0 else 1.0
+    return {word: metres / size for word, metres in LENGTH.items()}
+
+
+def _in_file_units(
+    value: Any,
+    lengths: Mapping[str, float],
+    error: Callable[[Keys, str], CaseError],
+    path: Keys = (),
+) -> Any:
+    """Content of a file with numbers in its units in place of texts with a unit."""
+    if isinstance(value, dict):
+        return {k: _in_file_units(each, lengths, error, (*path, k)) for k, each in value.items()}
+    if isinstance(value, list):
+        return [_in_file_units(x, lengths, error, (*path, i)) for i, x in enumerate(value)]
+    units = next(filter(None, (UNITS.get(str(step)) for step in reversed(path))), None)
+    if units is None or not isinstance(value, str) or not NUMBER.fullmatch(value):
+        return value
+    number = read_quantity(value, lengths if units is LENGTH else units)
+    if number is None:
+        words = f"{format_value(value)}; give a number, or one with {', '.join(units)}"
+        raise error(path, words)
+    return number
 
 
 def _read_text(file: Path) -> str:

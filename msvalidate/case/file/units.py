@@ -1,6 +1,8 @@
 """Names of units, and what each is in SI units."""
 
 import math
+import re
+from collections.abc import Mapping
 
 LENGTH = {
     "m": 1.0,
@@ -17,8 +19,29 @@ PRESSURE = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
 DENSITY = {"kg/m3": 1.0, "kg/m³": 1.0, "g/cm3": 1e3}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 STIFFNESS = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3}
+FORCE = {"N": 1.0, "kN": 1e3}
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
 READABLE = {"mm": {"Pa": ("MPa", 1e6), "J": ("mJ", 1e-3)}}
 """Unit of length of a case -> SI unit -> unit in which a reader of that case expects a quantity."""
+
+
+def read_quantity(text: str, units: Mapping[str, float]) -> float | None:
+    """Number with or without a unit, in SI units; None for any other text.
+
+    Parameters
+    ----------
+    text
+        Number, a space or none, and a key of `units` or none.
+    units
+        Name of each unit -> its size in SI units.
+
+    Examples
+    --------
+    >>> read_quantity("70 GPa", PRESSURE), read_quantity("70 GPa", LENGTH)
+    (70000000000.0, None)
+    """
+    match, sizes = NUMBER.fullmatch(text), {"": 1.0, **units}
+    return float(match[1]) * sizes[match[2]] if match and match[2] in sizes else None
 
 
 def user_unit(unit: str, length: str) -> tuple[str, float]:
