@@ -309,11 +309,9 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     if left:
         name = f"{verb} {args.command}" if "command" in args else verb or "run"
         near = catalogue.suggestion(left[0].partition("=")[0], " ".join(options_of(name)).split())
-        unit = "quote a value with its unit, '6 mm'" if verb in {"advise", "adapter"} else ""
-        hint = near if left[0].startswith("-") and near.startswith("did") else unit
-        parser.error(
-            "; ".join([f"unrecognized arguments: {' '.join(left)}", *filter(None, [hint])])
-        )
+        unit = "; quote a value with its unit, '6 mm'" if verb in {"advise", "adapter"} else ""
+        hint = f"; {near}" if left[0].startswith("-") and near.startswith("did") else unit
+        parser.error(f"unrecognized arguments: {' '.join(left)}{hint}")
     if of_studies:
         check_studies(parser, args)
     elif "update" in args and args.update and not args.baseline:

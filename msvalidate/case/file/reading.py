@@ -139,11 +139,12 @@ def _in_file_units(
 ) -> Any:
     """Content of a file with numbers in its units in place of texts with a unit."""
     if isinstance(value, dict):
-        return {k: _in_file_units(each, lengths, error, (*path, k)) for k, each in value.items()}
+        return {k: _in_file_units(x, lengths, error, (*path, k)) for k, x in value.items()}
     if isinstance(value, list):
         return [_in_file_units(x, lengths, error, (*path, i)) for i, x in enumerate(value)]
     units = next(filter(None, (UNITS.get(str(step)) for step in reversed(path))), None)
-    if units is None or not isinstance(value, str) or not NUMBER.fullmatch(value):
+    match = NUMBER.fullmatch(value) if units and isinstance(value, str) else None
+    if not (units and match and match[2]):
         return value
     number = read_quantity(value, lengths if units is LENGTH else units)
     if number is None:
