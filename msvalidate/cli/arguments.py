@@ -14,14 +14,7 @@ from typing import Any, NoReturn
 
 from msvalidate import __version__
 from msvalidate.bench.judging import catalogue
-from msvalidate.case.file.units import (
-    DENSITY,
-    LENGTH,
-    PRESSURE,
-    STIFFNESS,
-    TIME,
-    read_quantity,
-)
+from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS, TIME, read_quantity
 
 HELD, MISSED, USAGE, FAILED, NOTHING, UNCONVERGED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 DOCUMENTED = "python -m msvalidate.study"
@@ -92,7 +85,10 @@ def whole(least: int) -> Callable[[str], Any]:
 def in_si(units: Mapping[str, float]) -> Callable[[str], Any]:
     """Return a function that reads a number with a unit and converts it to SI."""
     unit = f", or one with {', '.join(units)}" if units else ""
-    return word(lambda text: read_quantity(text, units), f"{{!r}}; give a number in SI units{unit}")
+    return word(
+        lambda text: read_quantity(text, {"": 1.0, **units}),
+        f"{{!r}}; give a number in SI units{unit}",
+    )
 
 
 def _setting(text: str) -> tuple[str, Any] | None:
@@ -262,7 +258,7 @@ class Parser(argparse.ArgumentParser):
     """Argument parser that reports wrong usage in one line with the nearest choice."""
 
     is_bare = False
-    """True if the command line names the command and nothing else."""
+    """True if the command line has none of the arguments that the command needs."""
 
     def __init__(self, **options: Any) -> None:
         # A report shows the command, and must know where a path is in it: no abbreviations.
@@ -340,7 +336,7 @@ def _without_word() -> dict[str, str]:
 def _add(parser: Parser, name: str, words: Sequence[str]) -> None:
     """Add a command's options, and commands below it; what others alone take is silent."""
     parser.set_defaults(act=COMMANDS[name].get("act"))
-    parser.is_bare = words == name.split()
+    parser.is_bare = words == name.split() and "complete" not in COMMANDS[name]
     options = options_of(name)
     volume = parser.add_mutually_exclusive_group() if "-q --quiet" in options else parser
     for names, given in options.items():

@@ -22,7 +22,7 @@ from msvalidate.bench.output.stored import csv_bytes, draw_files
 from msvalidate.case.compare.body_advice import body_lines
 from msvalidate.case.file import building, places
 from msvalidate.case.file.case import Case, spacing_of
-from msvalidate.case.file.schema import CaseFile
+from msvalidate.case.file.schema import case_schema
 from msvalidate.case.judge.results import Result, read_result
 from msvalidate.case.report import files, run, screen, sweep
 from msvalidate.case.springs import lattice_springs, network_files
@@ -66,7 +66,8 @@ def of_case(file: Path) -> AbstractContextManager[None]:
 
 def print_schema(args: argparse.Namespace) -> int:
     """Print the schema of case files, or of network.json."""
-    made = msgspec.json.schema(network_files.NetworkFile if args.kind == "network" else CaseFile)
+    network = args.kind == "network"
+    made = msgspec.json.schema(network_files.NetworkFile) if network else case_schema()
     return print_lines([json.dumps(made, indent=2)])
 
 
@@ -221,7 +222,7 @@ def judge_file(args: argparse.Namespace) -> int:
         case = building.read_case(args.file)
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
-            result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
+            result = replace(result, accuracy=args.accuracy)
         return judge_and_tell(
             case,
             result,

@@ -12,14 +12,13 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import msgspec
 
-from msvalidate.case.file.schema import SCHEMA, UNITS, CaseFile
-from msvalidate.case.file.units import LENGTH, NUMBER, read_quantity
+from msvalidate.case.file.schema import SCHEMA, CaseFile
+from msvalidate.case.file.units import LENGTH, UNITS, read_quantity
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
@@ -116,41 +115,25 @@ def parse_source(
         said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
         raise _error(name, text, ("schema",), said)
     try:
-        content = _in_file_units(given, _lengths(given), partial(_error, name, text))
-        return Source(name, folder, msgspec.convert(content, CaseFile), text)
+        unit = _value(given, ("body", "unit"))
+        metres = LENGTH.get(str(unit), unit if isinstance(unit, int | float) and unit > 0 else 1.0)
+        lengths = {word: size / metres for word, size in LENGTH.items()}
+        _convert_units(given, lengths)
+        return Source(name, folder, msgspec.convert(given, CaseFile), text)
     except (msgspec.ValidationError, RecursionError) as error:
         raise _error(name, text, *_explained(given, str(error))) from error
 
 
-def _lengths(given: dict[str, Any]) -> dict[str, float]:
-    """Units of length, relative to that of the file; relative to m if the latter is invalid."""
-    body = given.get("body")
-    unit = body.get("unit") if isinstance(body, dict) else None
-    unit = LENGTH.get(str(unit), unit)
-    size = unit if isinstance(unit, int | float) and unit > 0 else 1.0
-    return {word: metres / size for word, metres in LENGTH.items()}
-
-
-def _in_file_units(
-    value: Any,
-    lengths: Mapping[str, float],
-    error: Callable[[Keys, str], CaseError],
-    path: Keys = (),
-) -> Any:
-    """Content of a file with numbers in its units in place of texts with a unit."""
-    if isinstance(value, dict):
-        return {k: _in_file_units(x, lengths, error, (*path, k)) for k, x in value.items()}
-    if isinstance(value, list):
-        return [_in_file_units(x, lengths, error, (*path, i)) for i, x in enumerate(value)]
-    units = next(filter(None, (UNITS.get(str(step)) for step in reversed(path))), None)
-    match = NUMBER.fullmatch(value) if units and isinstance(value, str) else None
-    if not (units and match and match[2]):
-        return value
-    number = read_quantity(value, lengths if units is LENGTH else units)
-    if number is None:
-        words = f"{format_value(value)}; give a number, or one with {', '.join(units)}"
-        raise error(path, words)
-    return number
+def _convert_units(table: Any, lengths: Mapping[str, float], key: str = "") -> None:
+    """Replace texts with a unit by numbers in the units of the file."""
+    for step in [*table] if isinstance(table, dict) else range(len(table)):
+        key = step if isinstance(step, str) else key
+        value, units = table[step], UNITS.get(key, {})
+        if isinstance(value, dict | list):
+            _convert_units(value, lengths, key)
+        elif isinstance(value, str):
+            number = read_quantity(value, lengths if units is LENGTH else units)
+            table[step] = value if number is None else number
 
 
 def _read_text(file: Path) -> str:
@@ -199,7 +182,9 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Keys, str]:
     elif expected:
         wanted = [WORDS.get(kind.strip(), kind.strip()) for kind in expected[1].split("|")]
         choices = " or ".join(dict.fromkeys(word for word in wanted if word != "nothing"))
-        told = f"{format_value(value)}; give {choices}"
+        key = next((step for step in reversed(path) if isinstance(step, str)), "")
+        units = f", or a text with a unit: {', '.join(UNITS[key])}" if key in UNITS else ""
+        told = f"{format_value(value)}; give {choices}{units}"
     else:
         told = f"{format_value(value)}; {words[0].lower()}{words[1:]}"
     return path, told

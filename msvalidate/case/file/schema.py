@@ -7,13 +7,11 @@ classes are data alone: what the values mean is in `msvalidate.case.file.buildin
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated
+import json
+from typing import Annotated, Any
 
 import msgspec
 from msgspec import Struct
-
-from msvalidate.case.file.units import DENSITY, FORCE, LENGTH, PRESSURE, STIFFNESS
 
 SCHEMA = 1
 """Version of the format. Files of older versions are read for ever, but for what is gone: route
@@ -22,20 +20,10 @@ QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "poin
 """Quantities by which springs and elements are compared."""
 
 Numbers = list[float]
-Quantity = Annotated[float, msgspec.Meta(extra_json_schema={"type": ["number", "string"]})]
+Quantity = Annotated[float, msgspec.Meta(extra_json_schema={"title": "quantity"})]
 """Number, in a file also a text with a unit."""
 Quantities = list[Quantity]
 Interval = Quantity | tuple[Quantity, Quantity]
-UNITS: Mapping[str, Mapping[str, float]] = {
-    **dict.fromkeys(("E", "traction", "pressure"), PRESSURE),
-    **dict.fromkeys(("x", "y", "z", "at", "centre", "radius", "box", "polygon", "cell"), LENGTH),
-    **dict.fromkeys(("thickness", "value", "point", "depth", "spacing"), LENGTH),
-    "points": LENGTH,
-    "density": DENSITY,
-    "force": FORCE,
-    "constants": STIFFNESS,
-}
-"""Key of a quantity -> its units."""
 
 
 class Place(Struct, forbid_unknown_fields=True):
@@ -187,3 +175,10 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     fracture: Fracture | None = None
     compare: Compare = msgspec.field(default_factory=Compare)
     reference: Reference = msgspec.field(default_factory=Reference)
+
+
+def case_schema() -> Any:
+    """JSON schema of case files, in which a quantity is a number or a text."""
+    number = '"title": "quantity", "type": "number"'
+    quantity = number.replace('"number"', '["number", "string"]')
+    return json.loads(json.dumps(msgspec.json.schema(CaseFile)).replace(number, quantity))

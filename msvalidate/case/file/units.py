@@ -20,28 +20,37 @@ DENSITY = {"kg/m3": 1.0, "kg/m³": 1.0, "g/cm3": 1e3}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 STIFFNESS = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3}
 FORCE = {"N": 1.0, "kN": 1e3}
+_KEYS = (
+    ("E traction pressure", PRESSURE),
+    ("x y z at centre radius box polygon cell thickness value point points depth spacing", LENGTH),
+    ("density", DENSITY),
+    ("force", FORCE),
+    ("constants", STIFFNESS),
+)
+UNITS = {key: units for keys, units in _KEYS for key in keys.split()}
+"""Key of a quantity in a case file -> its units."""
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
 READABLE = {"mm": {"Pa": ("MPa", 1e6), "J": ("mJ", 1e-3)}}
 """Unit of length of a case -> SI unit -> unit in which a reader of that case expects a quantity."""
 
 
 def read_quantity(text: str, units: Mapping[str, float]) -> float | None:
-    """Number with or without a unit, in SI units; None for any other text.
+    """Number with a unit, in SI units; None for any other text.
 
     Parameters
     ----------
     text
-        Number, a space or none, and a key of `units` or none.
+        Number, a space or none, and a key of `units`.
     units
-        Name of each unit -> its size in SI units.
+        Name of each unit -> its size in SI units; "" for a number alone.
 
     Examples
     --------
     >>> read_quantity("70 GPa", PRESSURE), read_quantity("70 GPa", LENGTH)
     (70000000000.0, None)
     """
-    match, sizes = NUMBER.fullmatch(text), {"": 1.0, **units}
-    return float(match[1]) * sizes[match[2]] if match and match[2] in sizes else None
+    match = NUMBER.fullmatch(text)
+    return float(match[1]) * units[match[2]] if match and match[2] in units else None
 
 
 def user_unit(unit: str, length: str) -> tuple[str, float]:
