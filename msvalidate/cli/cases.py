@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import re
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -22,7 +23,7 @@ from msvalidate.bench.output.stored import csv_bytes, draw_files
 from msvalidate.case.compare.body_advice import body_lines
 from msvalidate.case.file import building, places
 from msvalidate.case.file.case import Case, spacing_of
-from msvalidate.case.file.schema import case_schema
+from msvalidate.case.file.schema import CaseFile
 from msvalidate.case.judge.results import Result, read_result
 from msvalidate.case.report import files, run, screen, sweep
 from msvalidate.case.springs import lattice_springs, network_files
@@ -66,9 +67,10 @@ def of_case(file: Path) -> AbstractContextManager[None]:
 
 def print_schema(args: argparse.Namespace) -> int:
     """Print the schema of case files, or of network.json."""
-    network = args.kind == "network"
-    made = msgspec.json.schema(network_files.NetworkFile) if network else case_schema()
-    return print_lines([json.dumps(made, indent=2)])
+    made = msgspec.json.schema(network_files.NetworkFile if args.kind == "network" else CaseFile)
+    quantity = r'"title": "quantity",\s+"type": "number"'
+    text = json.dumps(made, indent=2)
+    return print_lines([re.sub(quantity, '"type": ["number", "string"]', text)])
 
 
 @overflowing

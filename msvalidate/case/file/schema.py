@@ -7,8 +7,7 @@ classes are data alone: what the values mean is in `msvalidate.case.file.buildin
 
 from __future__ import annotations
 
-import json
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 from msgspec import Struct
@@ -21,7 +20,7 @@ QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "poin
 
 Numbers = list[float]
 Quantity = Annotated[float, msgspec.Meta(extra_json_schema={"title": "quantity"})]
-"""Number, in a file also a text with a unit."""
+"""Number, in a file also a text with a unit; the command line completes its JSON schema."""
 Quantities = list[Quantity]
 Interval = Quantity | tuple[Quantity, Quantity]
 
@@ -175,10 +174,3 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     fracture: Fracture | None = None
     compare: Compare = msgspec.field(default_factory=Compare)
     reference: Reference = msgspec.field(default_factory=Reference)
-
-
-def case_schema() -> Any:
-    """JSON schema of case files, in which a quantity is a number or a text."""
-    number = '"title": "quantity", "type": "number"'
-    quantity = number.replace('"number"', '["number", "string"]')
-    return json.loads(json.dumps(msgspec.json.schema(CaseFile)).replace(number, quantity))
