@@ -20,7 +20,7 @@ QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "poin
 
 Numbers = list[float]
 Quantity = Annotated[float, msgspec.Meta(extra_json_schema={"title": "quantity"})]
-"""Number, in a file also a text with a unit; the command line completes its JSON schema."""
+"""Number, or in a file a text with a unit."""
 Quantities = list[Quantity]
 Interval = Quantity | tuple[Quantity, Quantity]
 
