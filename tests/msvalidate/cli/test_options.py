@@ -48,6 +48,12 @@ def test_every_command_prints_its_version_its_page_and_its_help(name, ending):
         assert ending(*words) == (USAGE, text)
 
 
+@pytest.mark.parametrize("name", ["check", "list", "report"])
+def test_a_complete_command_reports_its_errors(name, ending, monkeypatch):
+    monkeypatch.setenv("MSVALIDATE_STUDIES", "nowhere")
+    assert ending(name) == (USAGE, "")
+
+
 @pytest.mark.parametrize("name", [name for name in COMMANDS if name != "study list"])
 def test_help_texts_have_one_form(name, ending):
     page = " ".join(ending(*name.split(), "--help")[1].split())
