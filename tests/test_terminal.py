@@ -1,12 +1,13 @@
 """Every command of the program: width of its lines, progress on standard error, and its log."""
 
+import json
 import time
 
 import pytest
 
 from msvalidate.case.report.screen import MAX_LINES
 from msvalidate.cli import progress
-from msvalidate.cli.arguments import COMMANDS
+from msvalidate.cli.arguments import COMMANDS, options_of
 from msvalidate.cli.program import main
 from msvalidate.linear_algebra.factor import silence_library
 from msvalidate.problem.progress import report_stage, report_step
@@ -63,6 +64,9 @@ def test_every_command_has_narrow_lines_and_progress_apart(tmp_path, monkeypatch
             assert steps, name
             assert set(steps) <= set(err.splitlines())
             assert not set(steps) & set(out.splitlines())
+        if name in options_of(name).get("--json", {"of": []}).get("of", [name]):
+            main([*name.split(), *words.split(), "--json"])
+            assert json.loads(capsys.readouterr().out), name
 
 
 @pytest.mark.parametrize("shown", [True, False])

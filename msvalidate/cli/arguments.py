@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from msvalidate import __version__
 from msvalidate.bench.judging import catalogue
-from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS, TIME
+from msvalidate.case.file.units import DENSITY, LENGTH, PRESSURE, STIFFNESS, TIME, read_quantity
 
 HELD, MISSED, USAGE, FAILED, NOTHING, UNCONVERGED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 DOCUMENTED = "python -m msvalidate.study"
@@ -31,7 +31,17 @@ TABLE = tomllib.loads(TEXT.replace("{program}", PROGRAM).replace("{version}", __
 """Commands, options that several share, and texts of help."""
 COMMANDS: dict[str, dict[str, Any]] = TABLE["commands"]
 """By name; one below another by both names."""
-STUDIES: dict[str, dict[str, Any]] = TABLE["shared"]["studies"]
+
+
+def options_of(name: str) -> dict[str, dict[str, Any]]:
+    """Options of a command: names -> settings, those that all commands share included."""
+    options = dict(COMMANDS[name].get("options", {}))
+    for shared in (*COMMANDS[name].get("with", ()), "everywhere"):
+        options |= TABLE["shared"][shared]
+    return {names: TABLE["options"].get(names, {}) | own for names, own in options.items()}
+
+
+STUDIES = options_of("run")
 """Options of commands about studies."""
 VALUED = {name: settings for name, settings in STUDIES.items() if "metavar" in settings}
 """Options that take a value."""
@@ -43,8 +53,6 @@ PLACES = {
 """Options with private values -> text that a report shows instead."""
 
 # What a word may be -------------------------------------------------------------------------------
-
-NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
 
 
 def word(read: Callable[[str], Any], said: str) -> Callable[[str], Any]:
@@ -76,14 +84,11 @@ def whole(least: int) -> Callable[[str], Any]:
 
 def in_si(units: Mapping[str, float]) -> Callable[[str], Any]:
     """Return a function that reads a number with a unit and converts it to SI."""
-    factors = {"": 1.0, **units}
-
-    def read(text: str) -> float | None:
-        match = NUMBER.fullmatch(text)
-        return float(match[1]) * factors[match[2]] if match and match[2] in factors else None
-
     unit = f", or one with {', '.join(units)}" if units else ""
-    return word(read, f"{{!r}}; give a number in SI units{unit}")
+    return word(
+        lambda text: read_quantity(text, {"": 1.0, **units}),
+        f"{{!r}}; give a number in SI units{unit}",
+    )
 
 
 def _setting(text: str) -> tuple[str, Any] | None:
@@ -252,6 +257,9 @@ def _refuse(parser: argparse.ArgumentParser, wrong: Mapping[str, object]) -> Non
 class Parser(argparse.ArgumentParser):
     """Argument parser that reports wrong usage in one line with the nearest choice."""
 
+    is_bare = False
+    """True if the command line has none of the arguments that the command needs."""
+
     def __init__(self, **options: Any) -> None:
         # A report shows the command, and must know where a path is in it: no abbreviations.
         raw = argparse.RawDescriptionHelpFormatter
@@ -259,7 +267,10 @@ class Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")  # -.5e3, -1kPa are values
 
     def error(self, message: str) -> NoReturn:
-        """End the program."""
+        """End the program; a command without its arguments prints its help."""
+        if self.is_bare:
+            self.print_help()
+            self.exit(USAGE)
         self.exit(USAGE, f"{PROGRAM}: error: {message}; see {self.prog} --help\n")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -277,6 +288,8 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     if not words:
         sys.stdout.write(TABLE["first"])
         sys.exit(USAGE)
+    if [*words[:2]] == ["study", "list"]:
+        words = words[1:]
     first = next((i for i, each in enumerate(words)
                   if not (each.startswith("-") or (i and words[i - 1] in VALUED))), 0)  # fmt: skip
     verb, rest = words[first], [*words[:first], *words[first + 1 :]]
@@ -285,13 +298,16 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     command = COMMANDS[verb] if verb else COMMANDS["run"] | _without_word()
     parser = Parser(prog=f"{PROGRAM} {verb}".strip(), **_words_of(command))
     parser.set_defaults(verb=verb or "run", words=words, jobs=1, quiet=False, verbose=False)
-    _add(parser, verb or "run")
+    _add(parser, verb or "run", [*words])
     of_studies = _is_of_studies(command)  # whose names may follow options
     read = parser.parse_known_intermixed_args if of_studies else parser.parse_known_args
     args, left = read(rest)
     if left:
-        unit = "; write a value and its unit as one, 6mm" if verb == "advise" else ""
-        parser.error(f"unrecognized arguments: {' '.join(left)}{unit}")
+        name = f"{verb} {args.command}" if "command" in args else verb or "run"
+        near = catalogue.suggestion(left[0].partition("=")[0], " ".join(options_of(name)).split())
+        unit = "; quote a value with its unit, '6 mm'" if verb in {"advise", "adapter"} else ""
+        hint = f"; {near}" if left[0].startswith("-") and near.startswith("did") else unit
+        parser.error(f"unrecognized arguments: {' '.join(left)}{hint}")
     if of_studies:
         check_studies(parser, args)
     elif "update" in args and args.update and not args.baseline:
@@ -317,18 +333,19 @@ def _without_word() -> dict[str, str]:
     return {"about": about, "ending": told}
 
 
-def _add(parser: argparse.ArgumentParser, name: str) -> None:
+def _add(parser: Parser, name: str, words: Sequence[str]) -> None:
     """Add a command's options, and commands below it; what others alone take is silent."""
-    command = COMMANDS[name]
-    parser.set_defaults(act=command.get("act"))
-    options = dict(command.get("options", {}))
-    for shared in command.get("with", ()):
-        options |= TABLE["shared"][shared]
+    parser.set_defaults(act=COMMANDS[name].get("act"))
+    parser.is_bare = words == name.split() and "complete" not in COMMANDS[name]
+    options = options_of(name)
     volume = parser.add_mutually_exclusive_group() if "-q --quiet" in options else parser
     for names, given in options.items():
         settings = dict(given)
+        default = settings.pop("otherwise", settings.get("default"))
         if name not in settings.pop("of", [name]):
             settings["help"] = argparse.SUPPRESS
+        elif default not in (None, "", []):
+            settings["help"] += f" (default: {default})"
         if "type" in settings:
             settings["type"] = TYPES[settings["type"]]
         elif not settings.keys() & {"metavar", "choices", "action"}:
@@ -338,15 +355,16 @@ def _add(parser: argparse.ArgumentParser, name: str) -> None:
     if below:
         commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
         for each in below:
-            words, said = _words_of(COMMANDS[each]), COMMANDS[each]["said"]
-            _add(commands.add_parser(each.split()[1], help=said, **words), each)
+            texts, said = _words_of(COMMANDS[each]), COMMANDS[each]["said"]
+            _add(commands.add_parser(each.split()[1], help=said, **texts), each, words)
 
 
 def _words_of(command: dict[str, Any]) -> dict[str, Any]:
     """First and last words of a command's help."""
-    ending = command.get("ending")
+    ending = command.get("ending", "")
     about = command.get("about", f"{command['said']}.")
-    return {"description": about, "epilog": TABLE["endings"].get(ending, ending)}
+    ending = TABLE["endings"].get(ending, ending)
+    return {"description": about, "epilog": f"{ending}\ndocumentation: {command['docs']}"}
 
 
 def as_shown(arguments: Sequence[str]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -68,8 +69,10 @@ def of_case(file: Path) -> AbstractContextManager[None]:
 
 def print_schema(args: argparse.Namespace) -> int:
     """Print the schema of case files, or of network.json."""
-    made = msgspec.json.schema(network_files.NetworkFile if args.network else CaseFile)
-    return print_lines([json.dumps(made, indent=2)])
+    made = msgspec.json.schema(network_files.NetworkFile if args.kind == "network" else CaseFile)
+    quantity = r'"title": "quantity",\s+"type": "number"'
+    text = json.dumps(made, indent=2)
+    return print_lines([re.sub(quantity, '"type": ["number", "string"]', text)])
 
 
 @overflowing
@@ -83,7 +86,7 @@ def export(args: argparse.Namespace) -> int:
             write_request(asked, args.folder, own)
             tell(f"{args.folder}: {asked.mesh}, {len(asked.mesh.points)} nodes")
             return HELD
-        for name in ("shape", "springs", "set"):
+        for name in ("shape", "springs", "setting"):
             if getattr(args, name):
                 raise ProblemError(f"--{name}: is of --to {SIMULATOR}; with {args.to} leave it out")
         files.refuse_foreign(args.folder, args.file.name)
@@ -110,7 +113,7 @@ def request_of(case: Case, args: argparse.Namespace) -> Request:
     if args.springs and not args.quiet:
         tell_ratio(case)
     shape = {"cells": args.cells, "shape": args.shape, "springs": args.springs}
-    return export_case(case, **shape, settings=dict(args.set))
+    return export_case(case, **shape, settings=dict(args.setting))
 
 
 def tell_ratio(case: Case) -> None:
@@ -238,7 +241,7 @@ def judge_file(args: argparse.Namespace) -> int:
         case = building.read_case(args.file)
         result = read_result(args.result, case.problem.domain.dim, args.field)
         if args.accuracy is not None:
-            result = replace(result, accuracy=finite_number("--accuracy", args.accuracy, least=0.0))
+            result = replace(result, accuracy=args.accuracy)
         return judge_and_tell(
             case,
             result,

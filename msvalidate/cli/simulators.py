@@ -72,7 +72,7 @@ RUN = "-run"
 @overflowing
 def simulate(args: argparse.Namespace) -> int:
     """Ask, judge, and write the page; what the adapter left stays beside it."""
-    told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
+    told = [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.setting).items())]
     folder = args.out / _name(args, told)
     gating.refuse_outputs(args, gating.CASES)
     failing = gating.failures(args, folder.name)
@@ -190,7 +190,7 @@ def check_adapter(args: argparse.Namespace) -> int:
         log = folder and log_path(folder)
         program = Program(args.adapter, args.limit, kept)
         asked = Asked(program, parts)
-        started, settings, probed = datetime.now(UTC), dict(args.set), dict(args.probe_set)
+        started, settings, probed = datetime.now(UTC), dict(args.setting), dict(args.probe_setting)
         try:
             with Progress(name, shown=not args.quiet, log=log):
                 cells, dim = declared_cells(program)

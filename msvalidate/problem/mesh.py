@@ -332,6 +332,8 @@ def _entry(what: str, named: Mapping[str, Index], name: str) -> Index:
     """Return the entry of a name; raise `ProblemError` that lists the known names."""
     if not isinstance(name, str) or name not in named:
         known = ", ".join(map(format_value, named))
-        remedy = f"has {known}; choose one of them" if known else f"has no named {what}; give a Region"
+        remedy = (
+            f"has {known}; choose one of them" if known else f"has no named {what}; give a Region"
+        )
         raise ProblemError(f"{what} {format_value(name)}: the mesh {remedy}")
     return named[name]

@@ -10,7 +10,7 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
@@ -18,6 +18,7 @@ from typing import Any, get_args, get_type_hints
 import msgspec
 
 from msvalidate.case.file.schema import SCHEMA, CaseFile
+from msvalidate.case.file.units import LENGTH, UNITS, read_quantity
 from msvalidate.problem import Mesh, ProblemError
 from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
@@ -121,9 +122,25 @@ def parse_source(
         said = f"{format_value(version)}; this program reads schema = {SCHEMA}"
         raise _error(name, text, ("schema",), said)
     try:
+        unit = _value(given, ("body", "unit"))
+        metres = LENGTH.get(str(unit), unit if isinstance(unit, int | float) and unit > 0 else 1.0)
+        lengths = {word: size / metres for word, size in LENGTH.items()}
+        _convert_units(given, lengths)
         return Source(name, folder, msgspec.convert(given, CaseFile), text)
     except (msgspec.ValidationError, RecursionError) as error:
         raise _error(name, text, *_explained(given, str(error))) from error
+
+
+def _convert_units(table: Any, lengths: Mapping[str, float], key: str = "") -> None:
+    """Replace texts with a unit by numbers in the units of the file."""
+    for step in [*table] if isinstance(table, dict) else range(len(table)):
+        key = step if isinstance(step, str) else key
+        value, units = table[step], UNITS.get(key, {})
+        if isinstance(value, dict | list):
+            _convert_units(value, lengths, key)
+        elif isinstance(value, str):
+            number = read_quantity(value, lengths if units is LENGTH else units)
+            table[step] = value if number is None else number
 
 
 def _read_text(file: Path) -> str:
@@ -172,7 +189,9 @@ def _explained(given: dict[str, Any], said: str) -> tuple[Keys, str]:
     elif expected:
         wanted = [WORDS.get(kind.strip(), kind.strip()) for kind in expected[1].split("|")]
         choices = " or ".join(dict.fromkeys(word for word in wanted if word != "nothing"))
-        told = f"{format_value(value)}; give {choices}"
+        key = next((step for step in reversed(path) if isinstance(step, str)), "")
+        units = f", or a text with a unit: {', '.join(UNITS[key])}" if key in UNITS else ""
+        told = f"{format_value(value)}; give {choices}{units}"
     else:
         told = f"{format_value(value)}; {words[0].lower()}{words[1:]}"
     return path, told

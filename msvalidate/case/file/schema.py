@@ -1,11 +1,13 @@
 """Tables and keys of a case file: their types, units and defaults.
 
 A case is one TOML file. All lengths in it, and in the mesh that it names, are multiples of
-`Body.unit`; all else is in SI units. The classes are data alone: what the values mean is in
-`msvalidate.case.file.building`.
+`Body.unit`; all else is in SI units. A text with a unit, such as "70 GPa", stands for a number. The
+classes are data alone: what the values mean is in `msvalidate.case.file.building`.
 """
 
 from __future__ import annotations
+
+from typing import Annotated
 
 import msgspec
 from msgspec import Struct
@@ -17,7 +19,10 @@ QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "poin
 """Quantities by which springs and elements are compared."""
 
 Numbers = list[float]
-Interval = float | tuple[float, float]
+Quantity = Annotated[float, msgspec.Meta(extra_json_schema={"title": "quantity"})]
+"""Number, or in a file a text with a unit."""
+Quantities = list[Quantity]
+Interval = Quantity | tuple[Quantity, Quantity]
 
 
 class Place(Struct, forbid_unknown_fields=True):
@@ -31,37 +36,37 @@ class Place(Struct, forbid_unknown_fields=True):
 class Ball(Struct, forbid_unknown_fields=True):
     """A disc in the plane, a ball in space."""
 
-    centre: Numbers
-    radius: float
+    centre: Quantities
+    radius: Quantity
 
 
 class Body(Struct, forbid_unknown_fields=True):
     """The body: a box with a corner at the origin, an outline, or a file of a mesh or geometry."""
 
-    box: Numbers | None = None
-    polygon: list[Numbers] | None = None
+    box: Quantities | None = None
+    polygon: list[Quantities] | None = None
     mesh: str | None = None
-    cell: float | None = None
+    cell: Quantity | None = None
     unit: str | float = "m"
 
 
 class Material(Struct, forbid_unknown_fields=True):
     """Isotropic: E in Pa, density in kg/m³, thickness in units of length; law at large strain."""
 
-    E: float
+    E: Quantity
     nu: float
     state: str | None = None
-    density: float | None = None
-    thickness: float | None = None
+    density: Quantity | None = None
+    thickness: Quantity | None = None
     law: str = "st-venant-kirchhoff"
 
 
 class PartOfBody(Struct, forbid_unknown_fields=True):
     """A part of the body of another material: cells of a mesh by name, a box or a ball."""
 
-    E: float
+    E: Quantity
     nu: float
-    density: float | None = None
+    density: Quantity | None = None
     cells: str | None = None
     box: Place | None = None
     ball: Ball | None = None
@@ -74,7 +79,7 @@ class Support(Struct, forbid_unknown_fields=True):
     at: Place | None = None
     nodes: list[int] | None = None
     components: list[str] | None = None
-    value: float | Numbers = 0.0
+    value: Quantity | Quantities = 0.0
 
 
 class Load(Struct, forbid_unknown_fields=True):
@@ -82,11 +87,11 @@ class Load(Struct, forbid_unknown_fields=True):
 
     on: str | None = None
     at: Place | None = None
-    point: Numbers | None = None
+    point: Quantities | None = None
     node: int | None = None
-    traction: Numbers | None = None
-    pressure: float | None = None
-    force: Numbers | None = None
+    traction: Quantities | None = None
+    pressure: Quantity | None = None
+    force: Quantities | None = None
     gravity: Numbers | None = None
 
 
@@ -96,8 +101,8 @@ class Obstacle(Struct, forbid_unknown_fields=True):
     The default direction is across the side that it meets.
     """
 
-    at: Numbers
-    radius: float | None = None
+    at: Quantities
+    radius: Quantity | None = None
     towards: Numbers | None = None
 
 
@@ -111,8 +116,8 @@ class Contact(Struct, forbid_unknown_fields=True):
     ball: Obstacle | None = None
     parabola: Obstacle | None = None
     paraboloid: Obstacle | None = None
-    depth: float | None = None
-    force: float | None = None
+    depth: Quantity | None = None
+    force: Quantity | None = None
     friction: float = 0.0
 
 
@@ -131,17 +136,17 @@ class Springs(Struct, forbid_unknown_fields=True):
 
     on: str = "lattice"
     lattice: str | None = None
-    spacing: float | None = None
+    spacing: Quantity | None = None
     cells: int | None = None
     route: str | None = None
-    constants: Numbers | None = None
+    constants: Quantities | None = None
     volume: float | None = None
 
 
 class Compare(Struct, forbid_unknown_fields=True):
     """At which points, by what, how far apart still agrees, and whether displacements are large."""
 
-    points: str | list[Numbers] = "lattice"
+    points: str | list[Quantities] = "lattice"
     quantities: list[str] = msgspec.field(default_factory=lambda: list(QUANTITIES))
     band: float = 0.05
     geometry: str | None = None

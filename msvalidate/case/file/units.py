@@ -1,6 +1,8 @@
 """Names of units, and what each is in SI units."""
 
 import math
+import re
+from collections.abc import Mapping
 
 LENGTH = {
     "m": 1.0,
@@ -17,8 +19,38 @@ PRESSURE = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
 DENSITY = {"kg/m3": 1.0, "kg/m³": 1.0, "g/cm3": 1e3}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 STIFFNESS = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3}
+FORCE = {"N": 1.0, "kN": 1e3}
+_KEYS = (
+    ("E traction pressure", PRESSURE),
+    ("x y z at centre radius box polygon cell thickness value point points depth spacing", LENGTH),
+    ("density", DENSITY),
+    ("force", FORCE),
+    ("constants", STIFFNESS),
+)
+UNITS = {key: units for keys, units in _KEYS for key in keys.split()}
+"""Key of a quantity in a case file -> its units."""
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
 READABLE = {"mm": {"Pa": ("MPa", 1e6), "J": ("mJ", 1e-3)}}
 """Unit of length of a case -> SI unit -> unit in which a reader of that case expects a quantity."""
+
+
+def read_quantity(text: str, units: Mapping[str, float]) -> float | None:
+    """Number with a unit, in SI units; None for any other text.
+
+    Parameters
+    ----------
+    text
+        Number, a space or none, and a key of `units`.
+    units
+        Name of each unit -> its size in SI units; "" for a number alone.
+
+    Examples
+    --------
+    >>> read_quantity("70 GPa", PRESSURE), read_quantity("70 GPa", LENGTH)
+    (70000000000.0, None)
+    """
+    match = NUMBER.fullmatch(text)
+    return float(match[1]) * units[match[2]] if match and match[2] in units else None
 
 
 def user_unit(unit: str, length: str) -> tuple[str, float]:

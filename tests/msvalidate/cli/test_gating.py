@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from msvalidate.cli import gating
-from msvalidate.cli.arguments import COMMANDS, TABLE
+from msvalidate.cli.arguments import options_of
 from msvalidate.problem import ProblemError
 
 JUDGING = ("check", "case run", "case judge", "simulate", "adapter check")
@@ -19,10 +19,7 @@ OPTIONS = ("--json", "--junit", "--baseline", "--update", "--reason")
 
 @pytest.mark.parametrize("name", JUDGING)
 def test_commands_that_judge_have_the_same_options(name):
-    command = COMMANDS[name]
-    options = dict(command.get("options", {}))
-    for shared in command["with"]:
-        options |= TABLE["shared"][shared]
+    options = options_of(name)
     assert {option: "metavar" in options[option] for option in OPTIONS} == {
         "--json": False,
         "--junit": True,

@@ -64,7 +64,7 @@ def test_the_template_is_judged_at_once(place):
 
 def test_a_case_is_exported_whole(place):
     words = ("case", "export", "box.toml", "for them", "--cells", "3", "--springs")
-    done = run(*words, "--set", "law=neo", "--set", "n=[1,2]", cwd=place)
+    done = run(*words, "--setting", "law=neo", "--setting", "n=[1,2]", cwd=place)
     assert done.returncode == 0, done.stderr
     assert done.stderr == "for them: mesh of 36 quad cells, 4 x 1 m, 52 nodes\n"
     written = {path.name for path in (place / "for them").iterdir()}
@@ -248,7 +248,7 @@ OFTEN = [1, pytest.param(20, marks=pytest.mark.slow)]
 def test_runs_at_once_each_tell_their_own_answer(place, pairs):
     (place / "scaled.py").write_text(SCALED, encoding="utf-8")
     for pair in range(pairs):
-        words = {k: ["scaled.py", "--set", f"k={k}"] for k in (2 * pair + 1, 2 * pair + 2)}
+        words = {k: ["scaled.py", "--setting", f"k={k}"] for k in (2 * pair + 1, 2 * pair + 2)}
         runs = {
             k: subprocess.Popen([*SIMULATE, *more], cwd=place, stdout=subprocess.PIPE, text=True)
             for k, more in words.items()
@@ -266,7 +266,7 @@ def test_runs_at_once_each_tell_their_own_answer(place, pairs):
 def test_settings_that_a_folder_cannot_spell_have_folders_of_their_own(place):
     (place / "scaled.py").write_text(SCALED, encoding="utf-8")
     for k in ("k=-3", "k=3", "s-1=3", "s=1-3"):
-        words = ("scaled.py", "--set", "k=1", "--set", k, "--out", "named", "-q")
+        words = ("scaled.py", "--setting", "k=1", "--setting", k, "--out", "named", "-q")
         run(*SIMULATE[len(PROGRAM) :], *words, cwd=place)
     found = {path.name.removesuffix("-run") for path in (place / "named").glob("box-scaled-k*3*/")}
     assert len(found) == 4

@@ -314,7 +314,6 @@ def test_one_clear_line(program, tmp_path):
         (("--set", "load.3.pressure=1"), "--set load.3.pressure: no such place in beam.toml"),
         (("--set", "springs.cells"), "--set 'springs.cells': give key=value,value"),
         (("--set", "springs\n.cells"), r"--set 'springs\n.cells': give key=value,value"),
-        (("--set", "springs.cells=2", "--jobs", "0"), "--jobs: 0"),
         (("--set", "springs.cells=2", "--limit", "-1"), "--limit: -1.0 s"),
     ):
         code, message = program(*words)
