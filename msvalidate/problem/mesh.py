@@ -333,7 +333,7 @@ def _entry(what: str, named: Mapping[str, Index], name: str) -> Index:
     if not isinstance(name, str) or name not in named:
         known = ", ".join(map(format_value, named))
         remedy = (
-            f"has {known}; choose one of them" if known else f"has no named {what}; give a Region"
+            f"has {known}; choose one of them" if known else f"has no {what} by name; give a Region"
         )
         raise ProblemError(f"{what} {format_value(name)}: the mesh {remedy}")
     return named[name]
