@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from msvalidate.case.file.case import ACCURACY, Case, spacing_of
@@ -70,11 +70,13 @@ def body(
             example = {"traction": '{"right": (0, -10)}', "force": "{(4, 0.5): (0, -10)}"}[name]
             raise ProblemError(f"{name}: {format_value(value)}; give a mapping, such as {example}")
     names = [fixed] if isinstance(fixed, str | Part) else fixed
+    if not isinstance(names, Iterable):
+        raise ProblemError(f'fixed: {format_value(fixed)}; give sides, such as "left"')
     each = names if isinstance(names, Mapping) else dict.fromkeys(names, 0.0)
     loads = [Traction(side, value) for side, value in (traction or {}).items()]
-    points = [PointForce(at, tuple(value)) for at, value in (force or {}).items()]
+    points = [PointForce(at, as_tuple(value)) for at, value in (force or {}).items()]
     weight = [] if gravity is None else [Weight(as_tuple(gravity))]
-    if domain.dim == 3 and isinstance(material, Isotropic):
+    if getattr(domain, "dim", 2) == 3 and isinstance(material, Isotropic):
         material = replace(material, state="solid")
     supports = tuple(Support(side, value) for side, value in each.items())
     return Problem(domain, material, supports, (*loads, *points, *weight))

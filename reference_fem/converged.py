@@ -232,8 +232,10 @@ class Reference:
                 else stiffness(solution.body, law).dot
             )
             inner = apply(u.T.ravel()).reshape(u.shape[::-1]).T
+        if self.problem.contacts:  # whose forces are no loads
+            return inner
         held, _ = prescribed_displacements(self.problem, solution.body.points)
-        return np.where(held, inner, nodal_forces(self._without_contacts, solution.body))
+        return np.where(held, inner, nodal_forces(self.problem, solution.body))
 
     def _support_forces(self, solution: Solution, force: Array) -> list[Array]:
         """Force (d,) in N of each support; what several hold is the first's."""

@@ -206,8 +206,9 @@ Load = PointForce | Traction | BodyForce | Weight
 
 
 def as_tuple(value: Any) -> Any:
-    """Return a list as a tuple, and anything else unchanged."""
-    return tuple(value) if isinstance(value, list) else value
+    """Return a list or an array as a tuple, and anything else unchanged."""
+    given = value.tolist() if isinstance(value, np.ndarray) else value
+    return tuple(given) if isinstance(given, list) else given
 
 
 def check_region(name: str, region: object) -> None:

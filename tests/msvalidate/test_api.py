@@ -8,6 +8,7 @@ import pytest
 import msvalidate as ms
 import reference_fem
 from msvalidate import studies
+from msvalidate.problem import Contact, Obstacle
 from msvalidate.springs.bodies.calibrate import calibrate
 
 BEAM = ms.Box(4, 1)
@@ -151,6 +152,9 @@ def test_a_first_guess_works(guess):
             "a mapping, su",
         ),
         (lambda: ms.body(BEAM, SOLID, gravity=-9.81), ms.ProblemError, "weight"),
+        (lambda: ms.body(BEAM, SOLID, fixed=3), ms.ProblemError, "give sides"),
+        (lambda: ms.body(BEAM, SOLID, force={(4, 1): 3}), ms.ProblemError, "numbers each"),
+        (lambda: ms.body((4, 1), SOLID, fixed="left"), ms.ProblemError, "give a Box"),
         (
             lambda: ms.solve(ms.body(BEAM, SOLID, gravity=(0, -9.81))),
             ms.ProblemError,
@@ -256,3 +260,68 @@ def test_a_calibrated_network_equals_one_by_lattice_network(network):
     assert np.array_equal(network.stiffness, long.stiffness)
     assert np.array_equal(network.force, long.force)
     assert np.array_equal(ms.lattice_network(PROBLEM, lattice).stiffness, long.stiffness)
+
+
+def pressed():
+    """Return the problem of a block that a disc is pressed into."""
+    block = ms.Box(0.4, 0.2)
+    disc = Contact(block.side("top"), Obstacle("disc", (0.2, 0.2), (0, -1), 0.1), force=50.0)
+    return ms.Problem(block, SOLID, ms.Support("bottom"), contacts=(disc,))
+
+
+def test_elements_beside_an_obstacle_store_energy_and_motions_refuse_it():
+    network, elements = ms.build(pressed(), cells=12), ms.reference(pressed(), rtol=1e-2)
+    springs = ms.solve(network)
+    work = 0.5 * (springs.displacement * springs.contact.load).sum()
+    assert springs.energy == pytest.approx(work)
+    assert elements.energy == pytest.approx(springs.energy, rel=0.05)
+    with pytest.raises(ms.ProblemError, match=r"obstacle; take solve\(network\)"):
+        ms.relax(network, "fire")
+
+
+@pytest.mark.parametrize("geometry", ["linear", "nonlinear"])
+def test_stress_of_zero_length_springs_on_irregular_mesh_edges(geometry):
+    points = np.array([(x, y) for y in (0, 0.1, 0.2) for x in (0, 0.2, 0.37)])
+    points[4] += (0.03, 0.02)
+    corners = [(i, i + 1, i + 4, i + 3) for i in (0, 1, 3, 4)]
+    triangles = [cell for a, b, c, d in corners for cell in ((a, b, c), (a, c, d))]
+    ends = [ms.Segment((0, 0.2), (0, 0)), ms.Segment((0, 0), (0.37, 0))]
+    bar = ms.body(
+        ms.Mesh(points=points, cells=triangles, shape="triangle"),
+        ms.Isotropic(210e9, 0.45, thickness=0.2),
+        fixed={ends[0]: (0, None), ends[1]: (None, 0)},
+        traction={ms.Segment((0.37, 0), (0.37, 0.2)): (1e3, 0)},
+    )
+    solved = ms.solve(ms.build(bar, "mesh edges", route="neo-Hookean"), geometry)
+    assert solved.stress == pytest.approx(np.tile([1e3, 0, 0], (9, 1)), abs=1e-2)
+
+
+def test_energy_of_prestressed_springs_is_that_of_the_nonlinear_state():
+    fixed = np.array([[1, 1], [0, 0], [1, 1], [1, 1]], dtype=bool)
+    network = ms.spring_network(
+        [[0, 0], [1, 0], [2, 0], [1, 1]],
+        [[0, 1], [1, 2], [1, 3]],
+        [100.0, 100.0, 50.0],
+        rest_length=[0.9, 0.9, 0.99999],  # the third pulls the free point out of balance
+        fixed=fixed,
+        force=~fixed * 1e-3,
+    )
+    at_rest = 0.5 * (100 * 0.1**2 * 2 + 50 * 1e-5**2)
+    linear, large = (ms.solve(network, geometry).energy for geometry in ("linear", "nonlinear"))
+    assert linear - at_rest == pytest.approx(large - at_rest, rel=1e-3)
+
+
+def test_a_comparison_of_a_body_that_nothing_moves_is_refused():
+    still = ms.body(BEAM, SOLID, fixed="left")
+    with pytest.raises(ms.ProblemError, match="nothing moves"):
+        ms.compare(ms.solve(ms.build(still, cells=2)), ms.reference(still))
+
+
+def test_arrays_are_tuples_in_a_problem():
+    one, other = (
+        ms.body(
+            BEAM, SOLID, fixed="left", traction={"right": np.array([0, -10])}, gravity=np.ones(2)
+        )
+        for _ in range(2)
+    )
+    assert one.loads == other.loads

@@ -21,7 +21,7 @@ from msvalidate.case.springs.large import BY_NAME, answer_in_full, change_in_ful
 from msvalidate.case.springs.lattice_springs import SpringAnswer
 from msvalidate.linear_algebra.norms import max_length
 from msvalidate.problem import Array, Problem, ProblemError, SolverError, prescribed_displacements
-from msvalidate.problem.checks import format_value
+from msvalidate.problem.checks import finite_coordinates, format_value
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.calibration import Calibration
 from msvalidate.springs.constants.zones import spring_shares
@@ -101,9 +101,11 @@ class SpringSolution(Equilibrium, Result):
 
     @property
     def energy(self) -> float:
-        """Strain energy (J)."""
+        """Strain energy (J), including that of springs stretched at the reference positions."""
         if self.geometry == "linear":
-            return mode_energy(self.network, self.network.points, self.displacement) / 2
+            change = mode_energy(self.network, self.network.points, self.displacement) / 2
+            change -= float((self.network.rest_force * self.displacement).sum())
+            return Configuration(self.network).energy() + change
         return Configuration(self.network, self.displacement).energy()
 
     @cached_property
@@ -233,7 +235,7 @@ class ElementSolution(Result):
     def at(self, points: Array) -> ElementSolution:
         """Return the same solution evaluated at other points (q, d) in m of the body."""
         large = self.reference.large
-        other = replace(self.reference, points=np.asarray(points, dtype=float), large=None)
+        other = replace(self.reference, points=finite_coordinates("points", points), large=None)
         if large is not None:
             other = replace(other, large=change_in_full(other, BY_NAME[LAW]))
         return replace(self, reference=other)
@@ -370,6 +372,10 @@ def compare(
     case = Case(problem, quantities=quantities, geometry=geometry, band=band)
     answer = springs.answer
     reference = replace(elements.reference, points=_compared(answer), large=None)
+    if not max_length(reference.displacement.value):
+        raise ProblemError(
+            "compare: nothing moves the points of the springs; give a load, or cells"
+        )
     missing: list[Limitation] = []
     nonlinear = answer_in_full(case, reference)
     if geometry == "nonlinear":

@@ -334,6 +334,7 @@ def _check_arguments(
 ) -> Array:
     """The damping (n,) in 1/s of a motion whose arguments are in range."""
     require_type("network", network, Network)
+    refuse_obstacle(network)
     require_type("state", state, State)
     positive_number("time step dt", dt, "s")
     whole_number("steps", steps, 0)
@@ -341,6 +342,12 @@ def _check_arguments(
     finite_coordinates("position", state.position, *shape, need=need)
     finite("velocity", state.velocity, *shape, need=need)
     return damping_rate(network, damping)
+
+
+def refuse_obstacle(network: Network) -> None:
+    """Raise `ProblemError` for a network whose problem has an obstacle, which motions ignore."""
+    if network.body is not None and network.body.problem.contacts:
+        raise ProblemError("network: its body touches an obstacle; take solve(network)")
 
 
 def damping_rate(network: Network, damping: ArrayLike) -> Array:

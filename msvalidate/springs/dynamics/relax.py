@@ -27,7 +27,7 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.problem.progress import report_step
-from msvalidate.springs.dynamics.integrate import damping_rate
+from msvalidate.springs.dynamics.integrate import damping_rate, refuse_obstacle
 from msvalidate.springs.dynamics.integrators import EULER_CROMER
 from msvalidate.springs.dynamics.relaxations import RELAXATIONS
 from msvalidate.springs.dynamics.run import (
@@ -139,6 +139,7 @@ def relax(
     3.970e-04 m
     """
     require_type("network", network, Network)
+    refuse_obstacle(network)
     method = choose_entry("method", method, Method, RELAXATIONS)
     _check_stopping(tolerance, max_steps, look_every, watch)
     require_type("allow_folded", allow_folded, bool)

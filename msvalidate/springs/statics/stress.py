@@ -34,6 +34,8 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.springs.lattice import CutLattice, Lattice
 from msvalidate.springs.lattice.corners import corner_volumes
+from msvalidate.springs.lattice.edges import EdgeLattice
+from msvalidate.springs.lattice.parts import spring_parts
 from msvalidate.springs.lattice.ties import TIE
 from msvalidate.springs.network import Configuration, Network
 from msvalidate.springs.network.laws.volumes import Volumes, dilatation, tension_virial
@@ -98,8 +100,8 @@ def cell_stress(
     """Mean stress (c, 3) or (c, 6) in Pa of each cell.
 
     A spring belongs to the cells that both of its ends are corners of, shared out as the cells have
-    volume inside the body. In a body with zones that would mix two materials at their interface:
-    there give the parts.
+    volume inside the body, or on mesh edges as they gave it stiffness. In a body with zones volumes
+    would mix two materials at their interface: there give the parts.
 
     Source: the virial, [Clausius1870], [BornHuang1954].
 
@@ -121,6 +123,8 @@ def cell_stress(
     """
     _refuse_other_lattice(network, lattice)
     volume = cell_volume(lattice) * positive_number("thickness", thickness, "m")
+    if isinstance(lattice, EdgeLattice) and parts is None:
+        parts = spring_parts(lattice)  # shares by volume would leave tension and pressure apart
     if parts is None:
         spring, cell = spring_cell_pairs(lattice)
         part = volume[cell] / np.bincount(spring, volume[cell], len(lattice.springs))[spring]
