@@ -325,3 +325,14 @@ def test_arrays_are_tuples_in_a_problem():
         for _ in range(2)
     )
     assert one.loads == other.loads
+
+
+def test_a_nonlinear_comparison_names_what_it_leaves_out(network, elements):
+    large = ms.compare(ms.solve(network, "nonlinear"), elements)
+    assert "Forces, energy and stress" in str(large)
+    assert (
+        "<p>1 &lt; 2</p>"
+        in ms.compare(large.springs, elements)
+        .__class__(**vars(large) | {"remarks": ("1 < 2",)})
+        ._repr_html_()
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 from functools import cached_property
 from typing import Any, Literal
@@ -77,8 +78,8 @@ class Result:
 
     def _repr_html_(self) -> str:
         heads, rows, sentences = self.texts
-        html = pd.DataFrame(rows, columns=list(heads)).to_html(index=False, border=0)
-        return html + "".join(f"<p>{sentence}</p>" for sentence in sentences)
+        table = pd.DataFrame(rows, columns=list(heads)).to_html(index=False, border=0)
+        return table + "".join(f"<p>{html.escape(sentence)}</p>" for sentence in sentences)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -387,6 +388,8 @@ def compare(
     limits = limitations(case, reference, lambda: nonlinear, None, missing)
     matched = replace(elements, reference=reference, geometry=geometry)
     texts = tuple(str(each) for each in remarks if not each.failed)
+    if geometry == "nonlinear":
+        texts += ("Forces, energy and stress at large displacement are not compared.",)
     return SolutionComparison(case, springs, matched, limit_rows(rows, limits), limits, texts)
 
 
