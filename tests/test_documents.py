@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from msvalidate.bench.output import animation
 from msvalidate.case.file.case import Case
 from msvalidate.problem import Box, Isotropic, Problem, Support, Traction
 from msvalidate.simulators.exchange import program
@@ -148,6 +149,7 @@ def test_blocks_run_one_after_the_other(page, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "checker")]))
     monkeypatch.setattr(program, "run_limited", run_in_process)
+    monkeypatch.setattr(animation, "MAX_SHOWN", 3)
     FILES.get(page, lambda: None)()
     names = {"__name__": page}
     for number, block in enumerate(blocks(page)):

@@ -11,8 +11,10 @@ from msvalidate.cli.arguments import COMMANDS, options_of
 from msvalidate.cli.program import main
 from msvalidate.linear_algebra.factor import silence_library
 from msvalidate.problem.progress import report_stage, report_step
+from msvalidate.simulators.exchange import program
 from msvalidate_check.text import WIDTH
 from tests.msvalidate.case.report.test_sweep import BEAM
+from tests.test_documents import run_in_process
 
 RUNS = {
     "study new": "own_study",
@@ -49,6 +51,7 @@ DATA = {"case schema"}
 def test_every_command_has_narrow_lines_and_progress_apart(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(progress, "PAUSE", 0.0)
+    monkeypatch.setattr(program, "run_limited", run_in_process)
     (tmp_path / "beam.toml").write_text(BEAM, encoding="utf-8")
     (tmp_path / "zero.csv").write_text("x,y,ux,uy\n1,0,0,0\n2,0,0,1e-9\n", encoding="utf-8")
     assert set(RUNS) == {name for name, command in COMMANDS.items() if "act" in command}

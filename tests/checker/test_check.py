@@ -32,10 +32,11 @@ part of a difference."""
 # The verdict --------------------------------------------------------------------------------------
 
 
-def test_faults_are_named_with_their_size():
+@pytest.mark.parametrize("part", [1, 4])
+def test_faults_are_named_with_their_size(part):
     count, right, sized, alarms = Counter(), Counter(), Counter(), Counter()
     clean = {"none", "float32", "six digits", "float32 positions"}
-    for faulty in faulty_fields():
+    for faulty in faulty_fields(part):
         good, told, fits = judged(faulty)
         count[faulty.fault] += 1
         right[faulty.fault] += good

@@ -8,6 +8,7 @@ import pytest
 import msvalidate as ms
 import reference_fem
 from msvalidate import studies
+from msvalidate.bench.output import animation
 from msvalidate.problem import Contact, Obstacle
 from msvalidate.springs.bodies.calibrate import calibrate
 
@@ -27,7 +28,8 @@ def elements():
     return ms.reference(PROBLEM, rtol=1e-3)
 
 
-def test_ten_lines_from_a_body_to_an_animation(network, elements, tmp_path):
+def test_ten_lines_from_a_body_to_an_animation(network, elements, tmp_path, monkeypatch):
+    monkeypatch.setattr(animation, "MAX_SHOWN", 3)
     assert "volume energy" in str(network)
     springs = ms.solve(network)
     comparison = ms.compare(springs, elements)

@@ -22,7 +22,7 @@ from msvalidate.problem import ProblemError
 QUICK = Setting(quick=True)
 ROOT = Path(__file__).resolve().parents[2]
 TELLING = {
-    "actuator": "no force at the edges",
+    "actuator": "half of the electrodes' force in a stretched film",
     "benchmarks": "patch with one spring missing",
     "claims": "every damping costs the same",
     "convergence": "a wrong kick: half the force",

@@ -151,6 +151,7 @@ def _render(shown: list[tuple[str, Drawing]], magnification: float) -> list[Imag
             lines.set_segments(at[first.lines])
             axis.set_title(f"{title}, displacements magnified {magnification:g} times", loc="left")
             canvas.draw()
+            figure.set_layout_engine("none")  # the axes stay where the first frame has them
             image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
             images.append(image.quantize(32))
     return images

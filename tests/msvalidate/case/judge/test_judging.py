@@ -133,7 +133,7 @@ FAULTS = [
 
 @table(("fault", "change", "causes", "value"), FAULTS)
 def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, value):
-    close = 1e-4 if "ratio" in fault else 2e-3
+    close = 1e-3 if "ratio" in fault else 2e-3
     found = judged(tmp_path, X, change(elastic()), accuracy=close)
     own = [each for each in names(found) if each not in RIVALS]
     assert sorted(own) == causes, fault
