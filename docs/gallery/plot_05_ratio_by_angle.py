@@ -32,7 +32,7 @@ for name, constants, style, theory in (
     ratio = -(across * strain).sum(axis=0) / (stress * strain).sum(axis=0)
     plt.plot(angle, ratio, style, label=f"{name}, k = {constants}")
     print(f"{name}, k = {constants}: {ratio[0]:.4f} along 0°, {ratio[45]:.4f} along 45°")
-    print(f"difference from theory along 45°: {abs(ratio[45] - theory):.1e}, at most 1e-10")
+    print(f"along 45°, difference from theory: {abs(ratio[45] - theory):.1e}, at most 1e-10")
 
 # %%
 # The theory is k1/(k1 + 4 k2) along the diagonals of the square lattice, 1/3 for the triangular

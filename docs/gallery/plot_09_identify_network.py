@@ -15,9 +15,9 @@ import numpy as np
 import msvalidate as ms
 
 # %%
-# Young's modulus, Poisson's ratio and the Zener ratio follow from the effective tensor of a periodic
-# unit cell. A hydrostatic strain moves all points affinely, so that the 2D bulk modulus E/(2(1 - ν))
-# is k/2 exactly, for k = 1 N/m.
+# Young's modulus, Poisson's ratio and the Zener ratio follow from the effective tensor of a
+# periodic unit cell. A hydrostatic strain moves all points affinely, so that the 2D bulk modulus
+# E/(2(1 - ν)) is k/2 exactly, here for k = 1 N/m.
 
 error = 0.0
 for count, style in ((25, "C1s"), (400, "C0o")):
@@ -31,9 +31,9 @@ nu = np.linspace(0.3, 0.6)
 plt.plot(nu, 1 - nu, "k:", label="bulk modulus k/2")
 
 # %%
-# Without relaxation of the points, Cauchy's relation gives the ratio 1/3 [BornHuang1954]. The points
-# of an irregular network relax, which lowers the shear modulus. Larger cells scatter less: they are
-# closer to a representative volume element.
+# If all points moved affinely, Cauchy's relation would give the ratio 1/3 [BornHuang1954]. The
+# points of an irregular network relax, which lowers the shear modulus. Larger cells scatter less:
+# they are closer to a representative volume element.
 
 plt.plot(1 / 3, 2 / 3, "k^", label="affine motion")
 plt.xlabel("Poisson's ratio (1)")
