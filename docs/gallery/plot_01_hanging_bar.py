@@ -21,13 +21,13 @@ L, E, rho, g = 1.0, 1e5, 1000.0, 9.81  # m, Pa, kg/m³, m/s²
 material = ms.Isotropic(E=E, nu=1 / 3, density=rho)
 supports = {"top": (None, 0), "left": (0, None)}
 problem = ms.body(ms.Box(0.2, L), material, fixed=supports, gravity=(0, -g))
-sketch = ms.plot(problem)
 
 # %%
 # Springs on the square lattice have the elastic constants of the material, and their lumped masses
 # have its weight.
 
 network = ms.build(problem, "square", cells=4)
+sketch = ms.plot(network)
 y, u = network.points[:, 1], ms.solve(network).displacement[:, 1]
 height = np.linspace(0, L)
 plt.plot(height, rho * g / (2 * E) * (height**2 - L**2), label="ρg(y² - L²)/(2E)")

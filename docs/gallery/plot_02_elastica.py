@@ -23,7 +23,6 @@ m = (1 + np.sin(theta)) / 2
 phi = np.arcsin(np.sqrt(0.5 / m))
 root = ellipk(m) - ellipkinc(phi, m)  # √(PL²/(EI))
 deflection = 1 - 2 * (ellipe(m) - ellipeinc(phi, m)) / root
-plt.plot(root**2, deflection, label="elastica")
 
 # %%
 # The body is a strip of ratio L/h = 20 in plane stress. The traction keeps its direction (a dead
@@ -41,6 +40,7 @@ sketch = springs.plot()
 # The sketch shows the largest load. The springs are stiffer than the elastica: their discretisation
 # error in bending is of second order in the spacing, and four times as large with 4 cells.
 
+plt.plot(root**2, deflection, label="elastica")
 plt.plot(loads, tips, "o", label="springs, 8 cells")
 plt.xlabel("load PL²/(EI) (1)")
 plt.ylabel("deflection of the tip over L (1)")

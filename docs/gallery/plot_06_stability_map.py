@@ -35,8 +35,8 @@ plt.legend()
 
 material = ms.Isotropic(E=1e5, nu=1 / 3, density=1000)
 problem = ms.body(ms.Box(0.4, 0.1), material, fixed="left", gravity=(0, -0.01))
-sketch = ms.plot(problem)
 network = ms.build(problem, cells=2)
+sketch = ms.plot(network)
 highest = ms.natural_frequencies(network, 1).highest
 start = ms.State(network.points, 0 * network.points)
 limit = stability_limit("euler_cromer", 1, 1, 1)

@@ -18,6 +18,10 @@ import msvalidate as ms
 # Young's modulus, Poisson's ratio and the Zener ratio follow from the effective tensor of a
 # periodic unit cell. A hydrostatic strain moves all points affinely, so that the 2D bulk modulus
 # E/(2(1 - ν)) is k/2 exactly, here for k = 1 N/m.
+#
+# If all points moved affinely, Cauchy's relation would give the ratio 1/3 [BornHuang1954]. The
+# points of an irregular network relax, which lowers the shear modulus. Larger cells scatter less:
+# they are closer to a representative volume element.
 
 error = 0.0
 for count, style in ((25, "C1s"), (400, "C0o")):
@@ -29,12 +33,6 @@ for count, style in ((25, "C1s"), (400, "C0o")):
 print(f"E = {moduli.E:.3f} N/m, nu = {moduli.nu:.3f}, Zener ratio = {moduli.zener:.3f}")
 nu = np.linspace(0.3, 0.6)
 plt.plot(nu, 1 - nu, "k:", label="bulk modulus k/2")
-
-# %%
-# If all points moved affinely, Cauchy's relation would give the ratio 1/3 [BornHuang1954]. The
-# points of an irregular network relax, which lowers the shear modulus. Larger cells scatter less:
-# they are closer to a representative volume element.
-
 plt.plot(1 / 3, 2 / 3, "k^", label="affine motion")
 plt.xlabel("Poisson's ratio (1)")
 plt.ylabel("Young's modulus (N/m)")
