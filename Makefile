@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench cases check any-cpu report test floors slow mutants simulators lint types format clean
+.PHONY: help poisson bench cases check any-cpu docs report test floors slow mutants simulators lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -51,6 +51,14 @@ report: $(VENV)/runs
 # As many workers as cores, so a thread each.
 test: $(VENV)/develops
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow" $(ARGS)
+
+# make docs     the documentation site, in build/docs/index.html
+$(VENV)/documents: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	@touch $@ $(VENV)/runs
+
+docs: $(VENV)/documents
+	MPLBACKEND=Agg $(BIN)/python -m sphinx --quiet -W --keep-going -b html docs build/docs
 
 # make floors    the tests with the oldest versions that pyproject.toml allows (PYTHON=python3.11)
 OLDEST := import re, tomllib; \

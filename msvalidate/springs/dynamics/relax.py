@@ -93,8 +93,8 @@ def relax(
         Relaxation method, a record of `RELAXATIONS` or its name.
     tolerance
         Convergence criterion, 0 < tolerance <= 0.01. The residual force must fall below `tolerance`
-        times the largest sum of force magnitudes at a point, and the kinetic energy below
-        `tolerance`² times the elastic energy; rounding is allowed for.
+        times the largest sum of force magnitudes at a point, and the kinetic energy below its
+        square times the elastic energy; rounding is allowed for.
     max_steps
         Maximum number of steps, for each stage of a path. Default: 20 times the predicted number,
         or a limit of the method's own.

@@ -1,0 +1,88 @@
+"""Configuration of the documentation site: Sphinx, MyST, Furo, sphinx-gallery."""
+
+import re
+import tomllib
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parent
+ROOT_PAGES = ("architecture", "changelog", "contributing")
+README_PAGES = ("cases", "checker", "simulators")
+PROJECT = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+KEYS = re.findall(r"^@\w+\{(\w+),", (DOCS / "references.bib").read_text("utf-8"), flags=re.M)
+CITED = re.compile(rf"\[((?:{'|'.join(KEYS)})(?:,\s+(?:{'|'.join(KEYS)}))*)\](?![(\w])")
+"""Keys in brackets, as the pages cite their sources."""
+LINK = re.compile(r"\[([^\]]*)\]\(([^)#\s:]+)(#[^)]*)?\)")
+PAGES = {
+    DOCS / "decisions": "/decisions/index.md",
+    DOCS / "studies": "/studies/index.md",
+    **{DOCS.parent / f"{name.upper()}.md": f"/development/{name}.md" for name in ROOT_PAGES},
+    **{DOCS.parent / f"{name}/README.md": f"/development/{name}.md" for name in README_PAGES},
+}
+"""File or folder outside the site -> the page that stands for it."""
+
+project = PROJECT["name"]
+author = "The msvalidate developers"
+html_theme = "furo"
+html_title = project
+html_static_path = []
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+    "sphinxcontrib.bibtex",
+]
+exclude_patterns = ["_build", "README.md", "gallery/README.rst", "tutorials/README.rst"]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+suppress_warnings = ["bibtex.missing_field"]  # a field that is not certain is left out
+bibtex_bibfiles = ["references.bib"]
+bibtex_default_style = "plain"
+numpydoc_show_class_members = False
+autodoc_typehints = "none"
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+sphinx_gallery_conf = {
+    "examples_dirs": ["gallery", "tutorials"],
+    "gallery_dirs": ["auto_gallery", "auto_tutorials"],
+    "within_subsection_order": "FileNameSortKey",
+    "show_memory": False,
+    "image_scrapers": ("matplotlib",),
+    "min_reported_time": 1e9,
+}
+
+
+def adapt(text, folder):
+    """Return Markdown with citations, and links to what the site contains."""
+
+    def link(found):
+        words, target, anchor = found[1], (folder / found[2]).resolve(), found[3] or ""
+        if target in PAGES:
+            return f"[{words}]({PAGES[target]}{anchor})"
+        outside = not target.is_relative_to(DOCS)
+        if target.is_dir() or (outside and target.suffix == ".md"):
+            return words
+        if not target.exists():
+            return found[0]
+        path = f"../{target.relative_to(DOCS.parent)}" if outside else target.relative_to(DOCS)
+        return f"[{words}](/{path}{anchor})"
+
+    text = CITED.sub(lambda found: f"{{cite:p}}`{''.join(found[1].split())}`", text)
+    return LINK.sub(link, text)
+
+
+def setup(app):
+    """Connect the changes of sources."""
+    files = {page.removesuffix(".md"): path for path, page in PAGES.items() if path.suffix == ".md"}
+
+    def read(app, name, source):
+        path = files.get(f"/{name}", DOCS / name)
+        if path.suffix == ".md":  # the page stands for a file outside this folder
+            app.env.note_dependency(str(path))
+            source[0] = path.read_text(encoding="utf-8")
+        source[0] = adapt(source[0], path.parent)
+
+    app.connect("source-read", read)
