@@ -153,7 +153,7 @@ def progress_of(file: Path, folder: Path, args: argparse.Namespace) -> Iterator[
             if error.mesh is not None and error.mesh.dim == 3:
                 path = folder.with_name(f"{folder.name}-sides.png")
                 draw = partial(draw_sides, error.mesh, error.length)
-                drawn = draw_files("sides", f"Sides of the body of {file.name}", draw)
+                drawn = draw_files("sides", f"Sides of {file.name}", draw, margin=files.MARGIN)
                 with contextlib.suppress(OSError):
                     exchange.replace_file(path, partial(bytes, drawn["sides.png"]))
                     error.add_note(f"picture: {path}")

@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 import pandas as pd
@@ -183,13 +183,18 @@ def result_files(
     return found | {ABOUT: _json(msgspec.to_builtins(about))}
 
 
-def draw_files(name: str, caption: str, draw: Callable[[], Figure]) -> dict[str, bytes]:
-    """A figure in each of `FORMATS`, its caption above it: name of the file -> content."""
+def draw_files(
+    name: str, caption: str, draw: Callable[[], Figure], *, margin: float | None = None
+) -> dict[str, bytes]:
+    """A figure in each of `FORMATS`, its caption above it: name of the file -> content.
+
+    The figure is trimmed to a white margin (inches) if one is given.
+    """
     with figure_style():
         figure = draw()
         add_title(figure, caption)
         _lay_out(figure)
-        return {f"{name}.{kind}": _render_figure(figure, kind) for kind in FORMATS}
+        return {f"{name}.{kind}": _render_figure(figure, kind, margin) for kind in FORMATS}
 
 
 def known_files(folder: Path) -> set[str]:
@@ -362,8 +367,10 @@ def _lay_out(figure: Figure) -> None:
         figure.set_layout_engine(None)  # "none" would still draw every figure twice a format
 
 
-def _render_figure(figure: Figure, kind: str) -> bytes:
+def _render_figure(figure: Figure, kind: str, margin: float | None) -> bytes:
     page = io.BytesIO()
     # A date inside the file would make two equal pictures differ.
-    figure.savefig(page, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    trim: Any = {} if margin is None else {"bbox_inches": "tight", "pad_inches": margin}
+    date = {"Date": None} if kind == "svg" else None
+    figure.savefig(page, format=kind, metadata=date, **trim)
     return shorten_paths(page.getvalue()) if kind == "svg" else page.getvalue()

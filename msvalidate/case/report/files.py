@@ -40,6 +40,8 @@ from reference_fem.body import Solution
 MARK = "case.json"
 """The file that tells a folder of results of a case from other people's."""
 LONGEST_FOLDER = 80
+MARGIN = 0.25
+"""White margin (inches) of a picture: 40 pixels."""
 
 
 def folder_name(stem: str) -> str:
@@ -113,7 +115,7 @@ def picture_files(
     shown = {}
     for name, (caption, draw) in pictures.items():
         report_step("%s", name)
-        made = draw_files(name, caption, partial(in_units, draw))
+        made = draw_files(name, caption, partial(in_units, draw), margin=MARGIN)
         files |= made
         shown[name] = (caption, made[f"{name}.svg"])
     return files, shown
