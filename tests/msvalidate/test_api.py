@@ -4,6 +4,7 @@ import textwrap
 
 import numpy as np
 import pytest
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import msvalidate as ms
 import reference_fem
@@ -49,7 +50,10 @@ def test_ten_lines_from_a_body_to_an_animation(network, elements, tmp_path, monk
     assert {"springs", "elements", "undeformed"} <= legend
     large = ms.solve(network, geometry="nonlinear")
     assert 0 < np.abs(large.displacement - springs.displacement).max() < 1e-3
+    layouts = []
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: layouts.append(1))
     saved = ms.animate(ms.relax(network, "algorithm1")).save(tmp_path / "relaxation.gif")
+    assert len(layouts) == 1, "all frames have the axes of the first"
     assert saved.read_bytes()[:4] == b"GIF8"
 
 

@@ -152,7 +152,7 @@ def test_wrong_weights_in_space_are_equal_ones():
 
 @pytest.mark.parametrize("fault", poisson.FAULTS)
 def test_cubes_notice_faults(fault):
-    verdict = judge(cube.run(**poisson.FAULTS[fault], setting=QUICK))
+    verdict = judge(cube.run(poisson.FAULTS[fault]["candidate"], setting=QUICK))
     assert (verdict["verdict"] == "fail").any()
 
 
