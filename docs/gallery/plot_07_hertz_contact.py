@@ -19,9 +19,8 @@ from msvalidate.problem import Contact, Obstacle
 # The force is chosen for a half-width of a tenth of the block's height. A parabola replaces the
 # cylinder, as in the theory of Hertz.
 
-E, R, a = 1e6, 1.0, 0.1  # Pa, m, m
+E, R, a, block = 1e6, 1.0, 0.1, ms.Box(2, 1)  # Pa, m, m
 P = np.pi * E * a**2 / (4 * R)  # N
-block = ms.Box(2, 1)
 contact = Contact(block.side("top"), Obstacle("parabola", (1, 1), (0, -1), R), force=P)
 material = ms.Isotropic(E=E, nu=1 / 3)
 problem = ms.Problem(block, material, ms.Support("bottom"), contacts=(contact,))

@@ -15,18 +15,18 @@ import msvalidate as ms
 
 # %%
 # A block is in uniaxial stress along any direction n if each side bears the traction of the stress
-# tensor. Point supports remove the rigid-body motions and have no reaction.
+# tensor. Point supports remove the rigid-body motions and have no reaction. The lateral strain is
+# the trace of the displacement gradient less the strain along n.
 
 directions, ratios = np.radians(range(-45, 50, 5)), []
 supports = {ms.Region((0, 0)): 0, ms.Region((1, 0)): (None, 0)}
 for direction in directions:
     n = np.array([np.cos(direction), np.sin(direction)])
-    t = n[::-1] * (-1, 1)
     pull = {"right": n[0] * n, "top": n[1] * n, "left": -n[0] * n, "bottom": -n[1] * n}
     problem = ms.body(ms.Box(1, 1), ms.Isotropic(E=1, nu=0), fixed=supports, traction=pull)
     springs = ms.solve(ms.build(problem, cells=5, constants=(1, 2)))
     gradient = np.linalg.lstsq(springs.network.points, springs.displacement)[0]
-    ratios.append(-(t @ gradient @ t) / (n @ gradient @ n))
+    ratios.append(1 - np.trace(gradient) / (n @ gradient @ n))
 sketch = springs.plot()
 
 # %%
