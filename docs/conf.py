@@ -58,19 +58,19 @@ sphinx_gallery_conf = {
 def adapt(text, folder):
     """Return Markdown with citations, and links to what the site contains."""
 
-    def link(found):
-        words, target, anchor = found[1], (folder / found[2]).resolve(), found[3] or ""
+    def link(match):
+        words, target, anchor = match[1], (folder / match[2]).resolve(), match[3] or ""
         if target in PAGES:
             return f"[{words}]({PAGES[target]}{anchor})"
         outside = not target.is_relative_to(DOCS)
         if target.is_dir() or (outside and target.suffix == ".md"):
             return words
         if not target.exists():
-            return found[0]
+            return match[0]
         path = f"../{target.relative_to(DOCS.parent)}" if outside else target.relative_to(DOCS)
         return f"[{words}](/{path}{anchor})"
 
-    text = CITED.sub(lambda found: f"{{cite:p}}`{''.join(found[1].split())}`", text)
+    text = CITED.sub(lambda match: f"{{cite:p}}`{''.join(match[1].split())}`", text)
     return LINK.sub(link, text)
 
 

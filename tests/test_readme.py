@@ -39,7 +39,8 @@ def test_every_link_leads_somewhere():
     lost = []
     for name, text in TEXTS.items():
         for link in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
-            if not link.startswith("http") and not (ROOT / name).parent.joinpath(link).exists():
+            built = link.startswith(("http", "auto_"))  # by the documentation site
+            if not built and not (ROOT / name).parent.joinpath(link).exists():
                 lost.append(f"{name}: {link}")
     assert lost == []
 

@@ -99,11 +99,14 @@ def publish(folder: Path, files: exchange.Files, whose: str) -> None:
 
 
 def picture_files(
-    pictures: Mapping[str, tuple[str, Callable[[], Figure]]], length: str = "m"
+    pictures: Mapping[str, tuple[str, Callable[[], Figure]]],
+    length: str = "m",
+    margin: float | None = MARGIN,
 ) -> tuple[dict[str, bytes], dict[str, tuple[str, bytes]]]:
     """PNG and SVG of each picture, and name -> caption and SVG for the page.
 
-    Axes are in the unit `length`, a key of `case.file.units.LENGTH`.
+    Axes are in the unit `length`, a key of `case.file.units.LENGTH`, and pictures are trimmed to a
+    margin (inches) if there is one.
     """
 
     def in_units(draw: Callable[[], Figure]) -> Figure:
@@ -115,7 +118,7 @@ def picture_files(
     shown = {}
     for name, (caption, draw) in pictures.items():
         report_step("%s", name)
-        made = draw_files(name, caption, partial(in_units, draw), margin=MARGIN)
+        made = draw_files(name, caption, partial(in_units, draw), margin=margin)
         files |= made
         shown[name] = (caption, made[f"{name}.svg"])
     return files, shown

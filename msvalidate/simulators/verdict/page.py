@@ -72,7 +72,7 @@ def sheet_files(
             caption,
             lambda: overlay_drawings([network_drawing(network, body.move)]),
         )
-    content, pictures = picture_files(drawn if plots else {})
+    content, pictures = picture_files(drawn if plots else {}, margin=None)
     badge, worst = (found.word, ""), max(errors, default=0.0)
     if worst > TOLERANCE:
         badge = MIXED, f"law {found.word}, coarse body {percent(worst)} from elasticity"

@@ -175,7 +175,7 @@ def test_pages_state_what_was_compared(browser, pages):  # noqa: F811
         texts[kind] = texts[kind].replace("\N{NO-BREAK SPACE}", " ")
     counted = re.search(r"springs agree with elasticity in (\d) of (\d) quantities", texts["case"])
     assert (counted[1] == counted[2]) == ("Use springs" in texts["case"])
-    assert "displacement (mm)" in texts["case"]
+    assert "largest displacement at compared points (mm)" in texts["case"]
     assert "mean stress (MPa)" in texts["case"]
     badge = "springs agree with reference in 7 of 9 rows"
     assert badge in texts["study"]
