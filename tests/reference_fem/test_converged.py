@@ -194,9 +194,8 @@ def test_materials_that_cross_are_known_to_hide_their_error():
 
 CUBE = Box((1.0, 1.0, 1.0))
 PULLED = Problem(
-    CUBE, Isotropic(1e5, 0.3, "solid"), (Support(CUBE.side("left"), (0.0, 0.0, 0.0)),),
-    (Traction(CUBE.side("right"), (0.0, 0.0, 1.0)),),
-)  # fmt: skip
+    CUBE, Isotropic(1e5, 0.3, "solid"), Support("left"), Traction("right", (0.0, 0.0, 1.0))
+)
 TIP = np.array([[1.0, 1.0, 1.0]])
 
 
