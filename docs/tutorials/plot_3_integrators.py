@@ -68,8 +68,8 @@ for scheme in "explicit_euler", "euler_cromer", "velocity_verlet", "leapfrog":
     dt = critical * (1.01 if scheme == "leapfrog" else 0.2)
     states = [start]
     ms.motion(network, start, scheme, dt, 20, watch=lambda _, s, to=states: to.append(s), warn=False)
-    squares = [(s.position - network.points) ** 2 + s.velocity**2 for s in states]
-    plt.semilogy([1e6 * square.sum() for square in squares], label=f"{scheme}, {dt:.2f} s")
+    energy = [1e6 * ((s.position - network.points) ** 2 + s.velocity**2).sum() for s in states]
+    plt.semilogy(energy, label=f"{scheme}, {dt:.2f} s")
 plt.ylim(0.1, 50)
 plt.xlabel("step")
 plt.ylabel("energy relative to that at the start")
