@@ -17,7 +17,7 @@ import reference_fem
 
 # %%
 # A unit square is divided into triangles of size 1/6 m. The nodes are moved by random vectors.
-# Those of a side stay on it.
+# Nodes of a side stay on it.
 
 square = reference_fem.box_discretisation(ms.Box(1, 1), (6, 6), "P1")
 x = square.points

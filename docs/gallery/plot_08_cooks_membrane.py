@@ -31,8 +31,8 @@ for spacing in spacings:
     deflections.append((springs.answer.at(probe)[0, 1], elements[0, 1]))
 
 # %%
-# The mesh convergence is of second order on coarse meshes. The clamped upper corner of 108 degrees
-# has a stress singularity [Williams1952], which lowers the order on fine ones.
+# The errors decrease almost with the square of the spacing. The stress singularity at the clamped
+# upper corner of 108 degrees lowers the order of convergence on very fine meshes [Williams1952].
 
 errors = abs(np.array(deflections) / theory - 1)
 plt.loglog(spacings, errors, "o-", label=["springs", "linear triangles"])

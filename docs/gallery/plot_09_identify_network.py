@@ -6,7 +6,7 @@ Which elastic solid is an irregular network of springs?
 
 Springs join the neighbours of a Voronoi tessellation. Their stiffness is kA/L, with the length A of
 the common side of two cells and the distance L of their centres. For files of points and springs,
-`msvalidate advise --identify` computes the same.
+``msvalidate advise --identify`` computes the same.
 """
 
 import matplotlib.pyplot as plt
