@@ -4,6 +4,9 @@ import re
 import tomllib
 from pathlib import Path
 
+from matplotlib.figure import Figure
+from sphinx_gallery.scrapers import figure_rst
+
 DOCS = Path(__file__).resolve().parent
 ROOT_PAGES = ("architecture", "changelog", "contributing")
 README_PAGES = ("cases", "checker", "simulators")
@@ -38,19 +41,36 @@ extensions = [
 exclude_patterns = ["_build", "README.md", "gallery/README.rst", "tutorials/README.rst"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-suppress_warnings = ["bibtex.missing_field"]  # a field that is not certain is left out
+suppress_warnings = [
+    "bibtex.missing_field",  # a field that is not certain is left out
+    "config.cache",  # `save_figures` is a function
+]
 bibtex_bibfiles = ["references.bib"]
 bibtex_default_style = "plain"
 numpydoc_show_class_members = False
 autodoc_typehints = "none"
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
+
+
+def save_figures(_block, block_vars, gallery_conf):
+    """Save figures that pyplot does not manage, such as those of `plot`, each once."""
+    names, paths = block_vars["example_globals"], []
+    saved = names.setdefault("_saved_figures", [])
+    for figure in [each for each in names.values() if isinstance(each, Figure)]:
+        if figure not in saved and getattr(figure, "number", None) is None:
+            saved.append(figure)
+            paths.append(next(block_vars["image_path_iterator"]))
+            figure.savefig(paths[-1])
+    return figure_rst(paths, gallery_conf["src_dir"])
+
+
 sphinx_gallery_conf = {
     "examples_dirs": ["gallery", "tutorials"],
     "gallery_dirs": ["auto_gallery", "auto_tutorials"],
     "within_subsection_order": "FileNameSortKey",
     "show_memory": False,
-    "image_scrapers": ("matplotlib",),
+    "image_scrapers": (save_figures, "matplotlib"),
     "min_reported_time": 1e9,
 }
 

@@ -67,7 +67,9 @@ start = ms.State(1.001 * network.points, 0 * network.points)
 for scheme in "explicit_euler", "euler_cromer", "velocity_verlet", "leapfrog":
     dt = critical * (1.01 if scheme == "leapfrog" else 0.2)
     states = [start]
-    ms.motion(network, start, scheme, dt, 20, watch=lambda _, s, to=states: to.append(s), warn=False)
+    ms.motion(
+        network, start, scheme, dt, 20, watch=lambda _, s, to=states: to.append(s), warn=False
+    )
     energy = [1e6 * ((s.position - network.points) ** 2 + s.velocity**2).sum() for s in states]
     plt.semilogy(energy, label=f"{scheme}, {dt:.2f} s")
 plt.ylim(0.1, 50)
