@@ -38,9 +38,9 @@ problem = ms.body(ms.Box(1, 1), ms.Isotropic(1, 1 / 3), fixed=sides)
 # A single cell has four sides and two diagonals. Pull it along x with the total force F, and let
 # it extend by a and contract by b. The cell has an edge of 1 m, so that a and b are strains too.
 #
-# Each diagonal has the direction (1, 1)/√2 and becomes longer by (a - b)/√2. Its force is
-# k2 (a - b)/√2, and the component along either axis is k2 (a - b)/2. There are two diagonals, so that
-# a section across the cell carries k2 (a - b) through them.
+# Each diagonal has the direction (1, 1)/√2 and becomes longer by (a - b)/√2. Its force is k2 (a -
+# b)/√2, and the component along either axis is k2 (a - b)/2. There are two diagonals, so that a
+# section across the cell carries k2 (a - b) through them.
 #
 # The section also cuts two sides, the upper and the lower one. No external force acts along y.
 # The balance of forces along y is therefore
@@ -55,7 +55,8 @@ problem = ms.body(ms.Box(1, 1), ms.Isotropic(1, 1 / 3), fixed=sides)
 # ---------
 #
 # Now put many cells side by side. Two cells share each side between them. One cell in the interior
-# owns half of its upper side and half of its lower side. This makes one k1 per cell in place of two.
+# owns half of its upper side and half of its lower side. This makes one k1 per cell in place of
+# two.
 #
 # Replace 2 k1 by k1 in the balance of forces:
 #
@@ -90,9 +91,10 @@ plt.ylabel("Poisson's ratio")
 plt.legend()
 
 # %%
-# The lines are the formulas, and the symbols are computed. The symbols lie on the lines. The two curves of the lattice intersect at
-# k2 = k1/2, where the Zener ratio is 1 and Poisson's ratio is 1/3. Central springs alone offer no
-# other isotropic material in 2D. Tutorial 5 adds an energy for other ratios.
+# The lines are the formulas, and the symbols are computed. The symbols lie on the lines. The two
+# curves of the lattice intersect at k2 = k1/2, where the Zener ratio is 1 and Poisson's ratio is
+# 1/3. Central springs alone offer no other isotropic material in 2D. Tutorial 5 adds an energy for
+# other ratios.
 #
 # Exercises
 # ---------
@@ -111,12 +113,12 @@ plt.legend()
 #
 # 1. The ratio is 1/2 at k2 = k1. Along the diagonals it is 1/5. A ratio of 1/2 along one direction
 #    does not make a material incompressible.
-# 2. Shear along the axes, or tension along the diagonals. The lattice has the shear
-#    modulus k2. The elements have the Lamé constants λ = k2 and μ = k1/2. At k2 = 2 k1 the lattice is
-#    four times as stiff in shear, and this factor is its Zener ratio. Its ratio along the
-#    diagonals is 1/9, and that of the elements stays 2/3.
+# 2. Shear along the axes, or tension along the diagonals. The lattice has the shear modulus k2. The
+#    elements have the Lamé constants λ = k2 and μ = k1/2. At k2 = 2 k1 the lattice is four times as
+#    stiff in shear, and this factor is its Zener ratio. Its ratio along the diagonals is 1/9, and
+#    that of the elements stays 2/3.
 # 3. No. With boundary weights of 1/2, uniform tension is exact at any number of cells. The block
 #    passes the patch test.
-# 4. The change of area relative to the extension is 1 - ν. For a ratio of 2/3 the area increases
-#    by a third of the extension. In a sheet in plane stress the volume depends on the thickness too,
+# 4. The change of area relative to the extension is 1 - ν. For a ratio of 2/3 the area increases by
+#    a third of the extension. In a sheet in plane stress the volume depends on the thickness too,
 #    so that this alone decides nothing. In 2D, only a ratio of 1 keeps the area.

@@ -3,8 +3,9 @@ Boundary springs
 ================
 
 A spring in the boundary of a body belongs to fewer cells than a spring inside. If it has the
-stiffness of an interior spring, the body is too stiff. For five cells
-across, the axial springs are 20 % too stiff, and refinement removes the error slowly. This tutorial measures the error and corrects it.
+stiffness of an interior spring, the body is too stiff. For five cells across, the axial springs are
+20 % too stiff, and refinement removes the error slowly. This tutorial measures the error and
+corrects it.
 """
 
 # %%
@@ -29,8 +30,8 @@ across, the axial springs are 20 % too stiff, and refinement removes the error s
 # The experiment
 # --------------
 #
-# Pull a square block of N x N cells, with the left and the lower side on rollers. The exact solution
-# for the solid is a uniform strain. The displacement is then a linear function of the
+# Pull a square block of N x N cells, with the left and the lower side on rollers. The exact
+# solution for the solid is a uniform strain. The displacement is then a linear function of the
 # coordinates, and a correct model reproduces it to rounding. In the finite element method this is
 # called the patch test.
 #

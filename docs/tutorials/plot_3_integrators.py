@@ -19,8 +19,8 @@ spring.
 #   v(n+1) = v(n) + h a(x(n)), x(n+1) = x(n) + h v(n+1). Other names are semi-implicit Euler and
 #   symplectic Euler.
 # - **Leapfrog** has the velocities half a step later than the positions.
-# - **Velocity Verlet** advances the velocity by half a step and the position by a whole step. Another
-#   half step of the velocity follows with the new acceleration.
+# - **Velocity Verlet** advances the velocity by half a step and the position by a whole step.
+#   Another half step of the velocity follows with the new acceleration.
 #
 # Each scheme evaluates the forces once per step. Explicit Euler is therefore not cheaper than the
 # other three. Euler-Cromer, leapfrog and velocity Verlet move the points in the same way: each
@@ -60,9 +60,9 @@ start = ms.State(1.001 * network.points, 0 * network.points)
 # takes part in the motion. For a lattice, the condition has the form of the CFL condition. The
 # time step must be shorter than the spacing divided by the speed of pressure waves.
 #
-# For explicit Euler, both eigenvalues have the magnitude √(1 + h²ω²). It exceeds 1 at
-# every time step. The scheme needs damping: with the rate c, it is stable up to h = c/ω² as long as the
-# mode is not overdamped.
+# For explicit Euler, both eigenvalues have the magnitude √(1 + h²ω²). It exceeds 1 at every time
+# step. The scheme needs damping: with the rate c, it is stable up to h = c/ω² as long as the mode
+# is not overdamped.
 
 for scheme in "explicit_euler", "euler_cromer", "velocity_verlet", "leapfrog":
     dt = critical * (1.01 if scheme == "leapfrog" else 0.2)
@@ -88,9 +88,9 @@ plt.legend(loc="lower left")
 # The energy of Euler-Cromer oscillates by about hω/2 = 20 % on either side. It has no trend. The
 # scheme is symplectic: it conserves a modified energy that is close to the true one.
 #
-# The energy of velocity Verlet falls by h²ω²/4 = 4 % and returns. Leapfrog reports the same states at
-# this time step. The error of Euler-Cromer is of first order in h, and that of the other two is of
-# second order.
+# The energy of velocity Verlet falls by h²ω²/4 = 4 % and returns. Leapfrog reports the same states
+# at this time step. The error of Euler-Cromer is of first order in h, and that of the other two is
+# of second order.
 #
 # The last run is leapfrog at 1.01 of the critical time step. Its energy grows exponentially. At
 # 0.99 it is wrong but bounded. There is no gradual transition, so a program should compute the
@@ -116,7 +116,7 @@ plt.legend(loc="lower left")
 # 2. The force vanishes in equilibrium, and half of zero is zero. Before, the motion is that of a
 #    network with twice the masses. Its natural frequencies are lower by √2, and the motion takes
 #    longer by √2. Frequencies, velocities and the critical damping are wrong.
-# 3. Up to c/ω² = 0.5/2.5² = 0.08 s. The critical time step of undamped leapfrog is 0.8 s, ten times as
-#    long. The highest frequency decides, since c/ω² is smallest there.
+# 3. Up to c/ω² = 0.5/2.5² = 0.08 s. The critical time step of undamped leapfrog is 0.8 s, ten times
+#    as long. The highest frequency decides, since c/ω² is smallest there.
 # 4. The stiffness stays the same, because it is a modulus times the thickness. The mass is a
 #    quarter. The highest natural frequency doubles, and the critical time step is halved.

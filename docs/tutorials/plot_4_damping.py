@@ -23,18 +23,18 @@ too much lets the body creep. This tutorial measures the number of steps for bot
 # - If ζ > 1, the mode creeps. Far above 1, the distance decreases as exp(-ω² t/c). More damping
 #   lengthens the time.
 #
-# A body has many modes and one damping rate. The rate that is critical for the slowest mode is below
-# critical for all others, which vibrate. Their amplitudes decrease as exp(-c t/2) all the same,
-# whatever their frequency. So the slowest mode decides. More precisely, it is the slowest
+# A body has many modes and one damping rate. The rate that is critical for the slowest mode is
+# below critical for all others, which vibrate. Their amplitudes decrease as exp(-c t/2) all the
+# same, whatever their frequency. So the slowest mode decides. More precisely, it is the slowest
 # mode that the load excites.
 #
 # The experiment
 # --------------
 #
-# A square block has particles that are 1 m apart, with 1 kg per cell. Its springs have
-# k1 = 1 N/m and k2 = 1/2 N/m. The left and the lower side are on rollers, and a traction pulls the
-# right side. ``algorithm1`` integrates the motion by Euler-Cromer from the undeformed state, until the
-# residual force and the velocities are negligible. It tests for convergence every 20 steps.
+# A square block has particles that are 1 m apart, with 1 kg per cell. Its springs have k1 = 1 N/m
+# and k2 = 1/2 N/m. The left and the lower side are on rollers, and a traction pulls the right side.
+# ``algorithm1`` integrates the motion by Euler-Cromer from the undeformed state, until the residual
+# force and the velocities are negligible. It tests for convergence every 20 steps.
 #
 # The time step is 0.2 s in all runs, a quarter of the critical time step. The number of steps is
 # then proportional to the time.
@@ -87,8 +87,8 @@ plt.legend(loc="lower right")
 # as c h/2 + h² ω²/4 is less than 1, with the highest natural frequency ω. Here this limit is
 # c = 9.4 1/s, or a damping ratio of 15.
 #
-# The second block has half the natural frequency, and it takes twice as many steps at
-# every damping ratio. The steps have the same length, since the highest frequency is nearly the same.
+# The second block has half the natural frequency, and it takes twice as many steps at every damping
+# ratio. The steps have the same length, since the highest frequency is nearly the same.
 #
 # Exercises
 # ---------
@@ -113,5 +113,5 @@ plt.legend(loc="lower right")
 # 3. Kinetic damping takes 160 steps for 5 x 5 cells and 300 for 10 x 10 cells. It removes the
 #    velocities whenever the kinetic energy passes a maximum. It needs no damping rate, and it takes
 #    0.9 of the critical time step.
-# 4. Slightly. The best ratio is about 1 in place of 0.95, and it takes 360 steps in place of 400 for
-#    5 x 5 cells. The best damping depends on the modes that the load excites.
+# 4. Slightly. The best ratio is about 1 in place of 0.95, and it takes 360 steps in place of 400
+#    for 5 x 5 cells. The best damping depends on the modes that the load excites.

@@ -11,10 +11,10 @@ a different Poisson's ratio. It then adds a volume energy, which removes the err
 # One material
 # ------------
 #
-# A central spring resists a change of its length, and nothing else. Its force acts along the line that
-# joins its points. Suppose that all points of a lattice move with the mean strain. Then the stiffness tensor
-# is a sum over springs of terms that are symmetric in all four indices. Such a tensor obeys the
-# Cauchy relation: the two Lamé constants λ and μ are equal.
+# A central spring resists a change of its length, and nothing else. Its force acts along the line
+# that joins its points. Suppose that all points of a lattice move with the mean strain. Then the
+# stiffness tensor is a sum over springs of terms that are symmetric in all four indices. Such a
+# tensor obeys the Cauchy relation: the two Lamé constants λ and μ are equal.
 #
 # Therefore Poisson's ratio is fixed:
 #
@@ -40,16 +40,16 @@ a different Poisson's ratio. It then adds a volume energy, which removes the err
 # The experiment
 # --------------
 #
-# A cantilever of 4 m x 1 m is clamped on its left side and loaded on its right side, in plane strain.
-# Three models are compared with a converged finite element solution:
+# A cantilever of 4 m x 1 m is clamped on its left side and loaded on its right side, in plane
+# strain. Three models are compared with a converged finite element solution:
 #
 # 1. springs alone, with the same Young's modulus and the ratio 1/4,
 # 2. springs with a volume energy,
 # 3. bilinear quadrilateral elements ("Q1") on the mesh of the lattice.
 #
-# All three have eight cells over the height. `reference` refines quadratic elements until
-# its error is below 1 %. The horizontal axis of the figure is 1/2 - ν, because the interesting
-# range lies next to 1/2. Before you run it, sort the three models by their error at 0.3 and at 0.4999.
+# All three have eight cells over the height. `reference` refines quadratic elements until its error
+# is below 1 %. The horizontal axis of the figure is 1/2 - ν, because the interesting range lies
+# next to 1/2. Before you run it, sort the three models by their error at 0.3 and at 0.4999.
 
 import matplotlib.pyplot as plt
 
@@ -107,8 +107,8 @@ plt.legend()
 #   ratio. The error is a model error, which a finer lattice does not remove.
 # - **The volume energy** keeps the error at 2 to 3 %. This is the discretisation error of eight
 #   cells, and refinement reduces it.
-# - **Q1 elements** lock. The material resists a change of volume at all four integration points of an element.
-#   The element has too few degrees of freedom to bend without such a change.
+# - **Q1 elements** lock. The material resists a change of volume at all four integration points of
+#   an element. The element has too few degrees of freedom to bend without such a change.
 #
 # The volume energy of a square cell depends on one number, its mean change of area. This is
 # the same as reduced integration of the volumetric part, a standard remedy for locking.
@@ -133,5 +133,6 @@ plt.legend()
 #    ratio. Q1 elements improve by the same factor at the ratio 0. At 0.4999 their error is still
 #    80 %. The error of springs alone remains 6 % at the ratio 0, and grows to 25 % at 0.4999.
 # 3. For the ratio 1/3.
-# 4. κ grows as 1/(1/2 - ν), like λ. The highest natural frequency grows as its square root. The time
-#    step that ``recommended_time_step`` returns for leapfrog is 5.5 ms at 0.45 and 0.26 ms at 0.4999.
+# 4. κ grows as 1/(1/2 - ν), like λ. The highest natural frequency grows as its square root. The
+#    time step that ``recommended_time_step`` returns for leapfrog is 5.5 ms at 0.45 and 0.26 ms at
+#    0.4999.

@@ -73,9 +73,9 @@ problem = ms.body(part, steel, fixed="face 5", traction={"face 7": (0, 0, -1e6)}
 # The bracket has a sharp inner corner, where the exact stress is infinite. Convergence is
 # therefore slow.
 #
-# ``build`` cuts the lattice "cubic18" to the body. The springs in cut cells have the fraction
-# that lies inside. For steel the ratio 0.3 differs from 1/4, so that the cells have a volume energy.
-# The first spacing is 5 mm: two cells across the walls. The second one is 2.5 mm.
+# ``build`` cuts the lattice "cubic18" to the body. The springs in cut cells have the fraction that
+# lies inside. For steel the ratio 0.3 differs from 1/4, so that the cells have a volume energy. The
+# first spacing is 5 mm: two cells across the walls. The second one is 2.5 mm.
 
 elements = ms.reference(problem, rtol=0.05)
 for spacing in 5e-3, 2.5e-3:
@@ -120,7 +120,8 @@ plt.colorbar(points, label="vertical displacement (µm)", pad=0.2)
 #
 # 1. Repeat the comparison with a spacing of 2 mm and of 5/3 mm. Does the displacement converge?
 # 2. By which factor does the number of points grow from 5 mm to 2.5 mm? Why is it not eight?
-# 3. Request ``rtol=0.02``. It takes about 15 s. Does the verdict on the displacement at 2.5 mm change?
+# 3. Request ``rtol=0.02``. It takes about 15 s. Does the verdict on the displacement at 2.5 mm
+#    change?
 # 4. Enter the geometry in m by mistake, with ``unit=1``. Which line of the output shows it?
 
 # %%
