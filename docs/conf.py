@@ -94,6 +94,15 @@ def adapt(text, folder):
     return LINK.sub(link, text)
 
 
+def write_list(app, error):
+    """Write llms.txt: the title and the Markdown of each page."""
+    titles = app.env.titles.items()
+    lines = [f"- [{title.astext()}](_sources/{name}.md.txt)" for name, title in titles]
+    if error is None:
+        text = "\n".join([f"# {project}", "", *sorted(lines), ""])
+        Path(app.outdir, "llms.txt").write_text(text, encoding="utf-8")
+
+
 def setup(app):
     """Connect the changes of sources."""
     files = {page.removesuffix(".md"): path for path, page in PAGES.items() if path.suffix == ".md"}
@@ -106,3 +115,4 @@ def setup(app):
         source[0] = adapt(source[0], path.parent)
 
     app.connect("source-read", read)
+    app.connect("build-finished", write_list)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import inspect
 import re
+from pathlib import Path
 
 import pytest
 
@@ -40,6 +41,12 @@ def undescribed(value):
 def test_examples_of_public_names_run():
     reports = [failed_examples(name, value) for name, value in PUBLIC.items()]
     assert "\n".join(filter(None, reports)) == ""
+
+
+def test_the_page_of_the_api_lists_every_public_function_and_class():
+    page = Path(__file__).parents[1].joinpath("docs/api.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^   ([A-Za-z_]\w+)$", page, re.M)
+    assert sorted(listed) == sorted(PUBLIC.keys() - {"ProblemError", "SolverError", "equilibrium"})
 
 
 def test_parameters_of_public_names_are_described():
