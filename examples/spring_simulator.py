@@ -57,6 +57,9 @@ if __name__ == "__main__":
     if request.task != "declare":
         request.mesh = SimpleNamespace(points=table("points.csv"))
         request.mesh.cells = table("cells.csv").astype(int)
+        if request.mesh.cells.shape[1] != 4:
+            sys.stderr.write("springs on squares alone: take --shape quad\n")
+            sys.exit(77)
         mass, force, held, value = np.split(table("nodal.csv"), [1, 3, 5], axis=1)
         start = table("start.csv") if request.task == "motion" else None
         vars(request).update(mass=mass[:, 0], force=force, held=held == 1, value=value, start=start)

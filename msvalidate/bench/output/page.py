@@ -193,7 +193,8 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
     question = " ".join(rest.strip().partition("\n\n")[0].split())
     advice = ADVICE.search(rest)
     rows = judgements(study)
-    pictures = embed_pictures(study.name, study.pictures, room)
+    first = {name: made for name, made in study.pictures.items() if name == study.cover}
+    pictures = embed_pictures(study.name, {**first, **study.pictures}, room)
     inside = [each for each in pictures if each.source]
     summary, sentence = _summary(study)
     cover = f"{study.name}/{study.cover}.svg"

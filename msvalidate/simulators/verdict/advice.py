@@ -58,7 +58,10 @@ def _after_agreement(result: Judgement, parts: Collection[str]) -> Cause:
     if errors := mesh_errors(result):
         return _advice("refine", **errors)
     rest = " --only ".join(part for part in PARTS if part not in parts)
-    return _advice("ask the rest", rest=rest) if rest else _advice("own body")
+    if rest:
+        return _advice("ask the rest", rest=rest)
+    cells = [body.request.mesh.shape for body in result.lattice.bodies] if result.lattice else []
+    return _advice("own body", shape=f" --shape {cells[0]}" if cells else "")
 
 
 def _at_gate(found: Judgement, asked: Asked) -> Cause:

@@ -134,6 +134,13 @@ def test_the_example_runs_as_an_adapter(tmp_path):
     assert json.loads((kept / "request.json").read_text())["cells"] == "quad"
 
 
+def test_the_example_names_the_shape_of_its_cells(tmp_path):
+    body = str(EXAMPLE.with_name("box.toml"))
+    done = run("simulate", body, "--with", str(EXAMPLE), "--cells", "2", cwd=tmp_path)
+    assert done.returncode == 4
+    assert "take --shape quad" in done.stderr + done.stdout
+
+
 def test_points_alone_have_no_cells():
     points = replace(stretched_block(PLATE, {}, "quad"), points_only=True)
     files = request_files(points)

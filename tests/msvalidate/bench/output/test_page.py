@@ -160,6 +160,14 @@ def test_overall_verdict_is_the_worst(states, verdict):
     assert page.overall_verdict(sections)[0] == verdict
 
 
+def test_the_cover_is_in_the_page_before_other_pictures_take_the_room():
+    pictures = {"line": ("A line.", SVG % 300), "body": ("A body.", SVG % 300)}
+    room = len(page.study_section(stored(pictures=pictures)).pictures[0].source)
+    section = page.study_section(stored(pictures=pictures, cover="body"), room)
+    assert section.cover.file.endswith("body.svg")
+    assert section.cover.source
+
+
 def test_baseline_lists_only_what_failed():
     rows = [judged(f"held {i}", layer="baseline") for i in range(5)]
     rows.append(judged("moved", layer="baseline", verdict="fail"))
