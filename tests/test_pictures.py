@@ -17,7 +17,7 @@ DRAWING = runpy.run_path(str(ROOT / "docs" / "draw_pictures.py"))
 LARGEST, TOGETHER = 80_000, 3_000_000
 WIDE, HIGH = 550, 540
 """Points (1/72 inch): as wide as a page, as high as a screen."""
-WITHOUT = {"claims", "cost", "overview"}
+WITHOUT = {"index", "claims", "cost", "overview"}
 """The ledger is its own picture, and times, which the others show, are in no baseline."""
 FOUND = {path.relative_to(STUDIES).as_posix(): path for path in STUDIES.rglob("*.svg")}
 

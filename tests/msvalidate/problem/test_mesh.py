@@ -69,7 +69,7 @@ def test_unknown_name_lists_the_names(box_mesh):
     mesh = box_mesh("quad", left=left, right=right)
     with refused("boundary 'top': the mesh has 'left', 'right'; choose one of them"):
         mesh.side("top")
-    with refused("boundary 'top': the mesh has no names; give a Region"):
+    with refused("boundary 'top': the mesh has no boundary by name; give a Region"):
         box_mesh("quad").side("top")
 
 
