@@ -64,7 +64,7 @@ class Field:
     outside the body; `known` are fields (n, d), by ratio, of solvers that are known not to be
     converged, by what they are of; `other_state` gives it in the other plane state, with that
     state's name; `mistakes` are known mistakes, solved on this body; `unit` is the name and size
-    (m) of the unit of length in sentences.
+    (m) of the unit of length in sentences, `read_unit` the size (m) of that of the file.
     """
 
     places: Array
@@ -81,6 +81,7 @@ class Field:
     other_state: Callable[[], tuple[str, Array] | None] = lambda: None
     mistakes: Sequence[Mistake] = ()
     unit: tuple[str, float] = ("m", 1.0)
+    read_unit: float = 1.0
 
     def length(self, value: float, digits: int = 3) -> str:
         """A length or coordinate (m) as text in the unit of the sentences."""

@@ -32,9 +32,9 @@ from msvalidate_check.scales import (
     AS_WELL,
     FITS,
     NOTICED,
-    UNITS,
     explain_scale,
     read_scale,
+    units_of,
 )
 
 __all__ = ["FITS", "NOTICED", "Driven", "Field", "explain", "split"]
@@ -172,7 +172,7 @@ def _positions(field: Field) -> Iterator[Cause]:
 
 def _positions_besides(field: Field) -> Iterator[Cause]:
     """Positions in another unit, or of a body that moves more or less."""
-    for unit, many in UNITS.items():
+    for unit, many in units_of(field).items():
         left = field.left(field.found / many - field.places)
         of = phrase("positions in unit", unit=unit)
         yield Cause("positions", many, of, left, "unit")
@@ -255,7 +255,7 @@ def _rigid(field: Field) -> Iterator[Cause]:
 def _node_order_in_units(field: Field) -> Iterator[Cause]:
     """Nodes in another order, in a unit that the mean length of displacements shows."""
     scale = float(np.linalg.norm(field.found) / (np.linalg.norm(field.wanted) or 1.0))
-    for unit, many in UNITS.items():
+    for unit, many in units_of(field).items():
         if abs(scale / many - 1) <= max(AS_GOOD, field.uncertainty):
             yield from _node_order(field, field.found / many, many, unit)
 

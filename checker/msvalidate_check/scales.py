@@ -20,17 +20,21 @@ two at once may."""
 NOTICED = 3.0
 """Times the uncertainty of elasticity and of the numbers, from which a difference is explained."""
 UNITS = {
+    "metres": 1.0,
     "millimetres": 1e3,
     "centimetres": 1e2,
     "micrometres": 1e6,
     "inches": 1 / 0.0254,
     "kilometres": 1e-3,
-    "metres read as millimetres": 1e-3,
     "feet": 1 / 0.3048,
+}
+"""Phrase of what displacements may be in, and how many of these a metre has."""
+MIXED_UNITS = {
+    "metres read as millimetres": 1e-3,
     "inches for millimetres": 25.4,
     "millimetres for inches": 1 / 25.4,
 }
-"""Phrase of what displacements may be in instead of m, and how many of these a metre has."""
+"""Phrase of two units that are confused, and the factor by which displacements in m change."""
 STIFFNESS_UNITS = {
     1e3: "N/m and N/mm, or Pa and kPa",
     1e-3: "N/m and N/mm, or Pa and kPa",
@@ -74,7 +78,7 @@ def read_scale(field: Field, found: Array, wanted: Array) -> list[Times]:
 
 def _units(field: Field, found: Array, wanted: Array, scale: float, left: float) -> Iterator[Times]:
     """Units of length and of stiffness, and a modulus or load off besides."""
-    named = [("unit", many, phrase("named", name=name)) for name, many in UNITS.items()]
+    named = [("unit", many, phrase("named", name=name)) for name, many in units_of(field).items()]
     if field.driven in {"loads", "weight"}:
         named += [("unit of k", 1 / factor, _stiffness(factor)) for factor in STIFFNESS_UNITS]
     for kind, many, unit in named:
@@ -88,6 +92,17 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
         elif powers >= 1:  # any number is near some unit that is close to 1
             besides = phrase("unit besides", unit=unit, times=scale / many)
             yield Times(kind, many, scale, besides, left)
+
+
+def units_of(field: Field) -> dict[str, float]:
+    """Unit that displacements may be in -> the factor by which they then appear too large.
+
+    It is relative to the unit in which they were read.
+    """
+    if field.read_unit == 1.0:
+        return {name: many for name, many in UNITS.items() if many != 1.0} | MIXED_UNITS
+    factors = {name: field.read_unit * many for name, many in UNITS.items()}
+    return {name: many for name, many in factors.items() if abs(many - 1.0) > AS_GOOD}
 
 
 def _stiffness(factor: float) -> Phrase:

@@ -19,6 +19,7 @@ from msvalidate.springs.constants.stiffness import (
     ALIKE,
     AXES_OF,
     UNIT,
+    cubic_part,
     is_same_tensor,
     isotropic_moduli,
     isotropic_part,
@@ -216,7 +217,9 @@ def moduli_rows(found: Identified, thickness: float | None = None) -> list[tuple
         rows.append(("isotropic", solid))
     else:
         rows += _directional_rows(C)
-        rows.append(("Zener ratio along the axes", f"{mean.zener:.6g}"))
+        cubic = is_same_tensor(C, cubic_part(C))
+        name = "Zener ratio along the axes" if cubic else "Zener ratio of the mean over the axes"
+        rows.append((name, f"{mean.zener:.6g}"))
         rows.append(("nearest isotropic", solid))
     rows += [("auxetic", "widens when it is pulled")] * (nu < 0)
     if d == 2 and thickness is not None:

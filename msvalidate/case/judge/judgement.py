@@ -133,7 +133,7 @@ def judge_result(
     if rest <= uncertainty:  # as stated, nothing is missing
         excluded.add("not converged")
     mistakes = tuple(each for each in catalogue.mistakes if each.kind not in excluded)
-    field = replace(field, mistakes=mistakes, unit=user_unit("m", case.unit))
+    field = replace(field, mistakes=mistakes, unit=user_unit("m", case.unit), read_unit=unit)
     omitted: list[str] = []
     verdict = judge_field(field, case.band, rest, partial(_explained, omitted=omitted))
     report_stage("large displacements", STAGES)
@@ -167,6 +167,8 @@ def _field(
     solution, law = reference.finest, problem.material
 
     def elsewhere(places: Array) -> Array | None:
+        if reference.large is not None:  # the solution is that of linear theory
+            return None
         try:
             return solution.at(places)
         except (ProblemError, SolverError):
@@ -226,9 +228,9 @@ def _at(matched: Matched, by_ratio: Callable[[float], Array]) -> Callable[[float
 def driven_by(problem: Problem) -> Driven:
     """Classify what moves a body: "loads", "weight", "supports" or "both".
 
-    It is "weight" if no other load acts.
+    It is "weight" if no other load acts. The depth of an obstacle counts as a support.
     """
-    moved = any(
+    moved = any(contact.force is None for contact in problem.contacts) or any(
         callable(value) or value for support in problem.supports for value in support.displacement
     )
     loads = [load for load in problem.loads if _acts(load)]

@@ -290,8 +290,8 @@ def judged_sentences(found: Judged) -> tuple[str, tuple[str, ...]]:
     alike = found.verdict.indistinguishable
     if alike > 1:
         said.append(
-            f"What the first {alike} causes leave differs by less than {percent(row.uncertainty)}, "
-            "the uncertainty: this field does not tell them apart."
+            f"The field does not distinguish {alike} of these causes: what they leave differs by "
+            f"less than {percent(row.uncertainty)}, the uncertainty."
         )
     if row.error > NOTICED * row.uncertainty:
         if not found.verdict.causes:

@@ -15,7 +15,7 @@ import pytest
 
 from msvalidate.case.file.case import Case
 from msvalidate.case.judge import judgement
-from msvalidate.case.judge.judgement import budget, judge_result
+from msvalidate.case.judge.judgement import budget, driven_by, judge_result
 from msvalidate.case.judge.mistake_fields import Catalogue
 from msvalidate.case.judge.own_network import judge_network, network_record
 from msvalidate.case.judge.results import read_result
@@ -23,7 +23,9 @@ from msvalidate.case.report.page import judged_sentences
 from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import (
     Box,
+    Contact,
     Isotropic,
+    Obstacle,
     Problem,
     ProblemError,
     SolverError,
@@ -208,6 +210,24 @@ def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):
     found = judged(tmp_path, X, 1.1 * elastic(pulled=True), PULLED)
     assert names(found)[:1] == ["scale"]
     assert "No modulus shows" in found.verdict.causes[0].said
+
+
+def test_the_depth_of_an_obstacle_moves_a_body_as_supports_do():
+    disc = Obstacle("disc", (1.0, 1.0), (0.0, -1.0), 0.5)
+    by_depth, by_force = (
+        replace(PULLED, supports=HELD, contacts=(Contact(BEAM.side("top"), disc, *pressed),))
+        for pressed in ((0.01, None), (0.0, 5.0))
+    )
+    assert (driven_by(by_depth), driven_by(by_force)) == ("supports", "loads")
+
+
+@pytest.mark.parametrize(
+    ("numbers_per_metre", "unit"), [(1e6, "micrometres"), (1.0, "metres"), (1 / 0.0254, "inches")]
+)
+def test_a_unit_is_named_relative_to_that_of_the_file(tmp_path, numbers_per_metre, unit):
+    found = judged(tmp_path, 1e3 * X, numbers_per_metre * elastic(), unit=1e-3)
+    assert found.verdict.causes[0].kind == "unit" or "unit" in names(found)
+    assert unit in found.verdict.causes[0].said
 
 
 def test_one_place_with_two_displacements_leaves_the_verdict_open(tmp_path):
