@@ -226,6 +226,12 @@ def test_results_of_one_kind_have_their_own_labels(network):
     assert [text.get_text() for text in legend].count("springs") == 1
 
 
+def test_a_compared_case_is_a_table_in_a_notebook():
+    comparison = ms.compare_case(ms.Case(PROBLEM, cells=4, quantities=("displacement",)))
+    assert comparison.table()["quantity"].tolist() == ["displacement"]
+    assert "<table" in comparison._repr_html_()
+
+
 def test_a_large_linear_result_names_its_theory(network):
     assert "Linear theory" not in str(ms.solve(network))
     heavy = ms.body(BEAM, SOLID, fixed="left", traction={"right": (0, -1000)})

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 import shapely
 
 from msvalidate.case.advise.advice import Advice
 from msvalidate.case.compare.body_advice import advise_body
-from msvalidate.case.compare.quantities import NotCompared, compare_quantities
+from msvalidate.case.compare.quantities import NotCompared, compare_quantities, difference_row
 from msvalidate.case.compare.validity import Limitation, limit_rows, limitations
 from msvalidate.case.file.case import Case
 from msvalidate.case.file.fracture import MOST_BREAKS, Fracture
@@ -129,6 +131,14 @@ class Comparison:
     def rows(self) -> tuple[Difference, ...]:
         """Differences whose words hold in the range of the theory."""
         return limit_rows(self.differences, self.limitations)
+
+    def table(self) -> pd.DataFrame:
+        """Return sizes, relative differences, uncertainties and verdicts, a row per quantity."""
+        return pd.DataFrame([difference_row(row) for row in self.rows])
+
+    def _repr_html_(self) -> str:
+        limits = "".join(f"<p>{html.escape(each.sentence)}</p>" for each in self.limitations)
+        return self.table().to_html(index=False, border=0) + limits
 
     @cached_property
     def limitations(self) -> tuple[Limitation, ...]:
