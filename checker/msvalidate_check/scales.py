@@ -34,7 +34,7 @@ MIXED_UNITS = {
     "inches for millimetres": 25.4,
     "millimetres for inches": 1 / 25.4,
 }
-"""Phrase of two units that are confused, and the factor by which displacements in m change."""
+"""Phrases of two units that are confused, with the factor of displacements in m."""
 STIFFNESS_UNITS = {
     1e3: "N/m and N/mm, or Pa and kPa",
     1e-3: "N/m and N/mm, or Pa and kPa",
@@ -95,9 +95,9 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
 
 
 def units_of(field: Field) -> dict[str, float]:
-    """Unit that displacements may be in -> the factor by which they then appear too large.
+    """Units that displacements may be in, with the factor by which they appear too large.
 
-    It is relative to the unit in which they were read.
+    The factor is relative to the unit in which they were read.
     """
     if field.read_unit == 1.0:
         return {name: many for name, many in UNITS.items() if many != 1.0} | MIXED_UNITS
