@@ -95,6 +95,16 @@ def test_the_example_agrees_with_its_solid(material, spacing):
     assert [body["network"] < 1e-3 for body in kept["bodies"]] == [True, True]
 
 
+def test_springs_unlike_along_the_axes_have_their_own_masses_and_loads():
+    alike = "np.repeat([k1 / 2, k2], [len(sides), len(diagonals)])"
+    unlike = "np.r_[np.tile([k1, k1 / 2], len(sides) // 2), np.full(len(diagonals), k2)]"
+    found, _, sheet = judged(example(alike, unlike))
+    assert found.lattice.springs.misfit > 0.01
+    assert found.lattice.total == 1.0
+    assert {body.factor for body in found.lattice.bodies} == {1.0}
+    assert not any("total mass" in cause for cause in sheet.causes)
+
+
 def test_constraints_with_few_iterations_need_more():
     found, advice, sheet = judged(position_based.simulate, settings={})
     assert [cause.kind for cause in found.causes][:1] == ["time step"]
