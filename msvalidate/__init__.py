@@ -13,7 +13,7 @@ __version__ = "0.2.0"
 with open(f"{__file__}i", encoding="utf-8") as stub:  # noqa: PTH123  pathlib takes milliseconds
     _HOMES = {line.split()[-1]: line.split()[1] for line in stub if line.startswith("from ")}
 """Name -> the module that defines it."""
-_SYNONYMS = {"fem": "reference", "simulate": "relax", "problem": "Problem"}
+_SYNONYMS = {"fem": "reference"}
 """Name that users try -> name that is offered."""
 
 __all__ = ["__version__", *sorted(_HOMES)]  # noqa: PLE0604

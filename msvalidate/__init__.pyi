@@ -11,8 +11,8 @@ from msvalidate.bench.output.animation import animate as animate
 from msvalidate.case.compare.comparison import compare_case as compare_case
 from msvalidate.case.file.building import read_case as read_case
 from msvalidate.case.file.case import Case as Case
+from msvalidate.case.report.body_plot import plot as plot
 from msvalidate.case.report.solutions import compare as compare
-from msvalidate.case.report.solutions import plot as plot
 from msvalidate.problem import Anisotropic as Anisotropic
 from msvalidate.problem import Ball as Ball
 from msvalidate.problem import BodyForce as BodyForce

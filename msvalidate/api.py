@@ -1,7 +1,7 @@
 """High-level functions: from a body to springs and elements; they choose the defaults.
 
-`compare` and `plot` are in `case.report.solutions`, `animate` in `bench.output.animation`, `run` in
-`bench.judging.sweep`.
+`compare` is in `case.report.solutions`, `plot` in `case.report.body_plot`, `animate` in
+`bench.output.animation`, `run` in `bench.judging.sweep`.
 """
 
 from __future__ import annotations
@@ -126,7 +126,9 @@ def build(
     case = Case(problem, lattice, spacing, cells, route, constants)
     bare = replace(case, problem=replace(problem, contacts=()))
     _, _, network, _ = make_network(bare, spacing_of(bare))
-    return replace(network, body=network.body and network.body._replace(problem=problem))
+    if problem.contacts and network.body:
+        network = replace(network, body=network.body._replace(problem=problem))
+    return network
 
 
 def solve(

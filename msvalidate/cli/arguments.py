@@ -327,7 +327,7 @@ def _is_of_studies(command: dict[str, Any]) -> bool:
 
 def _without_word() -> dict[str, str]:
     """Help of the program itself, which lists the commands."""
-    lines = [f"  {name:<10}{c['said']}" for name, c in COMMANDS.items() if " " not in name]
+    lines = [f"  {name:<10}{c['summary']}" for name, c in COMMANDS.items() if " " not in name]
     about, ending = TABLE["without_word"].values()
     told = ending.format(commands="\n".join(lines), solved=TABLE["endings"]["solved"])
     return {"about": about, "ending": told}
@@ -355,14 +355,14 @@ def _add(parser: Parser, name: str, words: Sequence[str]) -> None:
     if below:
         commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
         for each in below:
-            texts, said = _words_of(COMMANDS[each]), COMMANDS[each]["said"]
-            _add(commands.add_parser(each.split()[1], help=said, **texts), each, words)
+            texts, summary = _words_of(COMMANDS[each]), COMMANDS[each]["summary"]
+            _add(commands.add_parser(each.split()[1], help=summary, **texts), each, words)
 
 
 def _words_of(command: dict[str, Any]) -> dict[str, Any]:
     """First and last words of a command's help."""
     ending = command.get("ending", "")
-    about = command.get("about", f"{command['said']}.")
+    about = command.get("about", f"{command['summary']}.")
     ending = TABLE["endings"].get(ending, ending)
     return {"description": about, "epilog": f"{ending}\ndocumentation: {command['docs']}"}
 

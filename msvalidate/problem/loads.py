@@ -93,9 +93,8 @@ class Traction:
     traction: tuple[float, ...] | Field
 
     def __init__(self, region: Part | str, traction: Sequence[float] | Field) -> None:
-        given = traction if callable(traction) else as_tuple(traction)
         object.__setattr__(self, "region", region)
-        object.__setattr__(self, "traction", given)
+        object.__setattr__(self, "traction", as_tuple(traction))
         if isinstance(region, str):  # which the problem resolves
             return
         check_region("traction", region)

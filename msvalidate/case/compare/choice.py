@@ -230,13 +230,13 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
         return Need(target, NONE)
     error, accuracy = found.reference.error, found.case.accuracy
     most = CAUTION * error if error > accuracy else min(accuracy, KNOWN * target)
-    met = target - max(error, most)
-    if met <= 0:
+    limit = target - max(error, most)
+    if limit <= 0:
         return Need(target, NONE)
     s, e = np.log(_column(rows, "spacing")), np.log(_column(rows, "off"))
-    t = math.log(met)
+    t = math.log(limit)
     if (e <= t).all():
-        return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]), met)
+        return _costed(found, rows, Need(target, COARSEST, spacing=rows[0]["spacing"]), limit)
     if bridges and (e > t).all():
         if resolved < 2:
             return Need(target, BRIDGED, spacing=found.gaps[0][0, 2])
@@ -257,7 +257,7 @@ def _springs(found: Comparison, rows: list[dict[str, Any]], target: float) -> Ne
         ends, where = [best, s[e > t].min(), s[e <= t].max()], BETWEEN
     uncertainty = math.log1p(error / target) / order
     best, least, most = np.exp([best, min(ends) - uncertainty, max(ends) + uncertainty]).tolist()
-    return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most), met)
+    return _costed(found, rows, Need(target, where, spacing=best, least=least, most=most), limit)
 
 
 def _costed(found: Comparison, rows: list[dict[str, Any]], wanted: Need, limit: float) -> Need:

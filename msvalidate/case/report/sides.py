@@ -9,12 +9,8 @@ from matplotlib.figure import Figure
 from scipy.spatial import KDTree
 
 from msvalidate.bench.output.figures import COLOURS, fit_solid_axes, solid_axes
-from msvalidate.case.report.figures import (
-    draw_surface,
-    flat_facets,
-    hidden,
-    show_in_units,
-)
+from msvalidate.case.report.figures import show_in_units
+from msvalidate.case.report.outlines import draw_surface, flat_facets, hidden
 from msvalidate.problem import Mesh
 
 VIEWS = ((24, -58), (-24, 122))

@@ -11,34 +11,30 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.bench.output.body_drawing import Drawing, network_drawing, overlay_drawings
+from msvalidate.bench.output.body_drawing import Drawing, overlay_drawings
 from msvalidate.case.compare.quantities import compare_quantities, difference_row, held_by
 from msvalidate.case.compare.validity import Limitation, limit_rows, limitations
 from msvalidate.case.file.case import BAND, Case
 from msvalidate.case.file.schema import QUANTITIES
-from msvalidate.case.report.figures import outline_edges
+from msvalidate.case.report.body_plot import mesh_drawing, network_drawings
 from msvalidate.case.report.page import quantity_summary
 from msvalidate.case.springs.large import BY_NAME, answer_in_full, change_in_full, converge_case
-from msvalidate.case.springs.lattice_springs import SpringAnswer
+from msvalidate.case.springs.lattice_springs import SpringAnswer, compared_points
 from msvalidate.linear_algebra.norms import max_length
-from msvalidate.problem import Array, Problem, ProblemError, SolverError, prescribed_displacements
-from msvalidate.problem.checks import finite_coordinates, format_value
+from msvalidate.problem import Array, Problem, ProblemError, SolverError
+from msvalidate.problem.checks import finite_coordinates
 from msvalidate.problem.records import dataclass, replace
 from msvalidate.springs.constants.calibration import Calibration
 from msvalidate.springs.constants.zones import spring_shares
-from msvalidate.springs.dynamics.integrate import State
-from msvalidate.springs.dynamics.run import Relaxation
-from msvalidate.springs.lattice import CutLattice, Lattice, PatternLattice
+from msvalidate.springs.lattice import PatternLattice
 from msvalidate.springs.network import Body, Configuration, Network, mode_energy
 from msvalidate.springs.statics.contact import ContactEquilibrium
 from msvalidate.springs.statics.equilibrium import Equilibrium
 from msvalidate.springs.statics.stress import cell_stress, point_stress
 from msvalidate_check.text import align_table, number_text
 from msvalidate_check.verdict import Difference
-from reference_fem.body import nodal_forces
 from reference_fem.converged import Reference
 from reference_fem.first_mesh import first_mesh
-from reference_fem.mesh.discretisation import Discretisation
 
 LARGE = 0.05
 """Displacement relative to the body's size above which a linear result names its theory."""
@@ -147,7 +143,7 @@ class SpringSolution(Equilibrium, Result):
     @property
     def drawings(self) -> list[Drawing]:
         """Springs and their motion."""
-        return _network_drawings(self.network, self.displacement)
+        return network_drawings(self.network, self.displacement)
 
     @property
     def texts(self) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[str]]:
@@ -235,10 +231,12 @@ class ElementSolution(Result):
 
     def at(self, points: Array) -> ElementSolution:
         """Return the same solution evaluated at other points (q, d) in m of the body."""
+        if np.array_equal(points, self.points):
+            return self
         large = self.reference.large
         other = replace(self.reference, points=finite_coordinates("points", points), large=None)
         if large is not None:
-            other = replace(other, large=change_in_full(other, BY_NAME[LAW]))
+            other = replace(other, large=change_in_full(other, BY_NAME[Case.law]))
         return replace(self, reference=other)
 
     @property
@@ -265,18 +263,6 @@ def solve_elements(case: Case) -> ElementSolution:
     Raises what `converge_case` raises.
     """
     return ElementSolution(converge_case(case, first_mesh(case.problem).points), case.geometry)
-
-
-LAW = "st-venant-kirchhoff"
-"""Constitutive law of elements at large displacement, as by default in case files."""
-
-
-def mesh_drawing(problem: Problem, mesh: Discretisation | None = None) -> Drawing:
-    """Return the outline of a problem's body, with supports and loads on a mesh."""
-    mesh = mesh or first_mesh(problem)
-    fixed, _ = prescribed_displacements(problem, mesh.points)
-    loads = nodal_forces(replace(problem, contacts=()), mesh)
-    return Drawing("body", mesh.points, outline_edges(mesh), None, fixed, loads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -372,19 +358,19 @@ def compare(
     quantities = ("displacement",) if geometry == "nonlinear" else QUANTITIES
     case = Case(problem, quantities=quantities, geometry=geometry, band=band)
     answer = springs.answer
-    reference = replace(elements.reference, points=_compared(answer), large=None)
+    points = compared_points(case, answer.lattice)
+    reference = replace(elements.reference, points=points, large=None)
     if not max_length(reference.displacement.value):
         raise ProblemError(
             "compare: nothing moves the points of the springs; give a load, or cells"
         )
-    missing: list[Limitation] = []
     nonlinear = answer_in_full(case, reference)
     if geometry == "nonlinear":
         if nonlinear.target is None:
             raise SolverError(f"compare: no elements at large displacement: {nonlinear.why}")
         reference = replace(reference, large=nonlinear.target)
     rows, remarks = compare_quantities(case, answer, reference)
-    missing += [Limitation("quantity", detail=str(each)) for each in remarks if each.failed]
+    missing = [Limitation("quantity", detail=str(each)) for each in remarks if each.failed]
     limits = limitations(case, reference, lambda: nonlinear, None, missing)
     matched = replace(elements, reference=reference, geometry=geometry)
     texts = tuple(str(each) for each in remarks if not each.failed)
@@ -397,95 +383,3 @@ def _statement(problem: Problem) -> tuple[object, ...]:
     """Everything that a problem states except its name."""
     parts = problem.supports, problem.loads, problem.zones, problem.contacts
     return (problem.domain, problem.material, *parts)
-
-
-def _compared(answer: SpringAnswer) -> Array:
-    """Points (p, d) in m of the springs that lie in the body."""
-    inside: Any = getattr(answer.lattice, "inside", slice(None))
-    return np.asarray(answer.lattice.points[inside])
-
-
-def plot(*results: Any, magnification: float | None = None) -> Figure:
-    """Plot bodies in their reference and deformed positions, in one pair of axes.
-
-    Parameters
-    ----------
-    results
-        Problem, lattice, network, solution, comparison or relaxation; several are drawn over each
-        other. A displacement (m) of shape (n, d), a `State` or an ``Equilibrium`` belongs to the
-        network before it.
-    magnification
-        Factor of the displacements, > 0. Default: 1, 2 or 5 times a power of ten, so that the
-        largest displacement appears as at most a tenth of the body; 1 if it is between a tenth of
-        the body and all of it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure whose title states the magnification.
-
-    Raises
-    ------
-    ProblemError
-        If there is nothing to plot, a displacement does not fit the network, or the magnification
-        is not positive.
-
-    Examples
-    --------
-    >>> from msvalidate import plot, spring_network
-    >>> points = [[0.0, 0.0], [0.37, 0.0], [0.0, 0.2]]  # m
-    >>> network = spring_network(points, [[0, 1], [1, 2], [2, 0]], stiffness=100.0)
-    >>> figure = plot(network)  # figure.savefig("network.png") writes a file
-    >>> len(figure.axes)
-    1
-    """
-    drawings: list[Drawing] = []
-    rest = list(results)
-    while rest:
-        each = rest.pop(0)
-        state = rest[0] if rest and isinstance(each, Network) else None
-        if isinstance(state, np.ndarray | State | Equilibrium | Relaxation):
-            u = rest.pop(0)
-            u = u.position - each.points if isinstance(u, State) else getattr(u, "displacement", u)
-            drawings += _network_drawings(each, u)
-        else:
-            drawings += _drawings_of(each)
-    labels = [each.label for each in drawings]
-    drawings = [
-        each._replace(label=f"{each.label} {1 + labels[:i].count(each.label)}")
-        if labels.count(each.label) > 1
-        else each
-        for i, each in enumerate(drawings)
-    ]
-    if not drawings:
-        raise ProblemError("plot: nothing to plot; give a problem, a network or a solution")
-    if len({each.points.shape[1] for each in drawings}) > 1:
-        raise ProblemError("plot: bodies in 2D and in 3D; plot them one by one")
-    return overlay_drawings(drawings, magnification)
-
-
-def _network_drawings(network: Network, displacement: Any = None) -> list[Drawing]:
-    """Springs, and the outline of the body that a cut lattice does not follow."""
-    springs, body = network_drawing(network, displacement), network.body
-    if body is None or not isinstance(body.lattice, CutLattice):
-        return [springs]
-    return [springs, mesh_drawing(body.problem)]
-
-
-def _drawings_of(result: Any) -> list[Drawing]:
-    """Drawings of a result; raises `ProblemError` for an object that has none."""
-    if isinstance(result, Result):
-        return result.drawings
-    if isinstance(result, Relaxation):
-        return _network_drawings(result.network, result.displacement)
-    if isinstance(result, Network):
-        return _network_drawings(result)
-    if isinstance(result, Problem):
-        return [mesh_drawing(result)]
-    if isinstance(result, Lattice):
-        zero = np.zeros(result.points.shape)
-        return [Drawing("springs", result.points, result.springs, None, zero > 0, zero)]
-    raise ProblemError(
-        f"plot: {format_value(result)}; give a problem, lattice, network, solution, comparison or "
-        "relaxation, or a network with its equilibrium: plot(network, equilibrium)"
-    )

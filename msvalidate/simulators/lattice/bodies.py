@@ -322,5 +322,5 @@ def make_report(
         C = C * total
         springs = replace(springs, constants=springs.constants * total)
         compared = tuple(compare_body(body, C, springs, masses, total) for body in bodies)
-    given = (springs, right, steps, total, compared, steps.error if steps else math.nan)
-    return LatticeReport(C, (E, nu), isotropic_moduli(C), anisotropy(C), *given)
+    measured = (springs, right, steps, total, compared, steps.error if steps else math.nan)
+    return LatticeReport(C, (E, nu), isotropic_moduli(C), anisotropy(C), *measured)

@@ -27,6 +27,7 @@ interface of steps. Where that counts, let zones end where cells do.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from itertools import product
 from typing import Any
 
@@ -219,12 +220,10 @@ def choose_constants(
     try:
         each = tuple(default_constants(material, lattice) for material in problem.materials)
     except ProblemError:
-        if volume:
-            raise
-        try:
-            each = calibrate_zones(problem, lattice, route="volume energy")
-        except ProblemError:
-            each = ()
+        each = ()
+        if not volume:
+            with suppress(ProblemError):
+                each = calibrate_zones(problem, lattice, route="volume energy")
         if not each:
             raise
     return each if len(each) > 1 else each[0]

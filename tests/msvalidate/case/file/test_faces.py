@@ -10,7 +10,7 @@ import pytest
 
 from msvalidate.case.file.building import read_case
 from msvalidate.case.file.faces import face_lines
-from msvalidate.case.report.figures import hidden
+from msvalidate.case.report.outlines import hidden
 from msvalidate.case.report.sides import draw_sides
 from msvalidate.cli.program import main
 from msvalidate.problem import Box, Mesh
